@@ -1,0 +1,92 @@
+"""Everything a developer runs: `python3 dev.py demo`, `test` or `bench`.
+
+Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and installs there.
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+VENV = ROOT / ".venv"
+PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+STAMP = VENV / "hybond-installed"
+ENV = {**os.environ, "MPLBACKEND": "Agg", "PYTHONUTF8": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+PROBE = "import sys, pip; sys.exit(sys.version_info < (3, 11))"
+NO_VENV = """\
+Cannot make a virtual environment with {python}: neither its venv module nor virtualenv works.
+Any one of these helps:  sudo apt install python3-venv    (Debian, Ubuntu)
+                         python3 -m pip install --user virtualenv
+                         a Python from https://www.python.org/downloads/"""
+
+
+def run(*command):
+    """Run one command in the repository, its output shown; return its exit code."""
+    return subprocess.run([str(part) for part in command], cwd=ROOT, env=ENV).returncode
+
+
+def quiet(*command):
+    """Run one command, its output kept; return its exit code and output."""
+    done = subprocess.run(
+        [str(part) for part in command],
+        cwd=ROOT,
+        env=ENV,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        errors="replace",
+    )
+    return done.returncode, done.stdout
+
+
+def make_environment(extra):
+    """Make .venv and install hybond there, unless that is done already; extra is "" or "dev"."""
+    usable = PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0
+    sources = [ROOT / "pyproject.toml", ROOT / "src" / "hybond" / "_version.py"]
+    text = b"".join(path.read_bytes() for path in sources) + str(ROOT).encode()
+    digest = hashlib.sha256(text).hexdigest()
+    installed = STAMP.read_text().split() if usable and STAMP.exists() else []
+    if installed[:1] == [digest] and (not extra or extra in installed):
+        return
+    print("Installing hybond into .venv (the first time takes a minute or two) ...", flush=True)
+    for module in () if usable else ("venv", "virtualenv"):
+        quiet(sys.executable, "-m", module, "--clear", VENV)
+        usable = PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0
+        if usable:
+            break
+    if not usable:
+        sys.exit(NO_VENV.format(python=sys.executable))
+    target = f"{ROOT}[{extra}]" if extra else str(ROOT)
+    code, output = quiet(PYTHON, "-m", "pip", "install", "--quiet", "--editable", target)
+    if code:
+        sys.exit(f"{output}\npip could not install hybond (exit code {code}).")
+    STAMP.write_text(f"{digest} {extra}")
+
+
+def test():
+    checks = {"ruff format": ["ruff", "format", "--check"], "ruff check": ["ruff", "check"]}
+    codes = {name: run(PYTHON, "-m", *args) for name, args in {**checks, "mypy": ["mypy"]}.items()}
+    for name, code in codes.items():
+        print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
+    return max(*codes.values(), run(PYTHON, "-m", "pytest", *sys.argv[2:]), key=abs)
+
+
+def main():
+    if sys.version_info < (3, 11):  # noqa: UP036 - this file starts where hybond does not
+        sys.exit("hybond needs Python 3.11 or newer; this is " + sys.version.split()[0])
+    task = sys.argv[1] if len(sys.argv) > 1 else ""
+    if task not in ("demo", "test", "bench"):
+        sys.exit("usage: python3 dev.py demo | test [pytest options] | bench")
+    make_environment("dev" if task == "test" else "")
+    if task == "demo":
+        return run(PYTHON, "-m", "hybond", "demo", "--examples", "examples", "--out", "out")
+    if task == "test":
+        return test()
+    codes = [run(PYTHON, path) for path in sorted(ROOT.glob("benchmarks/*.py"))]
+    return max(codes, key=abs, default=0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

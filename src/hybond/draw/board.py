@@ -1,0 +1,196 @@
+"""The board of a layout: nodes on an integer grid and what a placement costs.
+
+All costs are integers, so that sums do not depend on their order and the same graph gives the
+same picture on every machine. x counts columns to the right, y rows downwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+Cell = tuple[int, int]
+
+LENGTH = 10
+DIAGONAL = 25
+SKEW = 60
+ON_BOND = 250
+CROSSING = 120
+BENT = 14
+"""A two-port whose bonds are not in line."""
+BACKWARDS = 6
+"""A bond between junctions that carries power to the left (upwards: a third of it)."""
+
+# Penalty of a one-port's direction as seen from its junction: north, east, south, west.
+_SIDES: dict[str, tuple[int, int, int, int]] = {
+    "C": (0, 5, 4, 9),
+    "I": (0, 5, 4, 9),
+    "R": (4, 3, 0, 9),
+    "G": (4, 3, 0, 9),
+    "Se": (5, 9, 6, 0),
+    "Sf": (5, 9, 6, 0),
+}
+
+
+class Board:
+    """Positions of nodes, with costs that can be asked for a few nodes at a time.
+
+    Parameters
+    ----------
+    kinds : sequence of str
+        The kind of each node, a key of `hybond.model.kinds.KINDS`.
+    bonds : sequence of (tail, head)
+        Node numbers. Two bonds between the same nodes are allowed.
+
+    Examples
+    --------
+    >>> board = Board(["Se", "1", "I"], [(0, 1), (1, 2)])
+    >>> for node, cell in enumerate([(0, 0), (1, 0), (1, -1)]):
+    ...     board.put(node, cell)
+    >>> board.cost([0, 1, 2])
+    20
+    """
+
+    def __init__(self, kinds: Sequence[str], bonds: Sequence[tuple[int, int]]) -> None:
+        self.kinds = tuple(kinds)
+        self.bonds = tuple(bonds)
+        self.at: list[Cell | None] = [None] * len(kinds)
+        self.who: dict[Cell, int] = {}
+        self.bonds_of: list[list[int]] = [[] for _ in kinds]
+        self.near: list[list[int]] = [[] for _ in kinds]
+        for b, (tail, head) in enumerate(bonds):
+            for one, other in ((tail, head), (head, tail)):
+                self.bonds_of[one].append(b)
+                if other not in self.near[one]:
+                    self.near[one].append(other)
+        self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
+
+    def put(self, node: int, cell: Cell) -> None:
+        """Place a node on a free cell."""
+        self.at[node] = cell
+        self.who[cell] = node
+        for b in self.bonds_of[node]:
+            for covered in self._box(b):
+                self._over.setdefault(covered, set()).add(b)
+
+    def take(self, node: int) -> Cell:
+        """Take a node off the board and return the cell where it was."""
+        cell = self.at[node]
+        assert cell is not None
+        for b in self.bonds_of[node]:
+            for covered in self._box(b):
+                self._over[covered].discard(b)
+        self.at[node] = None
+        del self.who[cell]
+        return cell
+
+    def move(self, moves: Mapping[int, Cell]) -> None:
+        """Move several nodes at once; their new cells are free or left by one of them."""
+        for node in moves:
+            self.take(node)
+        for node, cell in moves.items():
+            self.put(node, cell)
+
+    def cost(self, nodes: Iterable[int]) -> int:
+        """Return the part of the cost that depends on where `nodes` are."""
+        changed = set(nodes)
+        bonds = {b for n in changed for b in self.bonds_of[n]}
+        total = 0
+        for b in bonds:
+            total += self._bond_cost(b, bonds)
+        for n in changed:
+            cell = self.at[n]
+            if cell is None:
+                continue
+            for b in self._over.get(cell, ()):
+                if b not in bonds and self._covers(b, cell):
+                    total += ON_BOND
+        touched = changed.union(*(self.near[n] for n in changed))
+        return total + sum(self._node_cost(n) for n in touched)
+
+    def ends(self, bond: int) -> tuple[Cell, Cell] | None:
+        """Return the cells of a bond's tail and head, None if one is not placed."""
+        tail, head = self.bonds[bond]
+        a, b = self.at[tail], self.at[head]
+        return None if a is None or b is None else (a, b)
+
+    def _box(self, bond: int) -> list[Cell]:
+        ends = self.ends(bond)
+        if ends is None:
+            return []
+        (ax, ay), (bx, by) = ends
+        return [
+            (x, y)
+            for x in range(min(ax, bx), max(ax, bx) + 1)
+            for y in range(min(ay, by), max(ay, by) + 1)
+        ]
+
+    def _covers(self, bond: int, cell: Cell) -> bool:
+        """Whether a bond passes through or close by a cell that is not one of its ends."""
+        ends = self.ends(bond)
+        if ends is None or cell in ends:
+            return False
+        (ax, ay), (bx, by) = ends
+        dx, dy = bx - ax, by - ay
+        px, py = cell[0] - ax, cell[1] - ay
+        if not 0 <= px * dx + py * dy <= dx * dx + dy * dy:
+            return False
+        # Nearer than 0.45 of a cell: the letters would touch the line.
+        return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
+
+    def _bond_cost(self, bond: int, changed: set[int]) -> int:
+        ends = self.ends(bond)
+        if ends is None:
+            return 0
+        (ax, ay), (bx, by) = ends
+        dx, dy = bx - ax, by - ay
+        total = LENGTH * (dx * dx + dy * dy)
+        if dx and dy:
+            total += DIAGONAL if abs(dx) == abs(dy) else SKEW
+        tail, head = self.bonds[bond]
+        if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
+            total += BACKWARDS * (dx < 0) + (BACKWARDS // 3) * (dy < 0)
+        others: set[int] = set()
+        for cell in self._box(bond):
+            if cell in self.who and self._covers(bond, cell):
+                total += ON_BOND
+            others |= self._over.get(cell, set())
+        for other in others:
+            # A pair of changed bonds is counted once.
+            if (other not in changed or bond < other) and self._cross(bond, other):
+                total += CROSSING
+        return total
+
+    def _cross(self, one: int, two: int) -> bool:
+        if set(self.bonds[one]) & set(self.bonds[two]):
+            return False
+        first, second = self.ends(one), self.ends(two)
+        if first is None or second is None:
+            return False
+        (a, b), (c, d) = first, second
+        return _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0
+
+    def _node_cost(self, node: int) -> int:
+        here = self.at[node]
+        if here is None:
+            return 0
+        kind = self.kinds[node]
+        near = self.near[node]
+        if len(near) == 1 and kind in _SIDES:
+            there = self.at[near[0]]
+            if there is None:
+                return 0
+            dx, dy = here[0] - there[0], here[1] - there[1]
+            side = (2 if dy > 0 else 0) if abs(dy) >= abs(dx) else (1 if dx > 0 else 3)
+            return _SIDES[kind][side]
+        if len(near) == 2 and kind in ("TF", "GY"):
+            p, q = self.at[near[0]], self.at[near[1]]
+            if p is None or q is None:
+                return 0
+            ux, uy, vx, vy = p[0] - here[0], p[1] - here[1], q[0] - here[0], q[1] - here[1]
+            return 0 if ux * vy == uy * vx and ux * vx + uy * vy < 0 else BENT
+        return 0
+
+
+def _turn(a: Cell, b: Cell, c: Cell) -> int:
+    """Return twice the signed area of the triangle a, b, c."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,0 +1,96 @@
+"""Draw a scene on matplotlib axes: the same picture for PNG, PDF and figures of one's own."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hybond.draw.scene import Frame, Line, Scene
+from hybond.draw.style import look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PX = 72.0 / 96.0
+"""Points per pixel of a scene."""
+
+
+def draw_on_axes(scene: Scene, ax: Axes) -> None:
+    """Draw `scene` on `ax`, which loses its frame and is given an equal aspect.
+
+    Letters and lines are scaled to the present size of the axes.
+    """
+    from matplotlib.patches import FancyBboxPatch
+
+    ax.set_axis_off()
+    ax.set_xlim(0.0, scene.width)
+    ax.set_ylim(scene.height, 0.0)
+    ax.set_aspect("equal", adjustable="box")
+    window = ax.get_window_extent()
+    dots = ax.get_figure(root=True).dpi / 72.0
+    # Pixels of the scene that the axes have room for, in points: the tighter direction counts.
+    points = min(window.width / dots / scene.width, window.height / dots / scene.height)
+    for group in scene.groups:
+        for mark in group.marks:
+            style = look(mark.role)
+            colour = (style.ink or ("black", "white"))[0]
+            thick = (style.width or 1.5) * points
+            # matplotlib counts dashes in line widths.
+            dash = (0, tuple(d * points / thick for d in style.dash)) if style.dash else "solid"
+            if isinstance(mark, Line):
+                words = mark.role.split()
+                cap = "round" if "bond" in words or "barb" in words else "butt"
+                ax.plot(
+                    [p[0] for p in mark.points],
+                    [p[1] for p in mark.points],
+                    color=colour,
+                    linewidth=thick,
+                    linestyle=dash,
+                    solid_capstyle=cap,
+                    dash_capstyle="butt",
+                    scalex=False,
+                    scaley=False,
+                    clip_on=False,
+                )
+            elif isinstance(mark, Frame):
+                b, round_ = mark.box, 6.0
+                ax.add_patch(
+                    FancyBboxPatch(
+                        (b.x0, b.y0),
+                        b.x1 - b.x0,
+                        b.y1 - b.y0,
+                        boxstyle=f"round,pad=0,rounding_size={round_}",
+                        facecolor="none",
+                        edgecolor=colour,
+                        linewidth=thick,
+                        linestyle=dash,
+                    )
+                )
+            else:
+                ax.text(
+                    mark.x,
+                    mark.y,
+                    mark.text,
+                    color=colour,
+                    fontsize=(style.size or 11.0) * points,
+                    fontweight="bold" if style.bold else "normal",
+                    fontstyle="italic" if style.italic else "normal",
+                    fontfamily="DejaVu Sans",
+                    ha={"start": "left", "middle": "center", "end": "right"}[mark.anchor],
+                    va="baseline",
+                    parse_math=False,  # a $ in a name is a letter
+                )
+
+
+def write_figure(scene: Scene, file: Path | io.BytesIO, *, form: str, dpi: float = 192.0) -> None:
+    """Write `scene` at its own size as ``"png"`` or ``"pdf"``."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(scene.width / 96.0, scene.height / 96.0), facecolor="white")
+    FigureCanvasAgg(figure)
+    draw_on_axes(scene, figure.add_axes((0.0, 0.0, 1.0, 1.0)))
+    # No date and no version of a writer: the same picture is the same file.
+    metadata = {"pdf": {"CreationDate": None, "Producer": "hybond", "Creator": "hybond"}}
+    figure.savefig(file, format=form, dpi=dpi, metadata=metadata.get(form, {"Software": "hybond"}))

@@ -1,0 +1,70 @@
+"""A scene: lines and texts with their roles and places, ready for any writer.
+
+Roles are words of `style.STYLES`; a mark may have several: ``"stroke dynamic"``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from hybond.draw.geometry import Box, Point
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A polyline."""
+
+    role: str
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text; (x, y) is on its baseline."""
+
+    role: str
+    text: str
+    x: float
+    y: float
+    anchor: Literal["start", "middle", "end"] = "middle"
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A rounded rectangle."""
+
+    role: str
+    box: Box
+
+
+Mark = Line | Text | Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Marks that belong together: one node, one bond, the legend.
+
+    Parameters
+    ----------
+    name : {"node", "bond", "words"}
+    key : str
+        Path of the node or name of the bond.
+    about : str
+        Text that appears when the pointer rests on the group.
+    """
+
+    name: str
+    key: str
+    about: str
+    marks: tuple[Mark, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A picture of `width` by `height` pixels."""
+
+    width: float
+    height: float
+    groups: tuple[Group, ...]
+    title: str = ""

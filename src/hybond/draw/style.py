@@ -1,0 +1,89 @@
+"""How each role looks, for every writer: one table.
+
+The rows are in cascade order: of two words of one role, the later one wins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FONT = 'Helvetica, Arial, "DejaVu Sans", sans-serif'
+PAPER = ("#ffffff", "#1c1c20")
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """Looks of a role; None leaves what earlier words said.
+
+    Parameters
+    ----------
+    ink : tuple of str
+        Colour on white and on dark paper.
+    width : float
+        Of lines, in pixels.
+    dash : tuple of float
+        Lengths of dash and gap, in pixels.
+    size : float
+        Of letters, in pixels.
+    """
+
+    ink: tuple[str, str] | None = None
+    width: float | None = None
+    dash: tuple[float, float] | None = None
+    size: float | None = None
+    bold: bool | None = None
+    italic: bool | None = None
+
+
+_INK = ("#161616", "#ececec")
+_SOFT = ("#555555", "#b4b4b4")
+_OFF = ("#adadad", "#6c6c72")
+_BLUE = ("#1f5fa8", "#82b6f2")
+_ORANGE = ("#d96b00", "#ffa040")
+_RED = ("#cc1f1f", "#ff6e6e")
+
+STYLES: dict[str, Style] = {
+    # lines
+    "bond": Style(_INK, 1.5),
+    "barb": Style(_INK, 1.5),
+    "stroke": Style(_INK, 1.9),
+    "switch": Style(_SOFT, 1.2, (1.5, 2.5)),
+    # texts
+    "node": Style(_INK, size=19.0, bold=True),
+    "junction": Style(bold=False),
+    "subscript": Style(_INK, size=11.0, italic=True),
+    "name": Style(_INK, size=10.5),
+    "junctionname": Style(_INK, size=10.5, italic=True),
+    "parameter": Style(_SOFT, size=10.5),
+    "machine": Style(_BLUE, size=10.0),
+    "number": Style(_SOFT, size=9.0),
+    "title": Style(_INK, size=13.0, bold=True),
+    "caption": Style(_SOFT, size=11.5),
+    "legend": Style(_SOFT, size=10.5),
+    # states
+    "dynamic": Style(dash=(3.2, 2.7)),
+    "derivative": Style(_ORANGE, 3.2),
+    "off": Style(_OFF),
+    "conflict": Style(_RED, 2.4),
+}
+
+
+def look(role: str) -> Style:
+    """Return the style of a role of one or more words.
+
+    Examples
+    --------
+    >>> look("stroke derivative").width, look("stroke dynamic").dash
+    (3.2, (3.2, 2.7))
+    """
+    words = set(role.split())
+    ink, width, dash, size, bold, italic = _INK, 1.5, None, 11.0, False, False
+    for word, style in STYLES.items():
+        if word in words:
+            ink = style.ink or ink
+            width = style.width if style.width is not None else width
+            dash = style.dash or dash
+            size = style.size or size
+            bold = style.bold if style.bold is not None else bold
+            italic = style.italic if style.italic is not None else italic
+    return Style(ink, width, dash, size, bold, italic)

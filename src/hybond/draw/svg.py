@@ -1,0 +1,111 @@
+"""Write a scene as one self-contained SVG text.
+
+Each mark carries its role as class names (``bond``, ``barb``, ``stroke dynamic``, ``node
+junction controlled off``); the style sheet inside is scoped to the drawing and follows the
+reader's light or dark theme.
+"""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+from hybond.draw.scene import Frame, Line, Mark, Scene
+from hybond.draw.style import FONT, PAPER, STYLES, Style
+
+# Characters that XML 1.0 cannot hold, even escaped.
+_ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def write_svg(scene: Scene) -> str:
+    """Return the SVG text of a scene.
+
+    Examples
+    --------
+    >>> from hybond.draw.scene import Group, Text
+    >>> text = Text("name", "a < b", 5.0, 10.0)
+    >>> "a &lt; b" in write_svg(Scene(50.0, 20.0, (Group("node", "n", "", (text,)),)))
+    True
+    """
+    width, height = _number(scene.width), _number(scene.height)
+    label = _text(scene.title or "bond graph")
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="hybond-graph" role="img" '
+        f'width="{width}" height="{height}" viewBox="0 0 {width} {height}" aria-label="{label}">',
+        f"<title>{label}</title>",
+        f"<style>{style_sheet()}</style>",
+        f'<rect class="paper" width="{width}" height="{height}"/>',
+    ]
+    for group in scene.groups:
+        key = f' data-{group.name}="{_text(group.key)}"' if group.key else ""
+        parts.append(f'<g class="{group.name}-group"{key}>')
+        if group.about:
+            parts.append(f"<title>{_text(group.about)}</title>")
+        parts.extend(_mark(m) for m in group.marks)
+        parts.append("</g>")
+    parts.append("</svg>")
+    return "\n".join(parts) + "\n"
+
+
+def style_sheet() -> str:
+    """Return the CSS of all roles, scoped to drawings of hybond."""
+    rules = [
+        f".hybond-graph{{max-width:100%;height:auto;font-family:{FONT}}}",
+        f".hybond-graph .paper{{fill:{PAPER[0]}}}",
+        ".hybond-graph path,.hybond-graph rect.switch{fill:none}",
+        ".hybond-graph path{stroke-linecap:butt}",
+        ".hybond-graph .bond,.hybond-graph .barb{stroke-linecap:round}",
+    ]
+    dark = [f".hybond-graph .paper{{fill:{PAPER[1]}}}"]
+    for word, style in STYLES.items():
+        plain = _declarations(style)
+        if plain:
+            rules.append(f".hybond-graph .{word}{{{plain}}}")
+        if style.ink is None:
+            continue
+        # A word's colour is the stroke of its lines and the fill of its texts.
+        for sheet, ink in zip((rules, dark), style.ink, strict=True):
+            sheet.append(f".hybond-graph path.{word},.hybond-graph rect.{word}{{stroke:{ink}}}")
+            sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
+    return "\n".join(rules) + "\n@media (prefers-color-scheme:dark){\n" + "\n".join(dark) + "\n}"
+
+
+def _declarations(style: Style) -> str:
+    found = []
+    if style.width is not None:
+        found.append(f"stroke-width:{style.width}")
+    if style.dash is not None:
+        found.append(f"stroke-dasharray:{style.dash[0]} {style.dash[1]}")
+    if style.size is not None:
+        found.append(f"font-size:{style.size}px")
+    if style.bold is not None:
+        found.append(f"font-weight:{'bold' if style.bold else 'normal'}")
+    if style.italic is not None:
+        found.append(f"font-style:{'italic' if style.italic else 'normal'}")
+    return ";".join(found)
+
+
+def _mark(mark: Mark) -> str:
+    if isinstance(mark, Line):
+        points = "L".join(f"{_number(x)} {_number(y)}" for x, y in mark.points)
+        return f'<path class="{mark.role}" d="M{points}"/>'
+    if isinstance(mark, Frame):
+        b = mark.box
+        return (
+            f'<rect class="{mark.role}" x="{_number(b.x0)}" y="{_number(b.y0)}" rx="6" '
+            f'width="{_number(b.x1 - b.x0)}" height="{_number(b.y1 - b.y0)}"/>'
+        )
+    anchor = "" if mark.anchor == "start" else f' text-anchor="{mark.anchor}"'
+    return (
+        f'<text class="{mark.role}" x="{_number(mark.x)}" y="{_number(mark.y)}"{anchor}>'
+        f"{_text(mark.text)}</text>"
+    )
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 2) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
+
+
+def _text(text: str) -> str:
+    """Escape text from anywhere for element content and attributes."""
+    return escape(_ILLEGAL.sub("�", text), quote=True)

@@ -1,0 +1,1 @@
+"""What follows: the junction structure, loops, dependent storage and state equations of a mode."""

@@ -1,0 +1,98 @@
+"""Undetermined variables: the member of the admissible set with the least leakage power.
+
+Where the mode equations leave something free (a node that floats between open switches, the
+shares of two closed switches in parallel), the value is the one that small leaks would choose:
+first the leaks of controlled junctions, then those of the undetermined bonds. With one reference
+resistance R0 per domain (1 SI unit) the sum is in watts, so it does not depend on the order of
+elements. The result is flagged wherever it is used.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.model.graph import FlatGraph
+
+Matrix = NDArray[np.float64]
+
+MOVED = 1e-9
+"""A variable is undetermined if a unit of freedom moves it by more than this."""
+
+
+def junction_rows(graph: FlatGraph, off: frozenset[int]) -> Matrix:
+    """Return the rows whose squares are the leakage power of controlled junctions.
+
+    Blocked effort of an OFF 1-junction, shorted flow of an OFF 0-junction, through flow of an ON
+    1-junction, common effort of an ON 0-junction. Shape (controlled junctions, 2 * bonds).
+    """
+    bonds = len(graph.bonds)
+    switched = [n for n in graph.nodes if n.controlled and n.is_junction and n.ends]
+    rows = np.zeros((len(switched), 2 * bonds))
+    for row, node in zip(rows, switched, strict=True):
+        common = 0 if node.kind == "0" else bonds
+        if node.index in off:
+            for end in node.ends:
+                row[bonds - common + end.bond] += end.sign
+        else:
+            row[common + node.ends[0].bond] = 1.0
+    return rows
+
+
+def undetermined(freedom: Matrix) -> NDArray[np.intp]:
+    """Return the bond variables that the columns of `freedom`, shape (n, k), move."""
+    if freedom.shape[1] == 0:
+        return np.zeros(0, dtype=np.intp)
+    size = np.abs(freedom).max(axis=1)
+    return np.flatnonzero(size > MOVED * size.max())
+
+
+def least_leakage(freedom: Matrix, junctions: Matrix) -> Matrix:
+    """Return the matrix that projects any solution onto the one of least leakage.
+
+    Parameters
+    ----------
+    freedom : array, shape (n, k)
+        Directions in which bond variables are free.
+    junctions : array, shape (m, n)
+        From `junction_rows`.
+
+    Returns
+    -------
+    array, shape (n, n)
+        P with ``w_least = P @ w`` for every admissible w.
+
+    Examples
+    --------
+    Two closed switches share a current of 1 A:
+
+    >>> import numpy as np
+    >>> least_leakage(np.array([[1.0], [-1.0]]), np.eye(2)) @ np.array([1.0, 0.0])
+    array([0.5, 0.5])
+    """
+    n = freedom.shape[0]
+    project = np.eye(n)
+    basis = freedom
+    for weights in (junctions, _bond_rows(freedom)):
+        if basis.shape[1] == 0 or weights.shape[0] == 0:
+            continue
+        seen = weights @ basis
+        project = project - basis @ np.linalg.pinv(seen, rcond=MOVED) @ weights @ project
+        basis = basis @ null_space(seen)
+    return np.asarray(project)
+
+
+def _bond_rows(freedom: Matrix) -> Matrix:
+    return np.asarray(np.eye(freedom.shape[0])[undetermined(freedom)])
+
+
+def null_space(m: Matrix, *, rank: int | None = None, tolerance: float = 1e-10) -> Matrix:
+    """Return an orthonormal basis of the null space of `m`, columns, scaled rank decision."""
+    if m.shape[0] == 0 or m.shape[1] == 0:
+        return np.eye(m.shape[1])
+    size = np.abs(m).max(axis=1, keepdims=True)
+    scaled = m / np.where(size > 0.0, size, 1.0)
+    _, values, vt = np.linalg.svd(scaled)
+    if rank is None:
+        rank = int((values > tolerance * max(values[0], 1e-300)).sum()) if values.size else 0
+    return np.asarray(vt[rank:].T)

@@ -1,0 +1,120 @@
+"""Plain data to a `Model`: what `tomllib`, `json` or a caller gives, checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hybond.errors import FileError, ModelError
+from hybond.files.check import check, describe
+from hybond.files.elements import read_element
+from hybond.files.place import Place
+from hybond.files.schema import VERSION, File
+from hybond.files.submodel_files import Reading, is_file
+from hybond.model.builder import Model
+from hybond.model.parts import InputPart, Integral, MachinePart, SubmodelPart
+
+
+def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
+    """Return the model of a whole file; `name` is its name if it gives none.
+
+    Raises
+    ------
+    FileError
+        HB-F106 (not a model), HB-F107 (version), and those of `read_model`.
+    """
+    if "hybond" not in data:
+        raise place.refuse(
+            "not a hybond model: it has no key 'hybond'",
+            code="HB-F106",
+            hint=f"a model begins with hybond = {VERSION}",
+        )
+    version = data["hybond"]
+    if type(version) is not int or version < 1:
+        raise (place / "hybond").refuse(
+            f"{describe(version)}, where the version of the format is needed",
+            code="HB-F107",
+            hint=f"hybond = {VERSION}",
+        )
+    if version > VERSION:
+        raise (place / "hybond").refuse(
+            f"the file is of format version {version}; this hybond reads up to {VERSION}",
+            code="HB-F107",
+            hint="update hybond: pip install --upgrade hybond",
+        )
+    check(data, File, place)
+    return read_model(data, place, reading, name)
+
+
+def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
+    """Return the model of data that `check` has accepted as a `Submodel`."""
+    model = Model(data.get("name", name), title=data.get("title", ""))
+    model.domain = data.get("domain", model.domain)
+    model.indeterminate = data.get("indeterminate", model.indeterminate)
+    for key, value in data.get("parameters", {}).items():
+        _name(model, key, place / "parameters" / key)
+        model.parameters[key] = value
+    elements = data.get("elements", {})
+    reading.count_elements(len(elements), place / "elements")
+    for key, value in elements.items():
+        _name(model, key, place / "elements" / key)
+        model.elements[key] = read_element(value, place / "elements" / key)
+    model.bonds = list(data.get("graph", {}).get("bonds", ()))
+    for key, value in data.get("signals", {}).items():
+        _name(model, key, place / "signals" / key)
+        model.signals[key] = (
+            value
+            if isinstance(value, str)
+            else Integral(value["integral"], value.get("start", 0.0))
+        )
+    for key, value in data.get("inputs", {}).items():
+        _name(model, key, place / "inputs" / key)
+        model.inputs[key] = _input(value, place / "inputs" / key)
+    for key, value in data.get("machines", {}).items():
+        _name(model, key, place / "machines" / key)
+        states = {state: tuple(on) for state, on in value["states"].items()}
+        model.machines[key] = MachinePart(states, value["start"], tuple(value.get("rules", ())))
+    for key, value in data.get("ports", {}).items():
+        _name(Model(), key, place / "ports" / key)
+        model.ports[key] = value
+    for key, value in data.get("models", {}).items():
+        _name(Model(), key, place / "models" / key)
+        with reading.inside(place / "models" / key):
+            model.models[key] = read_model(value, place / "models" / key, reading, key)
+    model.experiment = dict(data.get("experiment", {}))
+    model.layout = {key: (x, y) for key, (x, y) in data.get("layout", {}).items()}
+    for key, part in model.elements.items():
+        if not (isinstance(part, SubmodelPart) and is_file(part.model)):
+            continue
+        if part.model not in model.models:
+            found = reading.file(part.model, place / "elements" / key / "submodel")
+            if found is not None:
+                model.models[part.model] = found
+    return model
+
+
+def _name(model: Model, name: str, place: Place) -> None:
+    """Refuse a name that the builder refuses, with the code of the builder."""
+    try:
+        model._new_name(name)
+    except ModelError as error:
+        raise FileError(error.why, code=error.code, where=str(place), hint=error.hint) from None
+
+
+def _input(data: dict[str, Any], place: Place) -> InputPart:
+    given = [key for key in ("constant", "table", "pwm") if key in data]
+    if len(given) != 1:
+        raise place.refuse(
+            f"an input is one of constant, table, pwm; this is {describe(data)}",
+            code="HB-F113",
+            hint='{ constant = "5 V" }',
+        )
+    if "linear" in data and given != ["table"]:
+        raise (place / "linear").refuse(
+            f"'linear' belongs to a table, not to {given[0]!r}", code="HB-F114", hint="leave it out"
+        )
+    return InputPart(
+        constant=data.get("constant"),
+        table=data.get("table"),
+        linear=data.get("linear", False),
+        pwm=data.get("pwm"),
+    )

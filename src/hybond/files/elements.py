@@ -1,0 +1,114 @@
+"""One entry of [elements] to a `Part` or `SubmodelPart`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hybond.files.check import check, describe
+from hybond.files.place import Place
+from hybond.files.schema import ELEMENTS
+from hybond.model.parts import Part, SubmodelPart
+from hybond.names import did_you_mean
+
+
+def read_element(data: Any, place: Place) -> Part | SubmodelPart:
+    """Return the element that `data` describes.
+
+    Raises
+    ------
+    FileError
+        HB-F113 (not exactly one kind), HB-F114 (a value that the kind cannot have), and those
+        of `check`.
+
+    Examples
+    --------
+    >>> from hybond.files.place import Source
+    >>> read_element({"I": "m", "f": "2 m/s"}, Place(Source("ball.toml")))
+    Part(kind='I', value='m', options={'f': '2 m/s'})
+    """
+    if not isinstance(data, dict):
+        raise place.refuse(
+            f"{describe(data)}, where a table is needed",
+            code="HB-F112",
+            hint='write the kind of the element: { C = "1 mm/N" }',
+        )
+    kind = _kind(data, place)
+    value = data[kind]
+    if kind == "junction" and (type(value) is not int or value not in (0, 1)):
+        raise (place / kind).refuse(
+            f"a junction is 0 (common effort) or 1 (common flow), not {describe(value)}",
+            code="HB-F114",
+            hint="junction = 0 or junction = 1",
+        )
+    check(data, ELEMENTS[kind], place)
+    if kind == "submodel":
+        return SubmodelPart(value, dict(data.get("parameters", {})))
+    options = {key: option for key, option in data.items() if key != kind}
+    if kind == "junction":
+        return Part(str(value), None, options)
+    _check_value(kind, value, place / kind)
+    if len(starts := [key for key in options if key in ("e", "f", "q", "p")]) > 1:
+        raise place.refuse(
+            f"it starts from {starts[0]} and from {starts[1]}",
+            code="HB-F114",
+            hint="give one of them: the other follows from the law",
+        )
+    return Part(kind, value, options)
+
+
+def _kind(data: dict[str, Any], place: Place) -> str:
+    kinds = [key for key in data if key in ELEMENTS]
+    if len(kinds) == 1:
+        return kinds[0]
+    if len(kinds) > 1:
+        raise place.refuse(
+            f"two kinds in one element: {' and '.join(kinds)}",
+            code="HB-F113",
+            hint="an element has one kind; write two elements",
+        )
+    if not data:
+        raise place.refuse(
+            "the element has no kind", code="HB-F113", hint="kinds: " + ", ".join(ELEMENTS)
+        )
+    options = {"domain", "impulsive", "parameters", "e", "f", "q", "p"}
+    strange = next((key for key in data if key not in options), next(iter(data)))
+    if strange in options:
+        raise place.refuse(
+            f"the element has no kind, only {strange!r}",
+            code="HB-F113",
+            hint="kinds: " + ", ".join(ELEMENTS),
+        )
+    raise (place / strange).refuse(
+        f"{strange!r} is not a kind of element",
+        code="HB-F113",
+        hint=did_you_mean(strange, ELEMENTS),
+    )
+
+
+def _check_value(kind: str, value: Any, place: Place) -> None:
+    if isinstance(value, list):
+        if not value or any(len(row) != len(value) for row in value):
+            raise place.refuse(
+                "the matrix of a field is square, with a row for each port",
+                code="HB-F114",
+                hint="for two ports: [[a, b], [c, d]]",
+            )
+    elif isinstance(value, dict):
+        if len(value) != 1:
+            raise place.refuse(
+                f"a law gives e or f, one of them; this is {describe(value)}",
+                code="HB-F114",
+                hint='{ e = "..." } or { f = "..." }',
+            )
+        ((side, law),) = value.items()
+        if law == []:
+            raise (place / side).refuse("a field has at least one port", code="HB-F114")
+        for given in law if isinstance(law, list) else [law]:
+            if isinstance(given, dict):
+                x, y = given["table"]
+                if len(x) != len(y) or len(x) < 2:
+                    raise (place / side / "table").refuse(
+                        f"{len(x)} arguments and {len(y)} values",
+                        code="HB-F114",
+                        hint="two rows of equal length, of two points or more",
+                    )

@@ -1,0 +1,173 @@
+"""TOML and JSON text to plain data: bounded, without duplicates, never running anything."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import stat
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from hybond.errors import FileError
+from hybond.files import limits
+from hybond.files.place import Format, Source
+
+_TOML_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
+_MASKED = re.compile(
+    r'"""(?:[^\\]|\\.)*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'', re.DOTALL
+)
+_DEEPEST_KEY = 2 * limits.LEVELS + 12
+
+
+def format_of(path: Path) -> Format:
+    """Return the format that the suffix of a path stands for.
+
+    Examples
+    --------
+    >>> format_of(Path("ball.toml"))
+    'toml'
+    """
+    suffix = path.suffix.lower()
+    if suffix == ".toml":
+        return "toml"
+    if suffix == ".json":
+        return "json"
+    raise FileError(
+        f"{suffix!r} is not a kind of model file" if suffix else "the file name has no suffix",
+        code="HB-F102",
+        where=str(path),
+        hint="model files end in .toml or .json",
+    )
+
+
+def read_text(path: Path, name: str) -> str:
+    """Return the text of a regular file of bounded size.
+
+    Raises
+    ------
+    FileError
+        HB-F101 (cannot be read), HB-F103 (too large), HB-F104 (not text).
+    """
+    try:
+        # Not blocking: a pipe that nobody writes to must not hang us before we see what it is.
+        descriptor = os.open(
+            path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+        )
+        with open(descriptor, "rb") as file:
+            mode = os.fstat(descriptor).st_mode
+            if not stat.S_ISREG(mode):
+                what = "a directory" if stat.S_ISDIR(mode) else "not an ordinary file"
+                raise _unreadable(f"it is {what}", name)
+            data = file.read(limits.FILE_BYTES + 1)
+    except FileNotFoundError:
+        raise _unreadable("there is no such file", name, hint="check the path") from None
+    except IsADirectoryError:
+        raise _unreadable("it is a directory", name) from None
+    except (OSError, ValueError) as error:
+        why = "it is a directory" if path.is_dir() else getattr(error, "strerror", "") or str(error)
+        raise _unreadable(why, name) from None
+    return decode_text(data, name)
+
+
+def _unreadable(why: str, name: str, hint: str = "") -> FileError:
+    return FileError(f"cannot read the file: {why}", code="HB-F101", where=name, hint=hint)
+
+
+def decode_text(data: bytes, name: str) -> str:
+    """Return bytes as text (UTF-8, a byte order mark allowed)."""
+    if len(data) > limits.FILE_BYTES:
+        raise FileError(f"larger than {limits.FILE_BYTES // 2**20} MiB", code="HB-F103", where=name)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise FileError(
+            f"byte 0x{data[error.start]:02x} on line {line} is not UTF-8 text",
+            code="HB-F104",
+            where=name,
+            hint="save it as UTF-8; a binary file is not a model",
+        ) from None
+
+
+def parse(source: Source) -> dict[str, Any]:
+    """Return the data of a source.
+
+    Raises
+    ------
+    FileError
+        HB-F105 (syntax, with line and column), HB-F106 (not a model), HB-F103 (nesting).
+    """
+    if len(source.text) > limits.FILE_BYTES:
+        raise FileError(
+            f"larger than {limits.FILE_BYTES // 2**20} MiB", code="HB-F103", where=source.name
+        )
+    if not source.text.strip():
+        raise FileError(
+            "the file is empty",
+            code="HB-F106",
+            where=source.name,
+            hint="a model begins with hybond = 1",
+        )
+    try:
+        data = _parse_toml(source) if source.format == "toml" else _parse_json(source)
+    except RecursionError:
+        raise FileError(
+            f"more than {limits.NESTING} tables and lists inside one another",
+            code="HB-F103",
+            where=source.name,
+        ) from None
+    if not isinstance(data, dict):
+        raise FileError(
+            "not a hybond model: the whole is not a table", code="HB-F106", where=source.name
+        )
+    return data
+
+
+def _parse_toml(source: Source) -> Any:
+    if source.text.count(".") > _DEEPEST_KEY:
+        # tomllib takes quadratic time for a.a.a.a... = 1; no model has such keys.
+        masked = re.sub(r"(?<![ \t])[ \t]*+\.[ \t]*+", ".", _MASKED.sub("s", source.text))
+        if re.search(rf"(?<![\w.-])(?:[\w-]++\.){{{_DEEPEST_KEY}}}", masked):
+            raise FileError(
+                f"a key of more than {_DEEPEST_KEY} parts", code="HB-F103", where=source.name
+            )
+    try:
+        return tomllib.loads(source.text)
+    except tomllib.TOMLDecodeError as error:
+        message = str(error)
+        match = _TOML_PLACE.search(message)
+        where = source.name
+        if match and match[1]:
+            where += f":{match[1]}:{match[2]}"
+        elif match:
+            where += f":{source.text.count(chr(10)) + 1}"
+        why = message[: match.start()] if match else message
+        raise _syntax("TOML", why, where) from None
+    except ValueError as error:  # more digits than Python converts
+        raise _syntax("TOML", str(error), source.name) from None
+
+
+def _parse_json(source: Source) -> Any:
+    def table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        data = dict(pairs)
+        if len(data) < len(pairs):
+            keys = [key for key, _ in pairs]
+            twice = next(key for k, key in enumerate(keys) if key in keys[:k])
+            raise _syntax("JSON", f"the key {twice!r} is there twice", source.name)
+        return data
+
+    def constant(word: str) -> float:
+        raise FileError(f"{word} is not a finite number", code="HB-F108", where=source.name)
+
+    try:
+        return json.loads(source.text, object_pairs_hook=table, parse_constant=constant)
+    except json.JSONDecodeError as error:
+        raise _syntax("JSON", error.msg, f"{source.name}:{error.lineno}:{error.colno}") from None
+    except ValueError as error:  # more digits than Python converts
+        raise _syntax("JSON", str(error), source.name) from None
+
+
+def _syntax(language: str, why: str, where: str) -> FileError:
+    return FileError(f"not {language}: {why}", code="HB-F105", where=where)

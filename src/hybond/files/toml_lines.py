@@ -1,0 +1,106 @@
+"""Which line of a TOML text says what: for messages, and for insertions that keep the rest.
+
+The text is known to be valid TOML (or nearly), so this reads only as much as it must: strings and
+comments (to skip them), brackets (to know when a value goes on), headers and keys.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+_TOKEN = re.compile(
+    r'"""(?:[^\\]|\\.)*?"{3,5}'
+    r"|'{3}.*?'{3,5}"
+    r'|"(?:[^"\\\n]|\\.)*"'
+    r"|'[^'\n]*'"
+    r"|\#[^\n]*"
+    r"|[\[\]{}=\n]"
+    r"|[A-Za-z0-9_-]+",
+    re.DOTALL,
+)
+_ESCAPE = re.compile(r"\\(u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.DOTALL)
+_ESCAPED = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r"}
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A header (``[a.b]``) or a key with its value, on lines `first` to `last` (from 0)."""
+
+    path: tuple[str, ...]
+    header: bool
+    first: int
+    last: int
+
+
+def statements(text: str) -> Iterator[Statement]:
+    r"""Yield the headers and keys of a TOML text in order; paths are complete.
+
+    Examples
+    --------
+    >>> for s in statements("[a.b]\nc.d = [\n 1, # [x]\n]\n"):
+    ...     print(s.path, s.header, s.first, s.last)
+    ('a', 'b') True 0 0
+    ('a', 'b', 'c', 'd') False 1 3
+    """
+    table: tuple[str, ...] = ()
+    keys: list[str] = []  # of the statement being read
+    state = ""  # "" before, "header", "key", "value"
+    depth = line = first = 0
+    for match in _TOKEN.finditer(text + "\n"):
+        token = match[0]
+        if token == "\n":
+            if state == "value" and depth <= 0:
+                yield Statement((*table, *keys), False, first, line)
+            if depth <= 0 or state in ("header", "key"):
+                state, keys, depth = "", [], 0
+        elif token.startswith("#"):
+            pass
+        elif state == "value":
+            depth += (token in ("[", "{")) - (token in ("]", "}"))
+        elif token == "[":
+            state, first = "header", line
+        elif token == "]" and state == "header":
+            table = tuple(keys)
+            yield Statement(table, True, first, line)
+            state, keys = "done", []
+        elif token == "=" and state == "key":
+            state = "value"
+        elif state in ("", "header", "key"):
+            if not state:
+                state, first = "key", line
+            keys.append(_unquote(token))
+        line += token.count("\n")
+
+
+def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
+    """Return the line (from 1) of the statement that says `path`, or the nearest around it."""
+    names = tuple(key for key in path if isinstance(key, str))
+    best: tuple[int, int] | None = None
+    inside: int | None = None
+    for s in statements(text):
+        n = len(s.path)
+        if names[:n] == s.path and (best is None or n > best[0]):
+            best = (n, s.first + 1)
+        elif s.path[: len(names)] == names and inside is None:
+            inside = s.first + 1
+    if best and best[0] == len(names):
+        return best[1]
+    return inside or (best[1] if best else None)
+
+
+def _unquote(token: str) -> str:
+    if token.startswith("'"):
+        return token.strip("'")
+    if not token.startswith('"'):
+        return token
+
+    def plain(match: re.Match[str]) -> str:
+        code = match[1]
+        if code[0] in "uU" and len(code) > 1:
+            number = int(code[1:], 16)
+            return chr(number) if number < 0x110000 else match[0]
+        return _ESCAPED.get(code, code)
+
+    return _ESCAPE.sub(plain, token[1:-1])

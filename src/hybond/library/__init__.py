@@ -1,0 +1,1 @@
+"""Ready parts by domain, as model files: data only."""

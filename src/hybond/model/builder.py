@@ -1,0 +1,161 @@
+"""`Model`: what a modeller builds, the one mutable thing in hybond."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from hybond.errors import ModelError
+from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+
+if TYPE_CHECKING:
+    from hybond.model.graph import FlatGraph
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+RESERVED = frozenset({"time", "pi", "pre", "and", "or", "not", "if", "then", "else", "true", "false"})
+
+
+class Model:
+    """A hybrid bond graph under construction.
+
+    Parameters
+    ----------
+    name : str
+        A short name; `title` is for people.
+    domain : str
+        The physical domain of bonds that do not say otherwise: ``"electrical"``,
+        ``"translational"``, ``"rotational"``, ``"hydraulic"``, ``"thermal"``,
+        ``"thermal_pseudo"``, ``"magnetic"`` or ``"generic"`` (no units).
+    parameters : mapping
+        Names to numbers, quantities (``"10 mA"``) or expressions of earlier parameters.
+
+    Examples
+    --------
+    A mass on a spring:
+
+    >>> import hybond as hb
+    >>> m = hb.Model("oscillator", domain="translational", parameters={"k": "100 N/m"})
+    >>> m.add(mass=hb.I("1 kg", f="1 m/s"), spring=hb.C("1/k"), v=hb.One())
+    >>> m.bond("v -> mass", "v -> spring")
+    >>> graph = m.flatten()
+    >>> [s.path for s in graph.storages]
+    ['mass.p', 'spring.q']
+    """
+
+    def __init__(
+        self,
+        name: str = "model",
+        *,
+        title: str = "",
+        domain: str = "generic",
+        parameters: Mapping[str, Value] | None = None,
+    ) -> None:
+        self.name = name
+        self.title = title
+        self.domain = domain
+        self.parameters: dict[str, Value] = dict(parameters or {})
+        self.elements: dict[str, Part | SubmodelPart] = {}
+        self.bonds: list[str] = []
+        self.signals: dict[str, str | Integral] = {}
+        self.inputs: dict[str, InputPart] = {}
+        self.machines: dict[str, MachinePart] = {}
+        self.ports: dict[str, str] = {}
+        self.models: dict[str, Model] = {}
+        self.experiment: dict[str, Any] = {}
+        self.layout: dict[str, tuple[float, float]] = {}
+        self.indeterminate = "error"
+        """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
+
+    def add(self, **elements: Part | SubmodelPart) -> None:
+        """Add elements, junctions and submodels by name."""
+        for name, part in elements.items():
+            self._new_name(name)
+            if not isinstance(part, Part | SubmodelPart):
+                raise ModelError(
+                    f"{part!r} is not an element",
+                    code="HB-M102",
+                    where=name,
+                    hint="use hybond.Se, Sf, C, I, R, G, TF, GY, Zero, One or Submodel",
+                )
+            self.elements[name] = part
+
+    def bond(self, *chains: str) -> None:
+        """Add bonds as they are drawn: ``"a -> b -> c"`` is two bonds."""
+        self.bonds.extend(chains)
+
+    def parameter(self, **parameters: Value) -> None:
+        """Add or change parameters."""
+        self.parameters.update(parameters)
+
+    def signal(self, **signals: str | Integral) -> None:
+        """Add signals: an expression, or an `Integral`."""
+        for name, signal in signals.items():
+            self._new_name(name)
+            self.signals[name] = signal
+
+    def input(self, **inputs: InputPart | Value) -> None:
+        """Add inputs; a plain number, quantity or callable is allowed."""
+        for name, given in inputs.items():
+            self._new_name(name)
+            if isinstance(given, InputPart):
+                self.inputs[name] = given
+            elif callable(given):
+                self.inputs[name] = InputPart(function=given)
+            else:
+                self.inputs[name] = InputPart(constant=given)
+
+    def machine(
+        self,
+        name: str,
+        *,
+        states: Mapping[str, Sequence[str]],
+        start: str,
+        rules: Sequence[str] = (),
+    ) -> None:
+        """Add a state machine: the controlled junctions each state switches ON, and its rules."""
+        self._new_name(name)
+        self.machines[name] = MachinePart(
+            {k: tuple(v) for k, v in states.items()}, start, tuple(rules)
+        )
+
+    def port(self, **ports: str) -> None:
+        """Expose nodes of a submodel: ``port(shaft="inertia_junction")``."""
+        self.ports.update(ports)
+
+    def flatten(self, *, parameters: Mapping[str, Value] | None = None) -> FlatGraph:
+        """Return the frozen flat graph: submodels resolved, names and units checked.
+
+        Parameters
+        ----------
+        parameters : mapping
+            Values by dotted path that replace the model's own, as ``--set`` does.
+
+        Raises
+        ------
+        ModelError
+            With the place and a remedy.
+        """
+        from hybond.model.flatten import flatten
+
+        return flatten(self, parameters or {})
+
+    def _new_name(self, name: str) -> None:
+        if not _NAME.match(name) or name in RESERVED:
+            raise ModelError(
+                f"{name!r} cannot be a name",
+                code="HB-M103",
+                where=name,
+                hint="letters, digits and _; not a word of the expression language",
+            )
+        taken = (self.elements, self.signals, self.inputs, self.machines, self.parameters)
+        if any(name in group for group in taken):
+            raise ModelError(
+                f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"
+            )
+
+    def _repr_svg_(self) -> str:
+        from hybond.draw import draw_mode
+
+        graph = self.flatten()
+        return draw_mode(graph, graph.start_mode).svg()

@@ -1,0 +1,352 @@
+"""Text to tree: a precedence-climbing parser with bounded input."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import NoReturn
+
+from hybond.errors import ExpressionError, UnitError
+from hybond.model.expressions.tree import (
+    FUNCTIONS,
+    And,
+    Binary,
+    Bool,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Neg,
+    Not,
+    Number,
+    Or,
+    Pre,
+    String,
+    children,
+    depth,
+    uses_pre,
+    walk,
+)
+from hybond.names import did_you_mean
+from hybond.units import parse_quantity
+
+MAX_LENGTH = 10_000
+MAX_NESTING = 100
+# A chain `a + b + c + ...` is one level deep to a reader but one level per term in the tree. A
+# compiled tree costs one frame of Python's stack per level, its derivative up to three.
+MAX_DEPTH = 200
+
+KEYWORDS = frozenset({"if", "then", "else", "and", "or", "not", "true", "false"})
+
+_TOKEN = re.compile(
+    r"""\s*(?:
+      (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:\s*(?P<unit>\[[^\[\]]*\]))?
+    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*)(?:\.\w+)*)
+    | "(?P<string>[^"\n]*)"
+    | (?P<mark>\*\*|<=|>=|==|!=|[-+*/^()<>,%°])
+    )""",
+    re.VERBOSE,
+)
+
+_IF, _OR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _NEG, _POWER = range(1, 10)
+_LEFT = {"or": _OR, "and": _AND, "+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
+_LEFT |= dict.fromkeys(("<", "<=", ">", ">=", "==", "!="), _COMPARE)
+_LEFT |= {"^": _POWER, "if": _IF}
+
+
+@dataclass(frozen=True, slots=True)
+class _Token:
+    kind: str  # number, name, string, mark (keywords too) or end
+    text: str
+    at: int
+    unit: str | None = None
+
+    def __str__(self) -> str:
+        return "the end" if self.kind == "end" else repr(self.text[:40])
+
+
+def parse(text: str, *, where: str = "") -> Expr:
+    """Parse an expression.
+
+    Parameters
+    ----------
+    text : str
+        The expression. From weakest to strongest: ``if c then a else b`` (or ``a if c else b``),
+        ``or``, ``and``, ``not``, comparisons, ``+ -``, ``* /``, unary ``-``, ``^`` (or ``**``).
+    where : str
+        Path of the expression in the model, for messages.
+
+    Returns
+    -------
+    Expr
+
+    Raises
+    ------
+    ExpressionError
+        HB-E101 syntax, HB-E102 unit after a number, HB-E103 unknown function, HB-E104 number of
+        arguments, HB-E106 misplaced text, HB-E107 too long or too deep.
+
+    Notes
+    -----
+    A number may be followed by one unit symbol (``10 mA``, ``5 cm^2``) or by any unit in brackets
+    (``9.81 [m/s^2]``). Without brackets ``5 m/s`` is 5 metres divided by the name ``s``.
+
+    Examples
+    --------
+    >>> parse("ball.p <= 0 and pre(floor.f) > 5 cm")  # doctest: +ELLIPSIS
+    And(args=(Compare(op='<=', left=Name(path='ball.p'), right=Number(value=0.0, ...
+    >>> parse("2 * (x + ")
+    Traceback (most recent call last):
+        ...
+    hybond.errors.ExpressionError: HB-E101: expected a value, found the end at column 10
+        2 * (x +
+                 ^
+    """
+    if len(text) > MAX_LENGTH:
+        why = f"the expression has {len(text)} characters, the limit is {MAX_LENGTH}"
+        raise ExpressionError(why, code="HB-E107", where=where, hint="split it into signals")
+    return _Parser(text, where).whole()
+
+
+class _Parser:
+    def __init__(self, text: str, where: str) -> None:
+        self.text = text
+        self.where = where
+        self.depth = 0
+        self.tokens = self.split()
+        self.at = 0
+
+    def split(self) -> list[_Token]:
+        tokens: list[_Token] = []
+        end = len(self.text.rstrip())
+        at = 0
+        while at < end:
+            match = _TOKEN.match(self.text, at)
+            if match is None:
+                at += len(self.text[at:]) - len(self.text[at:].lstrip())
+                self.strange(at)
+            at = match.end()
+            kind = "number" if match["number"] else str(match.lastgroup)
+            word = match[kind]
+            if kind == "mark" and word == "**":
+                word = "^"
+            start = match.start(kind) - (kind == "string")
+            if word in KEYWORDS and kind == "name":
+                kind = "mark"
+            tokens.append(_Token(kind, word, start, match["unit"]))
+        tokens.append(_Token("end", "", len(self.text)))
+        return tokens
+
+    def strange(self, at: int) -> NoReturn:
+        found = self.text[at]
+        hint = {
+            "=": "compare with <, <=, > or >=; an expression cannot assign",
+            '"': 'close the quotes: "contact->v".e',
+            "[": "only a unit after a number stands in brackets: 9.81 [m/s^2]",
+        }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
+        self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
+
+    @property
+    def now(self) -> _Token:
+        return self.tokens[self.at]
+
+    def take(self) -> _Token:
+        token = self.tokens[self.at]
+        self.at += token.kind != "end"
+        return token
+
+    def is_mark(self, text: str) -> bool:
+        return self.now.kind == "mark" and self.now.text == text
+
+    def expect(self, text: str, *, opened: _Token) -> None:
+        if not self.is_mark(text):
+            back = f" to close {opened.text!r} of column {self.column(opened.at)}"
+            self.fail(f"expected {text!r}{back}, found {self.now}", self.now.at)
+        self.take()
+
+    def column(self, at: int) -> int:
+        return at - (self.text.rfind("\n", 0, at) + 1) + 1
+
+    def fail(self, why: str, at: int, *, code: str = "HB-E101", hint: str = "") -> NoReturn:
+        start = self.text.rfind("\n", 0, at) + 1
+        line = self.text[start:].split("\n", 1)[0].replace("\t", " ")
+        row = self.text.count("\n", 0, at)
+        place = (
+            f"line {row + 1}, " if "\n" in self.text.strip() else ""
+        ) + f"column {at - start + 1}"
+        cut = max(0, at - start - 50)
+        shown = line[cut : cut + 80].rstrip()
+        raise ExpressionError(
+            f"{why} at {place}\n    {shown}\n    {' ' * (at - start - cut)}^",
+            code=code,
+            where=self.where,
+            hint=hint,
+        )
+
+    def whole(self) -> Expr:
+        if self.now.kind == "end":
+            self.fail("the expression is empty,", 0, hint="write a number, a name or a formula")
+        e = self.expression(_IF)
+        if self.now.kind != "end":
+            hint = ""
+            if self.now.kind in ("name", "number", "string") or self.now.text == "(":
+                hint = "write * for a product"
+            self.fail(f"expected an operator or the end, found {self.now}", self.now.at, hint=hint)
+        if depth(e) > MAX_DEPTH:
+            why = f"more than {MAX_DEPTH} operators follow one another"
+            self.fail(why, 0, code="HB-E107", hint="split it into signals")
+        self.check_texts(e)
+        return e
+
+    def expression(self, level: int) -> Expr:
+        """Parse operators that bind at least as strongly as `level`."""
+        self.depth += 1
+        if self.depth > MAX_NESTING:
+            why = f"the expression is nested more than {MAX_NESTING} deep"
+            self.fail(why, self.now.at, code="HB-E107", hint="split it into signals")
+        e = self.operators(self.prefix(level), level)
+        self.depth -= 1
+        return e
+
+    def operators(self, e: Expr, level: int) -> Expr:
+        while self.now.kind == "mark" and _LEFT.get(self.now.text, 0) >= level:
+            op = self.take()
+            here = _LEFT[op.text]
+            if op.text == "if":
+                cond = self.expression(_OR)
+                self.expect("else", opened=op)
+                return If(cond, e, self.expression(_IF))
+            if here in (_OR, _AND):
+                args = [e, self.expression(here + 1)]
+                while self.is_mark(op.text):
+                    self.take()
+                    args.append(self.expression(here + 1))
+                e = And(tuple(args)) if here == _AND else Or(tuple(args))
+            elif here == _COMPARE:
+                e = Compare(op.text, e, self.expression(_SUM))
+                if self.now.kind == "mark" and _LEFT.get(self.now.text) == _COMPARE:
+                    hint = "write a < b and b < c"
+                    self.fail(
+                        f"comparisons cannot be chained: found {self.now}", self.now.at, hint=hint
+                    )
+            elif here == _POWER:
+                e = Binary("^", e, self.expression(_NEG))
+            else:
+                e = Binary(op.text, e, self.expression(here + 1))
+        return e
+
+    def prefix(self, level: int) -> Expr:
+        token = self.take()
+        if token.kind == "number":
+            return self.number(token)
+        if token.kind == "name":
+            return self.named(token)
+        if token.kind == "string":
+            return String(token.text)
+        match token.text if token.kind == "mark" else "":
+            case "(":
+                e = self.expression(_IF)
+                self.expect(")", opened=token)
+                return e
+            case "-":
+                following = self.tokens[self.at]
+                if following.kind == "number":
+                    number = self.number(self.take())
+                    if not self.is_mark("^"):
+                        return Number(-number.value, number.dimension)
+                    return Neg(self.operators(number, _POWER))
+                return Neg(self.expression(_NEG))
+            case "+":
+                return self.expression(_NEG)
+            case "true" | "false":
+                return Bool(token.text == "true")
+            case "not" if level <= _NOT:
+                return Not(self.expression(_NOT))
+            case "if" if level <= _IF:
+                cond = self.expression(_OR)
+                self.expect("then", opened=token)
+                then = self.expression(_IF)
+                self.expect("else", opened=token)
+                return If(cond, then, self.expression(_IF))
+            case "if" | "not":
+                hint = "put it in parentheses"
+                self.fail(f"{token} does not bind strongly enough here,", token.at, hint=hint)
+        self.fail(f"expected a value, found {token}", token.at)
+
+    def number(self, token: _Token) -> Number:
+        unit = token.unit
+        following = self.now
+        if unit is None and (following.kind == "name" or following.text in ("%", "°")):
+            symbol = self.take()
+            unit = symbol.text
+            if self.is_mark("(") or "." in unit:
+                self.not_a_unit(token, symbol, "")
+            power = re.compile(r"\s*(?:\^|\*\*)\s*(-?[0-9]+)(?![0-9.eE\[])").match(
+                self.text, symbol.at + len(unit)
+            )
+            if power is not None:
+                unit += "^" + power[1]
+                self.take()
+                if self.take().text == "-":
+                    self.take()
+        try:
+            quantity = parse_quantity(f"{token.text} {unit or ''}")
+        except UnitError as error:
+            if unit is None:
+                self.fail(error.why, token.at, hint=error.hint)
+            if token.unit is None:
+                self.not_a_unit(token, following, "" if error.code == "HB-U104" else error.hint)
+            at = self.text.index("[", token.at)
+            self.fail(error.why, at, code="HB-E102", hint=error.hint)
+        return Number(quantity.value, None if unit is None else quantity.dimension)
+
+    def not_a_unit(self, number: _Token, symbol: _Token, hint: str) -> NoReturn:
+        call = "(...)" if self.is_mark("(") else ""
+        product = f"for a product write {number.text[:40]}*{symbol.text[:40]}{call}"
+        remedy = f"{hint}; {product}" if hint and not hint.startswith("known") else product
+        why = f"{symbol} after the number {number.text[:40]} is not a unit"
+        self.fail(why, symbol.at, code="HB-E102", hint=remedy)
+
+    def named(self, token: _Token) -> Expr:
+        if not self.is_mark("("):
+            return Number(math.pi) if token.text == "pi" else Name(token.text)
+        if token.text != "pre" and token.text not in FUNCTIONS:
+            hint = did_you_mean(token.text, ["pre", *FUNCTIONS])
+            self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
+        opened = self.take()
+        args: list[Expr] = []
+        if not self.is_mark(")"):
+            args.append(self.expression(_IF))
+            while self.is_mark(","):
+                self.take()
+                args.append(self.expression(_IF))
+        self.expect(")", opened=opened)
+        least, most = FUNCTIONS.get(token.text, (1, 1))
+        if not least <= len(args) <= most:
+            needs = str(least) if least == most else f"{least} to {most}"
+            why = f"{token.text} takes {needs} argument{'s' * (most > 1)}, not {len(args)},"
+            self.fail(why, token.at, code="HB-E104")
+        if token.text != "pre":
+            return Call(token.text, tuple(args))
+        if uses_pre(args[0]):
+            hint = "the a priori value of an a priori value is not kept"
+            self.fail("pre(...) stands inside pre(...)", token.at, hint=hint)
+        return Pre(args[0])
+
+    def check_texts(self, e: Expr) -> None:
+        """Refuse a text anywhere but beside == or !=."""
+        if not any(token.kind == "string" for token in self.tokens):
+            return
+        for node, _ in [(None, False), *walk(e)]:
+            below = (e,) if node is None else children(node)
+            if isinstance(node, Compare) and node.op in ("==", "!="):
+                continue
+            for child in below:
+                if isinstance(child, String):
+                    at = next(t.at for t in self.tokens if t.text == child.text)
+                    hint = 'compare it: machine.state == "open"'
+                    self.fail(
+                        f'the text "{child.text[:40]}" is no value', at, code="HB-E106", hint=hint
+                    )

@@ -1,0 +1,299 @@
+"""The tree of an expression: small frozen nodes, and walks over them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from hybond.errors import ExpressionError
+from hybond.units import Dimension
+
+T = TypeVar("T")
+
+
+class Expr:
+    """Any node. Nodes are frozen, hashable and compared by structure."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        from hybond.model.expressions.text import to_text
+
+        return to_text(self)
+
+
+# `repr` stays that of a dataclass, so that a failing test shows the structure; `str` is the text.
+@dataclass(frozen=True, slots=True)
+class Number(Expr):
+    """A number in SI units; `dimension` is None where the text gave no unit."""
+
+    value: float
+    dimension: Dimension | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Bool(Expr):
+    """``true`` or ``false``."""
+
+    value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Name(Expr):
+    """A signal or parameter: ``ball.p``, ``lever.1.e``, ``"contact->v".e`` (quotes kept)."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class String(Expr):
+    """A text to compare with, as in ``machine.state == "open"``."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pre(Expr):
+    """The a priori value of `arg`."""
+
+    arg: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Neg(Expr):
+    """``-arg``."""
+
+    arg: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Not(Expr):
+    """``not arg``."""
+
+    arg: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Binary(Expr):
+    """Arithmetic; `op` is one of ``+ - * / ^``."""
+
+    op: str
+    left: Expr
+    right: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Compare(Expr):
+    """A comparison; `op` is one of ``< <= > >= == !=``."""
+
+    op: str
+    left: Expr
+    right: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class And(Expr):
+    """``a and b and ...``; two or more arguments."""
+
+    args: tuple[Expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Or(Expr):
+    """``a or b or ...``; two or more arguments."""
+
+    args: tuple[Expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class If(Expr):
+    """``if cond then then else orelse``."""
+
+    cond: Expr
+    then: Expr
+    orelse: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Expr):
+    """A call of one of `FUNCTIONS`."""
+
+    function: str
+    args: tuple[Expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Table(Expr):
+    """Piecewise linear interpolation of the points (`x`, `y`) at `arg`.
+
+    Parameters
+    ----------
+    arg : Expr
+        Where to read the table.
+    x, y : tuple of float
+        The points; `x` increases strictly.
+    extrapolate : {'error', 'linear'}
+        Outside the points: nan, or the end segments continued.
+    slope : bool
+        Read the slope of the segment instead of the value (at a point, of the segment to its
+        right). The derivative of a table is such a table.
+
+    Raises
+    ------
+    ExpressionError
+        HB-E108 for points that are not a table.
+    """
+
+    arg: Expr
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    extrapolate: str = "error"
+    slope: bool = False
+
+    def __post_init__(self) -> None:
+        hint = "give at least two points with strictly increasing x"
+        if self.extrapolate not in ("error", "linear"):
+            why = f"extrapolate is {self.extrapolate!r}"
+            raise ExpressionError(why, code="HB-E108", hint="choose 'error' or 'linear'")
+        if len(self.x) != len(self.y) or len(self.x) < 2:
+            why = f"a table with {len(self.x)} x values and {len(self.y)} y values"
+            raise ExpressionError(why, code="HB-E108", hint=hint)
+        for a, b in zip(self.x, self.x[1:], strict=False):
+            if not a < b:
+                why = f"the x values {a!r} and {b!r} of a table do not increase"
+                raise ExpressionError(why, code="HB-E108", hint=hint)
+
+
+FUNCTIONS: Mapping[str, tuple[int, int]] = {
+    **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), (1, 1)),
+    **dict.fromkeys(("exp", "log", "log10", "sqrt", "abs", "sign", "floor", "ceil"), (1, 1)),
+    **dict.fromkeys(("atan2", "hypot", "mod"), (2, 2)),
+    **dict.fromkeys(("min", "max"), (2, 64)),
+}
+"""The functions and how many arguments each takes, least and most."""
+
+
+def children(e: Expr) -> tuple[Expr, ...]:
+    """Return the direct subexpressions of `e`, in reading order."""
+    match e:
+        case Pre(arg) | Neg(arg) | Not(arg) | Table(arg=arg):
+            return (arg,)
+        case Binary(_, left, right) | Compare(_, left, right):
+            return (left, right)
+        case And(args) | Or(args) | Call(_, args):
+            return args
+        case If(cond, then, orelse):
+            return (cond, then, orelse)
+    return ()
+
+
+def with_children(e: Expr, new: tuple[Expr, ...]) -> Expr:
+    """Return `e` with its subexpressions replaced; the same object if none changed."""
+    if all(a is b for a, b in zip(children(e), new, strict=True)):
+        return e
+    match e:
+        case Pre() | Neg() | Not():
+            return type(e)(new[0])
+        case Table():
+            return Table(new[0], e.x, e.y, e.extrapolate, e.slope)
+        case Binary() | Compare():
+            return type(e)(e.op, new[0], new[1])
+        case And() | Or():
+            return type(e)(new)
+        case Call():
+            return Call(e.function, new)
+        case If():
+            return If(*new)
+    return e
+
+
+def walk(e: Expr) -> Iterator[tuple[Expr, bool]]:
+    """Yield every node in reading order, and whether it stands inside `Pre`."""
+    stack = [(e, False)]
+    while stack:
+        node, prior = stack.pop()
+        yield node, prior
+        inside = prior or isinstance(node, Pre)
+        stack.extend((child, inside) for child in reversed(children(node)))
+
+
+def names(e: Expr) -> set[str]:
+    """Return the paths of all names, those inside `Pre` too."""
+    return {node.path for node, _ in walk(e) if isinstance(node, Name)}
+
+
+def posterior_names(e: Expr) -> set[str]:
+    """Return the paths of the names outside `Pre`."""
+    return {node.path for node, prior in walk(e) if isinstance(node, Name) and not prior}
+
+
+def prior_names(e: Expr) -> set[str]:
+    """Return the paths of the names inside `Pre`."""
+    return {node.path for node, prior in walk(e) if isinstance(node, Name) and prior}
+
+
+def uses_pre(e: Expr) -> bool:
+    """Say whether `e` reads an a priori value."""
+    return any(isinstance(node, Pre) for node, _ in walk(e))
+
+
+def comparisons(e: Expr) -> list[Compare]:
+    """Return the comparisons of `e` in reading order."""
+    return [node for node, _ in walk(e) if isinstance(node, Compare)]
+
+
+def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
+    """Return ``fn(node, prior, results)`` of the root, called bottom-up.
+
+    `results` are those of the node's subexpressions, `prior` says whether the node stands inside
+    `Pre`. There is no recursion: the derivative of a long chain is deeper than Python's stack.
+    """
+    done: list[T] = []
+    stack = [(e, False, False)]
+    while stack:
+        node, prior, ready = stack.pop()
+        below = children(node)
+        if ready or not below:
+            first = len(done) - len(below)
+            results = done[first:]
+            del done[first:]
+            done.append(fn(node, prior, results))
+        else:
+            stack.append((node, prior, True))
+            inside = prior or isinstance(node, Pre)
+            stack.extend((child, inside, False) for child in reversed(below))
+    return done[0]
+
+
+def depth(e: Expr) -> int:
+    """Return the number of levels of the tree; a leaf is 1."""
+
+    def deeper(node: Expr, prior: bool, below: list[int]) -> int:
+        return 1 + max(below, default=0)
+
+    return fold(e, deeper)
+
+
+def transform(e: Expr, fn: Callable[[Expr], Expr]) -> Expr:
+    """Rebuild `e` bottom-up: `fn` gets each node with its subexpressions already rebuilt.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> str(transform(parse("a + 2*a"), lambda n: Name("b") if n == Name("a") else n))
+    'b + 2*b'
+    """
+    return fold(e, lambda node, _, below: fn(with_children(node, tuple(below))))
+
+
+def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
+    """Replace names by expressions, all at once, inside `Pre` too.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> str(substitute(parse("a*b"), {"a": parse("b + 1"), "b": parse("a")}))
+    '(b + 1)*a'
+    """
+    return transform(e, lambda n: mapping.get(n.path, n) if isinstance(n, Name) else n)

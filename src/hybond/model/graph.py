@@ -1,0 +1,213 @@
+"""The flat graph: what a model means once submodels, parameters and names are resolved.
+
+Everything to the right of `model` (causality, equations, modes, drawing) reads these frozen
+records and integer indices; nothing to the right looks names up by text again.
+
+Canonical names. Expressions inside a `FlatGraph` use only these names, so that each law exists
+once and every mode evaluates the same tree:
+
+========= =============================================================
+``time``  time, s
+``u:k``   input k, before or after a jump as the side asks
+``s:k``   integrated signal k
+``x:k``   stored quantity of storage port k (displacement or momentum)
+``e:b``   effort of bond b, along its arrow
+``f:b``   flow of bond b, along its arrow
+``on:n``  1 if the controlled junction or switched element n is ON
+``in:m:k`` 1 if machine m is in its state k
+``at:k``  1 if the comparison k of time alone holds (constant between two timed events)
+``law:n`` local variables of a law, ``law:q`` ... (never seen outside `laws`)
+========= =============================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from hybond.model.expressions import Compare, Expr
+from hybond.model.inputs import Input
+from hybond.model.kinds import KINDS, Kind
+from hybond.model.laws import Law
+from hybond.units import Dimension, Domain
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One end of a bond at a node.
+
+    `inward` is True if the half arrow points at the node; `port` counts a node's ports from 0.
+    """
+
+    bond: int
+    inward: bool
+    port: int
+
+    @property
+    def sign(self) -> int:
+        """+1 if the bond's power flows into the node, else -1."""
+        return 1 if self.inward else -1
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """An element or junction. `ends` are in port order."""
+
+    index: int
+    path: str
+    kind: str
+    ends: tuple[End, ...]
+    domain: Domain
+    law: Law | None = None
+    controlled: bool = False
+    machine: int | None = None
+    impulsive: bool = False
+    label: str = ""
+    """The parameter as written, for drawings: ``m``, ``1 mm/N``."""
+    hidden: bool = False
+    """True for the junction that stands for the switch of a switched element."""
+
+    @property
+    def about(self) -> Kind:
+        """The record of this node's kind."""
+        return KINDS[self.kind]
+
+    @property
+    def is_junction(self) -> bool:
+        """Whether the node is a 0- or a 1-junction."""
+        return self.kind in ("0", "1")
+
+
+@dataclass(frozen=True, slots=True)
+class Bond:
+    """A bond ``tail -> head``; its power is positive from tail to head."""
+
+    index: int
+    tail: int
+    head: int
+    name: str
+    """As written: ``contact -> v`` or ``b3: contact -> v``."""
+    domain: Domain
+
+
+@dataclass(frozen=True, slots=True)
+class Storage:
+    """One storage port: `node`'s port number `port`, on `bond`, which points at it if sign = 1."""
+
+    index: int
+    node: int
+    port: int
+    bond: int
+    sign: int
+    kind: Literal["C", "I"]
+    path: str
+    """``ball.p``, ``pad.q``, or ``field.1.q`` for a port of a field."""
+    start: float
+    start_is: Literal["stored", "co-energy"] = "stored"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A transition of a machine: ``source -> target when guard``."""
+
+    source: int
+    target: int
+    guard: Expr
+    text: str
+    """The guard as written."""
+    reads: tuple[tuple[str, Expr], ...] = ()
+    """What the guard reads, as written and in canonical names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """A state machine; `on[k]` are the nodes that its state k switches ON."""
+
+    index: int
+    path: str
+    states: tuple[str, ...]
+    on: tuple[frozenset[int], ...]
+    start: int
+    rules: tuple[Rule, ...]
+    fieldless: tuple[bool, ...] = ()
+    """Per state: one of the laws that it makes active reads ``pre()``."""
+
+    @property
+    def controls(self) -> frozenset[int]:
+        """All nodes that the machine switches."""
+        return frozenset().union(*self.on)
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """An integrated signal: ``s' = rate``."""
+
+    index: int
+    path: str
+    rate: Expr
+    start: float
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """A comparison of time alone, ``time >= t_off``: constant between two timed events."""
+
+    index: int
+    compare: Compare
+    times: tuple[float, ...]
+    """Instants at which its truth may change, if they can be told in advance."""
+
+
+Mode = tuple[int, ...]
+"""The state of each machine, by index."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlatGraph:
+    """A model flattened, checked and resolved: plain data, never changed."""
+
+    name: str
+    title: str
+    nodes: tuple[Node, ...]
+    bonds: tuple[Bond, ...]
+    storages: tuple[Storage, ...]
+    machines: tuple[Machine, ...]
+    integrals: tuple[Integral, ...]
+    inputs: tuple[Input, ...]
+    watches: tuple[Watch, ...]
+    signals: Mapping[str, Expr]
+    """Named signals by path, in canonical names, fully substituted."""
+    parameters: Mapping[str, Any]
+    """Values in SI by dotted path."""
+    dimensions: Mapping[str, Dimension | None]
+    """Dimension of each canonical name and of each signal path."""
+    experiment: Mapping[str, Any] = field(default_factory=dict)
+    layout: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    by_path: Mapping[str, int] = field(default_factory=dict)
+    """Node index by dotted path."""
+    indeterminate: str = "error"
+    """What a guard on an undetermined signal means: ``"error"`` or ``"least leakage"``."""
+    read: Callable[[str], Expr] | None = field(default=None, compare=False, repr=False)
+    """Text of an expression in the model's own names to canonical names."""
+
+    @property
+    def start_mode(self) -> Mode:
+        """The start state of each machine."""
+        return tuple(m.start for m in self.machines)
+
+    def on_nodes(self, mode: Mode) -> frozenset[int]:
+        """Return the controlled junctions and switched elements that are ON in `mode`."""
+        return frozenset().union(
+            *(m.on[k] for m, k in zip(self.machines, mode, strict=True)), frozenset()
+        )
+
+    def off_nodes(self, mode: Mode) -> frozenset[int]:
+        """Return the controlled junctions and switched elements that are OFF in `mode`."""
+        on = self.on_nodes(mode)
+        return frozenset(n.index for n in self.nodes if n.controlled and n.index not in on)
+
+    def mode_names(self, mode: Mode) -> dict[str, str]:
+        """Return `mode` as ``{machine: state}``."""
+        return {m.path: m.states[k] for m, k in zip(self.machines, mode, strict=True)}

@@ -1,0 +1,311 @@
+"""From nested models to flat lists of dotted paths, with parameter values.
+
+This is the first half of flattening: it opens submodels, evaluates parameters in the scope that
+gives them, and follows ports. It does not know what a name in a law means; `resolve` does.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hybond.errors import ModelError
+from hybond.model.builder import Model
+from hybond.model.expressions import Expr, Number, names, parse, simplify, substitute
+from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.names import did_you_mean, join
+from hybond.units import DIMENSIONLESS, try_quantity
+
+_DEPTH = 64
+_BOND = re.compile(r"\s*(?:(?P<label>[A-Za-z_]\w*)\s*:)?(?P<chain>.+)\Z", re.DOTALL)
+
+
+@dataclass(slots=True)
+class Scope:
+    """One opened model: its dotted prefix and the values of its parameters."""
+
+    prefix: str
+    model: Model
+    parameters: dict[str, Number] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """Something written in a scope."""
+
+    scope: Scope
+    part: Part
+
+
+@dataclass(frozen=True, slots=True)
+class BondEnd:
+    """The end of a bond as written: a node's absolute path and a port label, if any."""
+
+    path: str
+    port: str
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenBond:
+    """A bond as written, with absolute paths."""
+
+    tail: BondEnd
+    head: BondEnd
+    name: str
+    label: str
+    where: str
+
+
+@dataclass(slots=True)
+class Opened:
+    """All that a model and its submodels contain, by absolute dotted path."""
+
+    nodes: dict[str, Written] = field(default_factory=dict)
+    bonds: list[WrittenBond] = field(default_factory=list)
+    signals: dict[str, tuple[Scope, str]] = field(default_factory=dict)
+    integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
+    inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
+    machines: dict[str, tuple[Scope, MachinePart]] = field(default_factory=dict)
+    parameters: dict[str, Number] = field(default_factory=dict)
+    ports: dict[str, str] = field(default_factory=dict)
+    layout: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
+    """Open `model` and all submodels.
+
+    Raises
+    ------
+    ModelError
+        HB-M105 unknown submodel, HB-M106 submodels that contain each other, HB-M107 unknown
+        parameter, HB-M108 parameters that depend on each other, HB-M109 a bad bond.
+    """
+    opened = Opened()
+    left = dict(overrides)
+    _open(model, "", {}, opened, left, (model,), {})
+    if left:
+        wrong = min(left)
+        raise ModelError(
+            f"the model has no parameter {wrong!r}",
+            code="HB-M107",
+            where=wrong,
+            hint=did_you_mean(wrong, opened.parameters),
+        )
+    for bond in opened.bonds:
+        for end in (bond.tail, bond.head):
+            if end.path not in opened.nodes:
+                raise ModelError(
+                    f"the bond {bond.name!r} ends at {end.path!r}, which is not an element",
+                    code="HB-M101",
+                    where=bond.where,
+                    hint=did_you_mean(end.path, opened.nodes),
+                )
+    return opened
+
+
+def _open(
+    model: Model,
+    prefix: str,
+    given: Mapping[str, Number],
+    opened: Opened,
+    overrides: dict[str, Value],
+    chain: tuple[Model, ...],
+    known: Mapping[str, Model],
+) -> None:
+    if len(chain) > _DEPTH:
+        raise ModelError(
+            f"submodels nest deeper than {_DEPTH}",
+            code="HB-M106",
+            where=prefix,
+            hint="a model cannot contain itself",
+        )
+    known = {**known, **model.models}
+    scope = Scope(prefix, model)
+    scope.parameters = _parameters(model, prefix, given, overrides)
+    opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
+    for name, part in model.elements.items():
+        path = join(prefix, name)
+        if isinstance(part, Part):
+            opened.nodes[path] = Written(scope, part)
+            continue
+        inner = _submodel(part, path, known)
+        if any(inner is outer for outer in chain):
+            raise ModelError(
+                f"the submodel {inner.name!r} contains itself",
+                code="HB-M106",
+                where=path,
+                hint="break the cycle",
+            )
+        passed = {
+            k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
+        }
+        _open(inner, path, passed, opened, overrides, (*chain, inner), known)
+    for port, target in model.ports.items():
+        opened.ports[join(prefix, port)] = join(prefix, target)
+    for name, signal in model.signals.items():
+        path = join(prefix, name)
+        if isinstance(signal, Integral):
+            opened.integrals[path] = (scope, signal)
+        else:
+            opened.signals[path] = (scope, signal)
+    for name, given_input in model.inputs.items():
+        opened.inputs[join(prefix, name)] = (scope, given_input)
+    for name, machine in model.machines.items():
+        opened.machines[join(prefix, name)] = (scope, machine)
+    for k, text in enumerate(model.bonds):
+        opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
+    opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
+
+
+def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Model:
+    if isinstance(part.model, Model):
+        return part.model
+    if part.model not in known:
+        raise ModelError(
+            f"there is no submodel {part.model!r}",
+            code="HB-M105",
+            where=path,
+            hint=did_you_mean(str(part.model), known),
+        )
+    return known[part.model]
+
+
+def _parameters(
+    model: Model, prefix: str, given: Mapping[str, Number], overrides: dict[str, Value]
+) -> dict[str, Number]:
+    for name in given:
+        if name not in model.parameters:
+            raise ModelError(
+                f"the submodel {model.name!r} has no parameter {name!r}",
+                code="HB-M107",
+                where=join(prefix, name),
+                hint=did_you_mean(name, model.parameters),
+            )
+    values: dict[str, Number] = dict(given)
+    written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
+    for name in model.parameters:
+        path = join(prefix, name)
+        if path in overrides:
+            written[name] = overrides.pop(path)
+            values.pop(name, None)
+    pending = list(written)
+    while pending:
+        waiting = []
+        for name in pending:
+            value = written[name]
+            tree = None if not isinstance(value, str) or try_quantity(value) else parse(value)
+            if tree is not None and names(tree) & set(pending) - {name}:
+                waiting.append(name)
+                continue
+            values[name] = constant(value, values, join(prefix, name))
+        if len(waiting) == len(pending):
+            raise ModelError(
+                f"the parameters {', '.join(waiting)} depend on each other",
+                code="HB-M108",
+                where=join(prefix, waiting[0]),
+                hint="give one of them a value",
+            )
+        pending = waiting
+    return values
+
+
+def literal(value: Value, where: str) -> Expr:
+    """Return a number, a quantity or an expression as a tree."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ModelError(
+            f"{value!r} is not a number, a quantity or an expression",
+            code="HB-M110",
+            where=where,
+            hint='write 2.5, "10 mA" or "2*k"',
+        )
+    if isinstance(value, str):
+        quantity = try_quantity(value)
+        if quantity is None:
+            return parse(value, where=where)
+        bare = quantity.dimension == DIMENSIONLESS
+        number = Number(quantity.value, None if bare else quantity.dimension)
+    else:
+        number = Number(float(value))
+    if abs(number.value) == float("inf") or number.value != number.value:
+        raise ModelError(
+            f"{value!r} is not a finite number", code="HB-M110", where=where, hint="use a number"
+        )
+    return number
+
+
+def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Number:
+    """Return the value of an expression of parameters, in SI, with its dimension.
+
+    Raises
+    ------
+    ModelError
+        HB-M107 for an unknown name, HB-M110 if the result is not a finite number.
+    """
+    from hybond.model.dimensions import infer_dimension
+
+    tree = literal(value, where)
+    if isinstance(tree, Number):
+        return tree
+    for name in sorted(names(tree)):
+        if name not in parameters:
+            raise ModelError(
+                f"{name!r} is not a parameter; a value here is made of parameters and numbers",
+                code="HB-M107",
+                where=where,
+                hint=did_you_mean(name, parameters),
+            )
+    bound = substitute(tree, parameters)
+    dimension = infer_dimension(bound, lambda _: None, where=where)
+    folded = simplify(bound)
+    if not isinstance(folded, Number) or folded.value - folded.value != 0.0:
+        raise ModelError(
+            f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"
+        )
+    return Number(folded.value, dimension)
+
+
+def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
+    match = _BOND.match(text) if isinstance(text, str) else None
+    ends = [] if match is None else [e.strip() for e in match["chain"].split("->")]
+    if match is None or len(ends) < 2 or not all(ends):
+        raise ModelError(
+            f"{text!r} is not a bond",
+            code="HB-M109",
+            where=where,
+            hint='write "a -> b", "a -> b -> c" or "b3: a -> b"',
+        )
+    label = match["label"] or ""
+    if label and len(ends) > 2:
+        raise ModelError(
+            f"a label names one bond, {text!r} is a chain",
+            code="HB-M109",
+            where=where,
+            hint="write the labelled bond on its own",
+        )
+    found = []
+    for a, b in zip(ends, ends[1:], strict=False):
+        name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
+        tail, head = (_end(e, scope, opened) for e in (a, b))
+        found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where))
+    return found
+
+
+def _end(text: str, scope: Scope, opened: Opened) -> BondEnd:
+    """Follow ports of submodels, and split a trailing port number off."""
+    path = join(scope.prefix, text)
+    port = ""
+    if path not in opened.nodes and path not in opened.ports:
+        head, _, last = path.rpartition(".")
+        if last.isdigit() and (head in opened.nodes or head in opened.ports):
+            path, port = head, last
+    for _ in range(_DEPTH):
+        if path not in opened.ports:
+            break
+        path = opened.ports[path]
+        head, _, last = path.rpartition(".")
+        if last.isdigit() and head in opened.nodes:
+            path, port = head, last
+    return BondEnd(path, port)
+
+

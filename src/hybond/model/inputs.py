@@ -1,0 +1,175 @@
+"""Inputs: what the surroundings impose as functions of time.
+
+An input is smooth between its breakpoints. At a breakpoint it has a left and a right limit;
+`value` takes the side by the piece that is asked for: a caller fixes ``piece`` for the whole
+interval between two timed events, so that an interval's last instant still reads its own piece.
+"""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from hybond.units import Dimension
+
+
+class Waveform(Protocol):
+    """A function of time in pieces."""
+
+    def piece(self, t: float) -> int:
+        """Return the number of the piece that begins at or contains `t` (right limit)."""
+
+    def next_break(self, t: float) -> float:
+        """Return the first breakpoint after `t`, or infinity."""
+
+    def value(self, t: float, piece: int) -> float:
+        """Return the value of piece number `piece`, extended to `t` if need be."""
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return the time derivative within the piece."""
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A constant input."""
+
+    level: float
+
+    def piece(self, t: float) -> int:
+        """Return 0: there is one piece."""
+        return 0
+
+    def next_break(self, t: float) -> float:
+        """Return infinity: there is no break."""
+        return math.inf
+
+    def value(self, t: float, piece: int) -> float:
+        """Return the level."""
+        return self.level
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return 0."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Timetable:
+    """A table of (time, value): held from each time on, or joined by straight lines.
+
+    Before the first and after the last time the first and last values hold. Two rows with the
+    same time in a linear table are a jump.
+    """
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    linear: bool = False
+
+    def piece(self, t: float) -> int:
+        """Return how many of the times are at or before `t`."""
+        return bisect.bisect_right(self.times, t)
+
+    def next_break(self, t: float) -> float:
+        """Return the next time of the table."""
+        k = bisect.bisect_right(self.times, t)
+        return self.times[k] if k < len(self.times) else math.inf
+
+    def value(self, t: float, piece: int) -> float:
+        """Return the held or interpolated value of a piece."""
+        if piece == 0:
+            return self.values[0]
+        if piece == len(self.times) or not self.linear:
+            return self.values[piece - 1]
+        return self.values[piece - 1] + self.rate(t, piece) * (t - self.times[piece - 1])
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return the slope of a piece, 0 where the value is held."""
+        if not self.linear or piece in (0, len(self.times)):
+            return 0.0
+        rise = self.values[piece] - self.values[piece - 1]
+        return rise / (self.times[piece] - self.times[piece - 1])
+
+
+@dataclass(frozen=True, slots=True)
+class Pwm:
+    """Pulse-width modulation: `high` for the first ``duty * period`` of each period.
+
+    Edge n is computed from n, never by adding periods up, so that edges do not drift.
+    """
+
+    period: float
+    duty: float
+    high: float = 1.0
+    low: float = 0.0
+    phase: float = 0.0
+    """Time of the first rising edge, s."""
+
+    def _edge(self, piece: int) -> float:
+        cycle, falling = divmod(piece, 2)
+        return self.phase + (cycle + (self.duty if falling else 0.0)) * self.period
+
+    def piece(self, t: float) -> int:
+        """Return ``2 n`` while high in cycle n, ``2 n + 1`` while low."""
+        guess = 2 * math.floor((t - self.phase) / self.period) - 2
+        while self._edge(guess + 1) <= t:
+            guess += 1
+        return guess
+
+    def next_break(self, t: float) -> float:
+        """Return the next edge that changes the level."""
+        if self.duty in (0.0, 1.0):
+            return math.inf
+        return self._edge(self.piece(t) + 1)
+
+    def value(self, t: float, piece: int) -> float:
+        """Return `high` or `low`."""
+        return self.low if piece % 2 else self.high
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return 0."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Called:
+    """A Python callable of time, smooth except at the listed breaks (API only, never from a file).
+
+    At a break the callable is asked just right of it; the left limit is asked just left.
+    """
+
+    function: Callable[[float], float]
+    breaks: tuple[float, ...] = ()
+
+    def piece(self, t: float) -> int:
+        """Return how many breaks are at or before `t`."""
+        return bisect.bisect_right(self.breaks, t)
+
+    def next_break(self, t: float) -> float:
+        """Return the next listed break."""
+        k = bisect.bisect_right(self.breaks, t)
+        return self.breaks[k] if k < len(self.breaks) else math.inf
+
+    def value(self, t: float, piece: int) -> float:
+        """Call the function, from inside the piece."""
+        low = self.breaks[piece - 1] if piece else -math.inf
+        high = self.breaks[piece] if piece < len(self.breaks) else math.inf
+        if t >= high:
+            t = math.nextafter(high, -math.inf)
+        return float(self.function(max(t, low)))
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return a central difference: a callable has no derivative of its own."""
+        h = 1e-6 * max(1.0, abs(t)) ** 0.5
+        return (self.value(t + h, piece) - self.value(t - h, piece)) / (2 * h)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A named input of a model."""
+
+    index: int
+    path: str
+    waveform: Waveform
+    dimension: Dimension | None = field(default=None)

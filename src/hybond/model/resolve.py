@@ -1,0 +1,358 @@
+"""What a name in an expression means: from names as written to canonical names.
+
+`Resolver` knows the opened model and the wired graph. Its one question is `resolve(tree, scope)`;
+the answer is the same tree in the canonical names of `graph`, with parameters put in and named
+signals substituted.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from hybond.errors import ModelError
+from hybond.model.expressions import (
+    Binary,
+    Compare,
+    Expr,
+    Name,
+    Neg,
+    Not,
+    Number,
+    Pre,
+    String,
+    children,
+    parse,
+    simplify,
+    transform,
+)
+from hybond.model.expressions.tree import with_children
+from hybond.model.graph import Bond, Node, Storage, Watch
+from hybond.model.hierarchy import Opened, Scope
+from hybond.names import did_you_mean, join
+
+_QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
+
+
+
+class Resolver:
+    """Names to canonical names for one flattened model.
+
+    Parameters
+    ----------
+    opened : Opened
+    nodes, bonds, storages : sequences of the flat graph's records
+    machines : mapping of machine path to (index, state names)
+    """
+
+    def __init__(
+        self,
+        opened: Opened,
+        nodes: tuple[Node, ...],
+        bonds: tuple[Bond, ...],
+        storages: tuple[Storage, ...],
+        machines: Mapping[str, tuple[int, tuple[str, ...]]],
+    ) -> None:
+        self.opened = opened
+        self.nodes = nodes
+        self.bonds = bonds
+        self.machines = machines
+        self.by_path = {n.path: n for n in nodes}
+        self.stored = {s.path: s for s in storages}
+        self.integrals = {path: k for k, path in enumerate(opened.integrals)}
+        self.inputs = {path: k for k, path in enumerate(opened.inputs)}
+        self.watches: list[Watch] = []
+        self._watched: dict[Compare, int] = {}
+        self._signals: dict[str, Expr] = {}
+        self._open: list[str] = []
+        self._bond_names = self._name_bonds()
+
+    # -- trees
+
+    def resolve(
+        self, tree: Expr, scope: Scope, where: str, local: Mapping[str, Expr] | None = None
+    ) -> Expr:
+        """Return `tree` in canonical names.
+
+        Raises
+        ------
+        ModelError
+            HB-M120 unknown name, HB-M121 ambiguous bond name, HB-M122 a signal that needs
+            itself, HB-M123 ``==`` between continuous signals.
+        """
+        local = local or {}
+
+        def visit(e: Expr) -> Expr:
+            if isinstance(e, Compare) and e.op in ("==", "!="):
+                return self._equality(e, scope, where)
+            if isinstance(e, Name):
+                return local[e.path] if e.path in local else self.name(e.path, scope, where)
+            if isinstance(e, String):
+                raise ModelError(
+                    f"the text {e.text!r} stands alone",
+                    code="HB-M120",
+                    where=where,
+                    hint='compare it with a machine\'s state: m.state == "open"',
+                )
+            return with_children(e, tuple(visit(c) for c in children(e)))
+
+        return transform(visit(tree), self._watch)
+
+    def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:
+        """``machine.state == "open"`` is a Boolean; any other ``==`` is an error."""
+        for a, b in ((e.left, e.right), (e.right, e.left)):
+            if not isinstance(a, Name) or not a.path.endswith(".state"):
+                continue
+            path = join(scope.prefix, a.path.removesuffix(".state"))
+            if path not in self.machines:
+                continue
+            index, states = self.machines[path]
+            text = b.text if isinstance(b, String) else b.path if isinstance(b, Name) else ""
+            if text not in states:
+                raise ModelError(
+                    f"the machine {path!r} has no state {text!r}",
+                    code="HB-M120",
+                    where=where,
+                    hint=did_you_mean(text, states),
+                )
+            inside = Name(f"in:{index}:{states.index(text)}")
+            return inside if e.op == "==" else Not(inside)
+        raise ModelError(
+            f"{e.op!r} compares continuous signals, which are never exactly equal",
+            code="HB-M123",
+            where=where,
+            hint="write abs(a - b) > tol, or use <= and >=",
+        )
+
+    def _watch(self, e: Expr) -> Expr:
+        """Replace a comparison that is affine in time alone by a Boolean that jumps on time."""
+        if not isinstance(e, Compare):
+            return e
+        difference = simplify(Binary("-", e.left, e.right))
+        slope_and_offset = affine_in_time(difference)
+        if slope_and_offset is None or slope_and_offset[0] == 0.0:
+            return e
+        if e not in self._watched:
+            slope, offset = slope_and_offset
+            # `time >= t_off` must give t_off itself, not a rounded quotient
+            instant = -offset if slope == 1.0 else offset if slope == -1.0 else -offset / slope
+            self._watched[e] = len(self.watches)
+            self.watches.append(Watch(len(self.watches), e, (instant,)))
+        return Name(f"at:{self._watched[e]}")
+
+    # -- names
+
+    def name(self, text: str, scope: Scope, where: str) -> Expr:
+        """Return what one name means."""
+        if text == "time":
+            return Name("time")
+        quoted = _QUOTED.match(text)
+        if quoted:
+            return self._bond_variable(quoted[1], quoted[2], scope, where)
+        path = join(scope.prefix, text)
+        if text in scope.parameters:
+            return scope.parameters[text]
+        if path in self.opened.parameters:
+            return self.opened.parameters[path]
+        if path in self.integrals:
+            return Name(f"s:{self.integrals[path]}")
+        if path in self.inputs:
+            return Name(f"u:{self.inputs[path]}")
+        if path in self.opened.signals:
+            return self.signal(path)
+        found = self._of_a_node(path, where)
+        if found is None:
+            raise ModelError(
+                f"{text!r} is not known here",
+                code="HB-M120",
+                where=where,
+                hint=did_you_mean(text, self.known(scope)),
+            )
+        return found
+
+    def signal(self, path: str) -> Expr:
+        """Return a named signal's tree, resolved once."""
+        if path in self._open:
+            cycle = " -> ".join([*self._open[self._open.index(path) :], path])
+            raise ModelError(
+                f"the signal needs itself: {cycle}",
+                code="HB-M122",
+                where=f"signals.{path}",
+                hint="break the cycle, or use an integral",
+            )
+        if path not in self._signals:
+            self._open.append(path)
+            scope, text = self.opened.signals[path]
+            where = f"signals.{path}"
+            self._signals[path] = self.resolve(
+                parse(text, where=where) if isinstance(text, str) else Number(float(text)),
+                scope,
+                where,
+            )
+            self._open.pop()
+        return self._signals[path]
+
+    def _of_a_node(self, path: str, where: str) -> Expr | None:
+        base, _, variable = path.rpartition(".")
+        if variable in ("p", "q") and path in self.stored:
+            return Name(f"x:{self.stored[path].index}")
+        if variable == "state" and base in self.machines:
+            raise ModelError(
+                f"{path!r} is compared with a state, nothing else",
+                code="HB-M120",
+                where=where,
+                hint=f'{path} == "{self.machines[base][1][0]}"',
+            )
+        port = ""
+        if base not in self.by_path:
+            head, _, last = base.rpartition(".")
+            if last.isdigit():
+                base, port = head, last
+        node = self.by_path.get(base)
+        if node is None:
+            target = self.opened.ports.get(base)
+            if target is None or target == base:
+                return None
+            return self._of_a_node(join(target, port, variable), where)
+        if variable == "on" and node.controlled:
+            return Name(f"on:{node.index}")
+        if variable not in ("e", "f"):
+            return None
+        return self._effort_or_flow(node, port, variable, where)
+
+    def _effort_or_flow(self, node: Node, port: str, variable: str, where: str) -> Expr:
+        if port:
+            for end in node.ends:
+                if end.port + 1 == int(port):
+                    return Name(f"{variable}:{end.bond}")
+            raise ModelError(
+                f"{node.path!r} has no port {port}",
+                code="HB-M120",
+                where=where,
+                hint=f"it has ports 1 to {len(node.ends)}",
+            )
+        if not node.is_junction:
+            if len(node.ends) == 1:
+                return Name(f"{variable}:{node.ends[0].bond}")
+            raise ModelError(
+                f"{node.path!r} has several ports",
+                code="HB-M120",
+                where=where,
+                hint=f"write {node.path}.1.{variable} or {node.path}.2.{variable}",
+            )
+        common = "e" if node.kind == "0" else "f"
+        if variable == common and node.ends:
+            return Name(f"{variable}:{node.ends[0].bond}")
+        if not node.controlled:
+            raise ModelError(
+                f"the {node.kind}-junction {node.path!r} has no common {variable}",
+                code="HB-M120",
+                where=where,
+                hint=f'{node.path}.{common}, or a bond\'s: "a -> {node.path}".{variable}',
+            )
+        return balance(node, variable)
+
+    def _name_bonds(self) -> dict[str, list[int]]:
+        table: dict[str, list[int]] = {}
+        for bond, written in zip(self.bonds, self.opened.bonds, strict=False):
+            prefix = bond.name[: len(bond.name) - len(_local(bond.name, written.label))]
+            local = bond.name[len(prefix) :]
+            plain = local.split(":", 1)[1] if written.label else local
+            for text in {local, plain, written.label} - {""}:
+                table.setdefault(prefix + _squeeze(text), []).append(bond.index)
+        return table
+
+    def _bond_variable(self, text: str, variable: str, scope: Scope, where: str) -> Expr:
+        key = (f"{scope.prefix}." if scope.prefix else "") + _squeeze(text)
+        bonds = self._bond_names.get(key, [])
+        if len(bonds) == 1 and variable in ("e", "f"):
+            return Name(f"{variable}:{bonds[0]}")
+        if len(bonds) > 1:
+            raise ModelError(
+                f"{len(bonds)} bonds are called {text!r}",
+                code="HB-M121",
+                where=where,
+                hint=f'label them: "b1: {text}"',
+            )
+        raise ModelError(
+            f'there is no "{text}".{variable}',
+            code="HB-M120",
+            where=where,
+            hint=did_you_mean(_squeeze(text), self._bond_names),
+        )
+
+    def known(self, scope: Scope) -> list[str]:
+        """Return the names that may be written in `scope`, for "did you mean"."""
+        found = ["time", *scope.parameters]
+        groups = (self.integrals, self.inputs, self.opened.signals, self.stored)
+        found += [p for group in groups for p in group]
+        for node in self.nodes:
+            if node.hidden:
+                continue
+            if node.is_junction:
+                found.append(f"{node.path}.{'e' if node.kind == '0' else 'f'}")
+            if node.controlled or not node.is_junction:
+                found += [f"{node.path}.e", f"{node.path}.f"]
+        dot = f"{scope.prefix}."
+        return [p.removeprefix(dot) for p in found if not scope.prefix or p.startswith(dot)]
+
+
+def balance(node: Node, variable: str) -> Expr:
+    """Return a junction's net variable, in minus out: zero when it is ON."""
+    total: Expr = Number(0.0)
+    for end in node.ends:
+        term = Name(f"{variable}:{end.bond}")
+        if total == Number(0.0):
+            total = term if end.inward else Neg(term)
+        else:
+            total = Binary("+" if end.inward else "-", total, term)
+    return total
+
+
+def affine_in_time(e: Expr) -> tuple[float, float] | None:
+    """Return (a, b) if ``e = a*time + b`` with plain numbers, else None."""
+    match e:
+        case Number():
+            return 0.0, e.value
+        case Name("time"):
+            return 1.0, 0.0
+        case Neg():
+            inner = affine_in_time(e.arg)
+            return None if inner is None else (-inner[0], -inner[1])
+        case Binary(op="+" | "-"):
+            left, right = affine_in_time(e.left), affine_in_time(e.right)
+            if left is None or right is None:
+                return None
+            sign = 1.0 if e.op == "+" else -1.0
+            return left[0] + sign * right[0], left[1] + sign * right[1]
+        case Binary(op="*" | "/"):
+            left, right = affine_in_time(e.left), affine_in_time(e.right)
+            if left is None or right is None:
+                return None
+            if right[0] == 0.0 and e.op == "*":
+                return left[0] * right[1], left[1] * right[1]
+            if right[0] == 0.0 and right[1] != 0.0:
+                return left[0] / right[1], left[1] / right[1]
+            if left[0] == 0.0 and e.op == "*":
+                return right[0] * left[1], right[1] * left[1]
+            return None
+        case _:
+            return None
+
+
+def prior(e: Expr) -> list[Expr]:
+    """Return the arguments of all ``pre()`` in `e`."""
+    if isinstance(e, Pre):
+        return [e.arg]
+    return [p for c in children(e) for p in prior(c)]
+
+
+def _squeeze(text: str) -> str:
+    return re.sub(r"\s*(->|:)\s*", r"\1", text.strip())
+
+
+def _local(name: str, label: str) -> str:
+    """Return the part of a bond's name after its scope's prefix."""
+    if label:
+        return name[name.index(f"{label}: ") :] if f"{label}: " in name else name
+    return name

@@ -1,0 +1,210 @@
+"""From written bonds to ports: which port of which node each bond ends at, and its domain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hybond.errors import ModelError
+from hybond.model.graph import End
+from hybond.model.hierarchy import Opened, Written
+from hybond.model.kinds import KINDS, TWO_PORTS
+from hybond.names import did_you_mean, join
+from hybond.units import DOMAINS, Domain
+
+
+@dataclass(frozen=True, slots=True)
+class RawNode:
+    """A node before its law is read."""
+
+    path: str
+    kind: str
+    written: Written | None
+    """None for the junction that stands for the switch of a switched element."""
+    switched: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RawBond:
+    """A bond between node numbers with the port labels as written."""
+
+    tail: int
+    head: int
+    tail_port: str
+    head_port: str
+    name: str
+    where: str
+
+
+def ends_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[tuple[End, ...]]:
+    """Return each node's ends in port order.
+
+    Raises
+    ------
+    ModelError
+        HB-M130 no bond or too many at an element, HB-M131 a port used twice, missing or unknown,
+        HB-M132 a bond from a node to itself.
+    """
+    touching: list[list[tuple[int, bool, str]]] = [[] for _ in nodes]
+    for k, bond in enumerate(bonds):
+        if bond.tail == bond.head:
+            raise ModelError(
+                f"the bond {bond.name!r} joins a node to itself",
+                code="HB-M132",
+                where=bond.where,
+                hint="power needs somewhere to go",
+            )
+        touching[bond.tail].append((k, False, bond.tail_port))
+        touching[bond.head].append((k, True, bond.head_port))
+    return [_ports(node, found, bonds) for node, found in zip(nodes, touching, strict=True)]
+
+
+def _ports(
+    node: RawNode, found: list[tuple[int, bool, str]], bonds: list[RawBond]
+) -> tuple[End, ...]:
+    about = KINDS[node.kind]
+    if node.kind in ("0", "1"):
+        for bond, _, port in found:
+            if port:
+                raise ModelError(
+                    f"a junction has no numbered ports: {bonds[bond].name!r}",
+                    code="HB-M131",
+                    where=bonds[bond].where,
+                    hint=f"write {node.path}",
+                )
+        return tuple(End(b, inward, k) for k, (b, inward, _) in enumerate(found))
+    if not found:
+        raise ModelError(
+            f"{node.kind} {node.path!r} has no bond",
+            code="HB-M130",
+            where=node.path,
+            hint=f'connect it, "{node.path} -> ..."',
+        )
+    if node.kind in TWO_PORTS:
+        return _two_ports(node, found, bonds)
+    if len(found) == 1 and found[0][2] in ("", "1"):
+        return (End(found[0][0], found[0][1], 0),)
+    if about.most == 1 or any(not port for _, _, port in found):
+        names = " and ".join(repr(bonds[b].name) for b, _, _ in found)
+        raise ModelError(
+            f"{node.kind} {node.path!r} has {len(found)} bonds: {names}",
+            code="HB-M130",
+            where=node.path,
+            hint="put a junction between"
+            + ("" if about.most == 1 else f", or number the ports: {node.path}.1"),
+        )
+    return _numbered(node, found, bonds, len(found))
+
+
+def _two_ports(
+    node: RawNode, found: list[tuple[int, bool, str]], bonds: list[RawBond]
+) -> tuple[End, ...]:
+    if len(found) != 2:
+        names = " and ".join(repr(bonds[b].name) for b, _, _ in found)
+        raise ModelError(
+            f"{node.kind} {node.path!r} needs two bonds and has {len(found)}: {names}",
+            code="HB-M130",
+            where=node.path,
+            hint="one on each side",
+        )
+    if any(port for _, _, port in found):
+        return _numbered(node, found, bonds, 2)
+    (a, a_in, _), (b, b_in, _) = found
+    if a_in == b_in:
+        raise ModelError(
+            f"both half arrows of {node.kind} {node.path!r} point the same way, so its sides "
+            "cannot be told apart",
+            code="HB-M131",
+            where=node.path,
+            hint=f"write {node.path}.1 and {node.path}.2",
+        )
+    first, second = ((a, a_in), (b, b_in)) if a_in else ((b, b_in), (a, a_in))
+    return (End(*first, 0), End(*second, 1))
+
+
+def _numbered(
+    node: RawNode, found: list[tuple[int, bool, str]], bonds: list[RawBond], count: int
+) -> tuple[End, ...]:
+    taken: dict[int, End] = {}
+    for bond, inward, port in found:
+        number = int(port) if port.isdigit() else 0
+        if not 1 <= number <= count or number - 1 in taken:
+            why = "is used twice" if number - 1 in taken else "does not exist"
+            raise ModelError(
+                f"port {port or '(none)'} of {node.kind} {node.path!r} {why}",
+                code="HB-M131",
+                where=bonds[bond].where,
+                hint=f"number its {count} bonds {node.path}.1 to {node.path}.{count}",
+            )
+        taken[number - 1] = End(bond, inward, number - 1)
+    return tuple(taken[k] for k in range(count))
+
+
+def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> list[Domain]:
+    """Return the domain of each bond.
+
+    A region of bonds joined by junctions and one-ports has one domain: the one that a node in it
+    declares, else that of the models that contain its nodes.
+
+    Raises
+    ------
+    ModelError
+        HB-M133 unknown domain, HB-M134 two domains in one region.
+    """
+    region = list(range(len(bonds)))
+
+    def find(k: int) -> int:
+        while region[k] != k:
+            region[k] = region[region[k]]
+            k = region[k]
+        return k
+
+    touching: list[list[int]] = [[] for _ in nodes]
+    for k, bond in enumerate(bonds):
+        touching[bond.tail].append(k)
+        touching[bond.head].append(k)
+    for node, at in zip(nodes, touching, strict=True):
+        if node.kind in TWO_PORTS:
+            continue
+        for k in at[1:]:
+            region[find(k)] = find(at[0])
+
+    said: dict[int, tuple[str, str]] = {}
+    default: dict[int, tuple[str, str]] = {}
+    for node, at in zip(nodes, touching, strict=True):
+        if node.written is None or not at or node.kind in TWO_PORTS:
+            continue
+        own = node.written.part.options.get("domain")
+        root = find(at[0])
+        if own is not None:
+            _declare(said, root, str(own), node.path)
+        elif root not in default:
+            default[root] = (node.written.scope.model.domain, node.path)
+        elif default[root][0] != node.written.scope.model.domain:
+            _declare(default, root, node.written.scope.model.domain, node.path)
+    chosen: Mapping[int, tuple[str, str]] = {**default, **said}
+    return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]
+
+
+def _declare(table: dict[int, tuple[str, str]], root: int, domain: str, path: str) -> None:
+    _domain(domain, path)
+    if root in table and table[root][0] != domain:
+        raise ModelError(
+            f"{path!r} is {domain} and {table[root][1]!r} is {table[root][0]}, "
+            "but bonds and junctions join them",
+            code="HB-M134",
+            where=path,
+            hint="put a TF or GY between the domains",
+        )
+    table.setdefault(root, (domain, path))
+
+
+def _domain(name: str, path: str) -> Domain:
+    if name not in DOMAINS:
+        raise ModelError(
+            f"there is no domain {name!r}",
+            code="HB-M133",
+            where=join(path, "domain"),
+            hint=did_you_mean(name, DOMAINS),
+        )
+    return DOMAINS[name]

@@ -1,0 +1,1 @@
+"""When it switches: settling, jumps, locating events, accumulation, sliding, the audit."""

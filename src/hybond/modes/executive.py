@@ -1,0 +1,301 @@
+"""The executive: time passes in a mode until something happens, then the mode is settled.
+
+The whole algorithm::
+
+    x, s, mode <- settle at t = 0                       (settle.py; an event of cause "start")
+    while t < until:
+      interval <- what inputs and comparisons of time are from t to the next timed event
+      start the solver in mode's field; it is told that field or state jumped
+      repeat
+        step, not beyond the next timed event or `until`
+        find the first instant t* of the step at which a guard that leaves mode holds (locate.py)
+        if there is one: repeat the step so that it ends just past t*, find t* again on it, end
+          the step there; a t* within `event_tol` of the timed event belongs to the timed event
+        put the state back on the mode's constraints, if it has drifted off by rounding
+        note the step
+      until a guard holds, or the timed event, or `until`
+      settle with inputs before and after the instant; note the event if anything changed
+      if the last events follow each other ever faster: stop, status "accumulation"
+
+Nothing else changes the state: a jump is made by `settle` alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.mode import ModeEquations
+from hybond.errors import NumericsError
+from hybond.model.graph import Mode
+from hybond.modes.jump import check_agreement, enter
+from hybond.modes.locate import Locator, Watched, watch
+from hybond.modes.settle import Settler, event_of
+from hybond.programs.interval import Interval, interval_after
+from hybond.programs.program import Program
+from hybond.solvers import Field, Solver, Step, StepFailure
+from hybond.trace import Accumulation, Cause, Segment, Trace
+
+Vector = NDArray[np.float64]
+Progress = Callable[[float, int], None]
+
+SHRINKING = 12
+"""Events in a row whose intervals must shrink before an accumulation is suspected."""
+REMAINING = 1e-10
+"""An accumulation is reached if what is left of it is below this part of the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Where a run ends, and what counts as one instant.
+
+    Parameters
+    ----------
+    until : float
+        s.
+    event_tol : float
+        A guard this close to a timed event belongs to it, as a part of `until`.
+    max_events : int
+    """
+
+    until: float
+    event_tol: float = 1e-12
+    max_events: int = 1_000_000
+
+
+@dataclass(slots=True)
+class _Recorder:
+    """The points of the segment under way."""
+
+    mode: Mode
+    interval: Interval
+    t: list[float]
+    y: list[Vector]
+    interpolants: list[Callable[[float], Vector]]
+
+    def segment(self) -> Segment:
+        return Segment(
+            self.mode,
+            self.interval,
+            np.array(self.t),
+            np.array(self.y),
+            tuple(self.interpolants),
+        )
+
+
+class Executive:
+    """Runs one program with one solver; `trace` holds what it did, whatever happens."""
+
+    def __init__(
+        self,
+        program: Program,
+        solver: Solver,
+        limits: Limits,
+        *,
+        max_writes: int = 1000,
+        progress: Progress | None = None,
+    ) -> None:
+        self.program = program
+        self.solver = solver
+        self.limits = limits
+        self.progress = progress
+        self.trace = Trace()
+        self.settler = Settler(program, self.trace, max_writes=max_writes)
+        self.t = 0.0
+        self.mode: Mode = program.graph.start_mode
+        self._recorder: _Recorder | None = None
+        self._watched: dict[Mode, Watched] = {}
+        self._steps = 0
+        self._rejected = 0
+
+    def run(self, y: Vector) -> str:
+        """Run from the state `y`; return ``"ok"`` or ``"accumulation"``.
+
+        Raises
+        ------
+        HybondError
+            What stopped the run. `trace` is complete up to there.
+        KeyboardInterrupt
+            Likewise.
+        """
+        program = self.program
+        interval = interval_after(program.graph, 0.0)
+        y = self._settle(y, interval, interval, "start")
+        interval = interval_after(program.graph, 0.0)
+        try:
+            while self.t < self.limits.until:
+                y, cause = self._flow(y, interval)
+                self._close()
+                following = interval_after(program.graph, self.t)
+                y = self._settle(y, interval, following, cause)
+                interval = following
+                if self._accumulates():
+                    return "accumulation"
+        finally:
+            self._close()
+            self.trace.stats.update(
+                steps=float(self._steps),
+                rejected=float(self._rejected),
+                evaluations=float(program.evaluations),
+                modes=float(program.built),
+            )
+        return "ok"
+
+    # -- continuous motion
+
+    def _flow(self, y: Vector, interval: Interval) -> tuple[Vector, Cause]:
+        """Let time pass in the mode; return the state at the instant that ends it, and why."""
+        program = self.program
+        equations = program.equations(self.mode, interval, self.t)
+        if self.mode not in self._watched:
+            self._watched[self.mode] = watch(program, self.mode)
+        locator = Locator(program, self.settler, equations, interval, self._watched[self.mode])
+        end = min(interval.end, self.limits.until)
+        tolerance = self.limits.event_tol * max(self.limits.until, abs(self.t))
+        self._recorder = _Recorder(self.mode, interval, [self.t], [y], [])
+        field = program.field(equations, interval)
+        self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
+        while True:
+            step = self._guarded(lambda: self.solver.step(end))
+            self._steps += 1
+            self._rejected += step.rejected
+            at = locator.first(step)
+            if at is not None:
+                step, at = self._land(step, at, locator)
+                if at >= end - tolerance:
+                    # one instant with the timed event: settled once, there
+                    at = None
+                    if step.t1 < end:
+                        step = self._guarded(lambda: self.solver.retry(end))
+            if at is None:
+                y = self._note(step, step.t1, np.asarray(step.y1), equations)
+                if step.t1 >= end:
+                    return y, self._timed_cause(interval) if interval.end <= end else "guard"
+                self._continue(field, y, step)
+                continue
+            state = step.y1 if at == step.t1 else step.interpolant(at)
+            return self._note(step, at, np.asarray(state), equations), "guard"
+
+    def _land(self, step: Step, at: float, locator: Locator) -> tuple[Step, float]:
+        """Repeat the step so that it ends just past `at`, for the full accuracy of a step."""
+        h = step.t1 - step.t0
+        for past in (1e-6, 1e-3):
+            end = at + past * (at - step.t0)
+            if end >= step.t1 or end - step.t0 <= 1e-9 * h:
+                break
+            shorter = self._guarded(lambda end=end: self.solver.retry(end))  # type: ignore[misc]
+            again = locator.first(shorter)
+            if again is not None:
+                return shorter, again
+        return step, at
+
+    def _note(self, step: Step, t: float, y: Vector, equations: ModeEquations) -> Vector:
+        """Note a step that ends at `t`, and put the state back on its constraints."""
+        assert self._recorder is not None
+        y = self._on_constraints(t, y, equations)
+        self._recorder.t.append(t)
+        self._recorder.y.append(y)
+        self._recorder.interpolants.append(step.interpolant)
+        self.t = t
+        if self.progress is not None:
+            self.progress(t, len(self.trace.events))
+        return y
+
+    def _continue(self, field: Field, y: Vector, step: Step) -> None:
+        """Tell the solver of a state that was put back on its constraints: no jump, no history."""
+        if not np.array_equal(y, step.y1):
+            self.solver.start(field, self.t, y, t_bound=self.limits.until, jumped=False)
+
+    def _on_constraints(self, t: float, y: Vector, equations: ModeEquations) -> Vector:
+        tableau = equations.tableau
+        if not tableau.constraints and not equations.structure and not tableau.agreements:
+            return y
+        program = self.program
+        nx, ns = program.nx, program.ns
+        assert self._recorder is not None
+        v = program.evaluate(t, y, self._recorder.interval, equations)
+        where = self.settler.text(self.mode)
+        check_agreement(equations, v, y[:nx], where)
+        jump = enter(equations, v, y[:nx], where=where)
+        if not jump.happened:
+            return y
+        return np.concatenate([jump.x, y[nx : nx + ns], y[nx + ns :]])
+
+    def _guarded(self, action: Callable[[], object]) -> Step:
+        try:
+            return action()  # type: ignore[return-value]
+        except StepFailure as error:
+            if error.component is not None:
+                error.where = self._component(error.component)
+            raise
+
+    def _component(self, k: int) -> str:
+        graph = self.program.graph
+        if k < len(graph.storages):
+            return graph.storages[k].path
+        k -= len(graph.storages)
+        return graph.integrals[k].path if k < len(graph.integrals) else "energy"
+
+    def _timed_cause(self, interval: Interval) -> Cause:
+        watched = any(interval.end in w.times for w in self.program.graph.watches)
+        return "time" if watched else "input"
+
+    def _close(self) -> None:
+        if self._recorder is not None:
+            if len(self._recorder.t) > 1 or not self.trace.segments:
+                self.trace.segments.append(self._recorder.segment())
+            self._recorder = None
+
+    # -- instants
+
+    def _settle(self, y: Vector, before: Interval, after: Interval, cause: Cause) -> Vector:
+        nx, ns = self.program.nx, self.program.ns
+        x, s = y[:nx].copy(), y[nx : nx + ns].copy()
+        settled = self.settler.settle(
+            self.t, x, s, self.mode, before, after, start=cause == "start"
+        )
+        if settled.steps:
+            event = event_of(self.t, cause, settled, x, s)
+            self.trace.events.append(event)
+        if len(self.trace.events) > self.limits.max_events:
+            raise NumericsError(
+                f"more than {self.limits.max_events} events by t = {self.t:.9g} s",
+                code="HB-N404",
+                where=self.settler.text(self.mode),
+                hint="look for chattering, or raise max_events",
+            )
+        self.mode = settled.mode
+        return np.concatenate([settled.x, settled.s, y[nx + ns :]])
+
+    def _accumulates(self) -> bool:
+        """Whether the last events follow each other ever faster and time has run out of room."""
+        events = self.trace.events
+        if len(events) < SHRINKING + 2:
+            return False
+        t = np.array([e.t for e in events[-SHRINKING - 1 :]])
+        gaps = np.diff(t)
+        room = REMAINING * max(abs(float(t[-1])), 1e-6 * self.limits.until)
+        if gaps.sum() <= room:
+            self.trace.accumulations.append(Accumulation(float(t[-1]), math.nan, len(events)))
+            self.trace.warn(
+                f"{SHRINKING} events within {gaps.sum():.3g} s at t = {t[-1]:.9g} s: the run stops"
+            )
+            return True
+        if not (gaps[1:] < gaps[:-1]).all():
+            return False
+        ratio = float(gaps[-1] / gaps[-2])
+        left = float(gaps[-1]) * ratio / (1.0 - ratio)
+        if left > room:
+            return False
+        limit = float(t[-1]) + left
+        self.trace.accumulations.append(Accumulation(limit, ratio, len(events)))
+        self.trace.warn(
+            f"events accumulate at t = {limit:.9g} s, intervals shrinking by {ratio:.6g}: "
+            "the run stops there"
+        )
+        return True
+

@@ -1,0 +1,249 @@
+"""Entering a mode: the jump that conserves state.
+
+    x+ = x + D nu,   nu such that   G z(x+) = c
+
+`D` spans the rates that impulses allowed by the power structure can make: an impulse may pass
+junctions, transformers (moduli held at their a priori values) and source bonds, but no storage
+takes one in its own variable, no resistor carries one. `G z = c` are the constraints of the power
+structure and the sources at the right limit. The areas `nu` sent through the junction structure
+are the impulses of every bond. Sources: Mosterman & Biswas 2002, section 3 (conservation of
+state); for linear storage this is the projection ``D (G H D)^-1 (c - G z)``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.leakage import least_leakage, null_space
+from hybond.equations.mode import ModeEquations, undetermined_names
+from hybond.errors import CausalityError, NumericsError
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+CONSISTENT = 1e-12
+"""A constraint is met if its residual is below this part of its terms."""
+AGREE = 1e-9
+"""Contradicting sources agree if they differ by less than this part of their values."""
+JUMP_STEPS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Jump:
+    """What entering a mode does.
+
+    Parameters
+    ----------
+    x : array, shape (storages,)
+        The a posteriori state; the same object as given if it was consistent.
+    impulses : array, shape (2 * bonds,)
+        Area of the impulse part of each effort and flow.
+    undetermined : tuple of str
+        Bond variables whose impulse is a share chosen by least leakage.
+    """
+
+    x: Vector
+    impulses: Vector
+    undetermined: tuple[str, ...]
+    happened: bool
+
+
+def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) -> Jump:
+    """Return the jump on entering a configuration with the a priori state `x`.
+
+    Parameters
+    ----------
+    equations : ModeEquations
+    v : list of float
+        Values: time and inputs at the right limit, bond variables and the second copy a priori.
+    x : array, shape (storages,)
+    where : str
+        The mode, for messages.
+
+    Raises
+    ------
+    CausalityError
+        HB-C104 if sources contradict each other.
+    NumericsError
+        HB-N303 if no jump meets the constraints, HB-N304 if Newton does not converge.
+    """
+    check_agreement(equations, v, x, where)
+    nothing = np.zeros(equations.tableau.unknowns)
+    problem = _Constraints(equations, v)
+    if problem.count == 0:
+        return Jump(x, nothing, (), happened=False)
+    residual, size = problem.residual(x)
+    if (np.abs(residual) <= CONSISTENT * size).all():
+        return Jump(x, nothing, (), happened=False)
+
+    directions = impulse_directions(equations, v)
+    rates = equations.storage.rates @ directions
+    moving, shares = _split(rates)
+    d = rates @ moving
+    nu = _newton(problem, x, d, where)
+    impulses = directions @ (moving @ nu)
+    free = directions @ shares
+    if free.shape[1]:
+        impulses = least_leakage(free, equations.junctions) @ impulses
+    names = tuple(undetermined_names(equations.graph, free)) if free.shape[1] else ()
+    return Jump(x + d @ nu, impulses, names, happened=True)
+
+
+def check_agreement(equations: ModeEquations, v: list[float], x: Vector, where: str) -> None:
+    """Refuse sources that prescribe one variable differently."""
+    if not equations.tableau.agreements:
+        return
+    xi = equations.knowns(v, x, rates=False)
+    first = equations.tableau.unknowns
+    for row in equations.tableau.agreements:
+        terms = {k: c * float(xi[k - first]) for k, c in row.items()}
+        total, size = sum(terms.values()), sum(abs(a) for a in terms.values())
+        if abs(total) <= AGREE * size:
+            continue
+        nz = len(equations.graph.storages)
+        sources = [equations.tableau.sources[k - first - nz] for k in sorted(row)]
+        names = " and ".join(
+            f"{equations.graph.nodes[s.node].kind} {equations.graph.nodes[s.node].path}"
+            for s in sources
+        )
+        raise CausalityError(
+            f"{names or 'the sources'} contradict each other in this mode: "
+            f"their values differ by {total:.6g} at t = {v[0]:.9g} s",
+            code="HB-C104",
+            where=where,
+            hint="put a resistor between them, or change the rule that switches them together",
+        )
+
+
+class _Constraints:
+    """``G z(x) - c``: the constraints of one configuration as a function of the state."""
+
+    def __init__(self, equations: ModeEquations, v: list[float]) -> None:
+        self.e = equations
+        self.v = list(v)
+        nk = equations.x1.shape[1]
+        first = equations.tableau.unknowns
+        rows = np.zeros((len(equations.tableau.constraints), nk))
+        for row, given in zip(rows, equations.tableau.constraints, strict=True):
+            for k, c in given.items():
+                row[k - first] = c
+        self.rows = rows
+        self.left = np.zeros((0, 0))
+        if equations.structure:
+            frozen = equations.frozen.at(v)
+            self.left = equations._split(v)[1]
+            self.two_port = frozen[equations.structure]
+            self.sourced = [
+                j
+                for j, k in enumerate(equations.structure)
+                if equations.graph.nodes[equations.rows[k].node].kind in ("Se", "Sf")
+            ]
+        self.count = len(rows) + self.left.shape[1]
+
+    def residual(self, x: Vector) -> tuple[Vector, Vector]:
+        """Return residuals and the size of their terms, each of shape (count,)."""
+        e = self.e
+        v = self.v
+        v[e.slots.x] = x.tolist()
+        xi = e.knowns(v, x, rates=False)
+        value, size = self.rows @ xi, np.abs(self.rows) @ np.abs(xi)
+        if self.left.shape[1]:
+            w = e.x1 @ xi
+            f = self.two_port @ w
+            terms = np.abs(self.two_port) @ (np.abs(e.x1) @ np.abs(xi))
+            if self.sourced:
+                # a controlled source is read at the state tried; two-ports keep their moduli
+                v[e.slots.w] = w.tolist()
+                for j in self.sourced:
+                    f[j] = e.values[e.structure[j]](v)
+                    terms[j] += abs(f[j])
+            value = np.concatenate([value, self.left.T @ f])
+            size = np.concatenate([size, np.abs(self.left.T) @ terms])
+        return value, size
+
+    def slope(self, x: Vector, d: Matrix) -> Matrix:
+        """Return the derivative of the residual by the areas, shape (count, areas)."""
+        e = self.e
+        if not e.storage.laws and not e.source_values and not (
+            self.left.shape[1] and self.sourced
+        ):
+            known = self.rows
+            if self.left.shape[1]:
+                known = np.vstack([known, self.left.T @ (self.two_port @ e.x1)])
+            return np.asarray(known[:, : len(x)] @ e.storage.matrix @ d)
+        # nonlinear storage or controlled sources: a difference quotient is a good enough slope,
+        # because the residual decides when Newton ends
+        base, _ = self.residual(x)
+        columns = []
+        for j in range(d.shape[1]):
+            reach = np.abs(d[:, j]).max()
+            step = 1e-7 * max(float(np.abs(x).max(initial=0.0)), 1e-6) / reach
+            ahead, _ = self.residual(x + step * d[:, j])
+            columns.append((ahead - base) / step)
+        return np.array(columns).reshape(d.shape[1], len(base)).T
+
+
+def impulse_directions(equations: ModeEquations, v: list[float]) -> Matrix:
+    """Return all impulses that the power structure allows, shape (2 * bonds, k), as columns."""
+    rows: list[Vector] = []
+    if equations.rows:
+        frozen = equations.frozen.at(v)
+        for k, row in enumerate(equations.rows):
+            if row.kind == "hidden":
+                continue
+            if row.impulse_free:
+                for name in row.impulse_free:
+                    unit = np.zeros(equations.tableau.unknowns)
+                    unit[equations.slots.index[name] - equations.slots.w.start] = 1.0
+                    rows.append(unit)
+            else:
+                rows.append(frozen[k])
+    if not rows:
+        return equations.n1
+    return np.asarray(equations.n1 @ null_space(np.array(rows) @ equations.n1))
+
+
+def _split(rates: Matrix) -> tuple[Matrix, Matrix]:
+    """Return combinations of impulses that move the state, and those that are only shares."""
+    if rates.shape[1] == 0:
+        return np.eye(0), np.eye(0)
+    _, values, vt = np.linalg.svd(rates)
+    rank = int((values > 1e-10 * max(float(values.max(initial=0.0)), 1e-300)).sum())
+    return vt[:rank].T, vt[rank:].T
+
+
+def _newton(problem: _Constraints, x: Vector, d: Matrix, where: str) -> Vector:
+    nu = np.zeros(d.shape[1])
+    best = np.inf
+    for _ in range(JUMP_STEPS):
+        here = x + d @ nu
+        residual, size = problem.residual(here)
+        slope = problem.slope(here, d)
+        rank = np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0)) if slope.size else 0
+        step, *_ = np.linalg.lstsq(slope, residual, rcond=1e-12)
+        worst = float((np.abs(residual) / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
+        if worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best):
+            return nu
+        if rank < problem.count and float(
+            np.abs(residual - slope @ step).max(initial=0.0)
+        ) > 1e-9 * float(size.max(initial=0.0)):
+            raise NumericsError(
+                "no redistribution of what is stored meets the constraints of this mode",
+                code="HB-N303",
+                where=where,
+                hint="a controlled source opposes them, or storage is missing where one is closed",
+            )
+        best = min(best, worst)
+        nu = nu - step
+    residual, size = problem.residual(x + d @ nu)
+    if (np.abs(residual) <= 1e-9 * size).all():
+        return nu
+    raise NumericsError(
+        "the jump into this mode does not converge",
+        code="HB-N304",
+        where=where,
+        hint="check the nonlinear storage laws for jumps or flat parts",
+    )

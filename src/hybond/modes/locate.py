@@ -1,0 +1,237 @@
+"""Locating guards inside a step, on the solver's own interpolant.
+
+A guard is a level: none that leaves the current state is true when a step begins. Within a step
+its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
+guard itself is asked, so that an even number of crossings or a touch is not lost. The instant
+returned is the first at which the guard holds, found on the comparison that made it true
+(Illinois method) and confirmed by the same test, rounding included, that settling applies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.mode import ModeEquations
+from hybond.model.expressions import (
+    Binary, Compare, Expr, Pre, comparisons, transform,
+)
+from hybond.model.graph import Mode, Rule
+from hybond.modes.settle import Settler
+from hybond.modes.dirac import Pair
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.solvers import Step
+
+Vector = NDArray[np.float64]
+Sampler = Callable[[float], Vector]
+
+SAMPLES = 8
+"""Points per step at which guards are sampled."""
+SEARCH = 40
+"""Most iterations of one root or extremum search."""
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """The guards that may leave the current mode.
+
+    `atoms` are the differences of their comparisons, over floats and over arrays.
+    """
+
+    rules: tuple[Rule, ...]
+    tests: tuple[Callable[[Sequence[float]], bool], ...]
+    atoms: tuple[tuple[Callable[[Sequence[float]], float], ...], ...]
+    arrays: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...]
+    array_tests: tuple[Callable[[Sequence[Vector]], Vector], ...]
+
+
+def watch(program: Program, mode: Mode) -> Watched:
+    """Compile the guards that leave `mode`; while time passes, ``pre(a)`` is ``a``."""
+    rules = [
+        rule
+        for m, k in zip(program.graph.machines, mode, strict=True)
+        for rule in m.rules
+        if rule.source == k
+    ]
+    guards = [transform(r.guard, _without_pre) for r in rules]
+    differences = [
+        [Binary("-", c.left, c.right) for c in comparisons(g) if isinstance(c, Compare)]
+        for g in guards
+    ]
+    return Watched(
+        tuple(rules),
+        tuple(program.compile(g) for g in guards),
+        tuple(tuple(program.compile(d) for d in ds) for ds in differences),
+        tuple(tuple(program.compile_arrays(d) for d in ds) for ds in differences),
+        tuple(program.compile_arrays(g) for g in guards),
+    )
+
+
+def _without_pre(e: Expr) -> Expr:
+    return e.arg if isinstance(e, Pre) else e
+
+
+@dataclass(slots=True)
+class Locator:
+    """Finds the first instant of a step at which a guard holds."""
+
+    program: Program
+    settler: Settler
+    equations: ModeEquations
+    interval: Interval
+    watched: Watched
+
+    def first(self, step: Step) -> float | None:
+        """Return the first instant in ``(t0, t1]`` at which a guard holds, or None."""
+        if not self.watched.rules:
+            return None
+        t = step.t0 + (step.t1 - step.t0) * np.arange(SAMPLES + 1) / SAMPLES
+        t[-1] = step.t1
+        y = np.array([step.y0, *(step.interpolant(a) for a in t[1:-1]), step.y1])
+        values = self.program.evaluate_many(t, y, self.interval, self.equations)
+        found: float | None = None
+        for k in range(len(self.watched.rules)):
+            at = self._of_rule(k, step, t, values, found)
+            if at is not None and (found is None or at < found):
+                found = at
+        return found
+
+    def _of_rule(
+        self, k: int, step: Step, t: Vector, values: Vector, before: float | None
+    ) -> float | None:
+        columns = list(values)
+        truth = np.broadcast_to(np.asarray(self.watched.array_tests[k](columns), dtype=bool), t.shape)
+        atoms = [np.broadcast_to(f(columns), t.shape) for f in self.watched.arrays[k]]
+        candidates = set(t[1:][truth[1:]].tolist())
+        for j, d in enumerate(atoms):
+            candidates.update(self._extrema(k, j, step, t, d))
+        if len(atoms) > 1:
+            # a window between two crossings may be narrower than the sampling
+            for j, d in enumerate(atoms):
+                for i in np.flatnonzero(np.sign(d[:-1]) * np.sign(d[1:]) < 0):
+                    low, high = self._root(k, j, step, float(t[i]), float(t[i + 1]))
+                    candidates.update((low, high))
+        for c in sorted(candidates):
+            if before is not None and c > before:
+                break
+            if c > step.t0 and self._test(k, step, c):
+                low = max([step.t0, *(a for a in (*t.tolist(), *candidates) if a < c)])
+                return self._bracket(k, step, low, c)
+        return None
+
+    def _values(self, step: Step, t: float) -> list[float]:
+        y = step.y1 if t == step.t1 else step.y0 if t == step.t0 else step.interpolant(t)
+        return self.program.evaluate(t, np.asarray(y), self.interval, self.equations)
+
+    def _atom(self, k: int, j: int, step: Step, t: float) -> float:
+        return float(self.watched.atoms[k][j](self._values(step, t)))
+
+    def _test(self, k: int, step: Step, t: float) -> bool:
+        """Ask the guard as settling will: with rounding counted as zero."""
+        y = step.y1 if t == step.t1 else step.interpolant(t)
+        return self.holds(self.watched.rules[k], t, np.asarray(y))
+
+    def holds(self, rule: Rule, t: float, y: Vector) -> bool:
+        """Return the truth of a guard at a point of the motion."""
+        return self.settler.holds(rule, self.pairs(t, y), rule.text)
+
+    def pairs(self, t: float, y: Vector) -> list[Pair]:
+        """Return all signals at a point of the motion; nothing jumps there."""
+        program = self.program
+        nx, ns = program.nx, program.ns
+        v = program.values(t, self.interval, self.equations.mode, y[:nx], y[nx : nx + ns])
+        solution = self.equations.solution(v, y[:nx])
+        n = program.slots.size
+        size = [abs(a) for a in v[:n]]
+        size[program.slots.w] = solution.size.tolist()
+        now = [Pair(a, 0.0, a, b, 0.0) for a, b in zip(v, size, strict=False)]
+        return now + now
+
+    def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector) -> list[float]:
+        """Return extrema of an atom that reach, or nearly reach, zero between samples."""
+        found = []
+        size = np.abs(d)
+        for i in range(1, len(t) - 1):
+            toward = size[i] <= size[i - 1] and size[i] <= size[i + 1]
+            same = d[i - 1] * d[i] > 0 and d[i] * d[i + 1] > 0
+            if not (toward and same):
+                continue
+            spread = max(size[i - 1], size[i + 1]) - size[i]
+            # a parabola through the samples cannot dip by more than this
+            if size[i] > 2.0 * spread:
+                continue
+            found += self._dip(k, j, step, float(t[i - 1]), float(t[i + 1]), math.copysign(1.0, d[i]))
+        return found
+
+    def _dip(self, k: int, j: int, step: Step, low: float, high: float, sign: float) -> list[float]:
+        """Return the instant where ``sign * atom`` is least (golden section), if near zero."""
+        ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+        a, b = low, high
+        c, d = b - ratio * (b - a), a + ratio * (b - a)
+        fc, fd = (sign * self._atom(k, j, step, x) for x in (c, d))
+        for _ in range(SEARCH):
+            if min(fc, fd) <= 0.0:
+                return [c if fc <= fd else d]
+            if fc < fd:
+                b, d, fd = d, c, fc
+                c = b - ratio * (b - a)
+                fc = sign * self._atom(k, j, step, c)
+            else:
+                a, c, fc = c, d, fd
+                d = a + ratio * (b - a)
+                fd = sign * self._atom(k, j, step, d)
+        return [c if fc <= fd else d]
+
+    def _root(self, k: int, j: int, step: Step, low: float, high: float) -> tuple[float, float]:
+        """Return a bracket of the sign change of an atom, a few units in the last place wide."""
+        a, b = low, high
+        fa, fb = self._atom(k, j, step, a), self._atom(k, j, step, b)
+        if fa == 0.0 or fa * fb > 0.0:
+            return low, high
+        side = 0
+        wide = 4.0 * np.spacing(max(abs(low), abs(high)))
+        for _ in range(SEARCH):
+            if b - a <= wide or fb == 0.0:
+                break
+            c = b - fb * (b - a) / (fb - fa)
+            # a step off either end keeps the bracket shrinking from both sides
+            c = min(max(c, a + 0.25 * wide), b - 0.25 * wide)
+            fc = self._atom(k, j, step, c)
+            if fc * fb > 0.0 or fc == 0.0:
+                b, fb = c, fc
+                fa = 0.5 * fa if side > 0 else fa
+                side = 1
+            else:
+                a, fa = c, fc
+                fb = 0.5 * fb if side < 0 else fb
+                side = -1
+        return a, b
+
+    def _bracket(self, k: int, step: Step, low: float, high: float) -> float:
+        """Return the first instant in ``(low, high]`` at which guard k holds."""
+        before, after = self._values(step, low), self._values(step, high)
+        turned = [
+            j
+            for j, f in enumerate(self.watched.atoms[k])
+            if (f(before) > 0.0) != (f(after) > 0.0) or f(before) * f(after) == 0.0
+        ]
+        if len(turned) == 1:
+            a, b = self._root(k, turned[0], step, low, high)
+            # the guard holds a little after the root where it is strict or rounding hides it
+            reach = max(b - a, float(np.spacing(b)))
+            while b < high:
+                if self._test(k, step, b):
+                    return b
+                b, reach = b + reach, 2.0 * reach
+            return high
+        wide = 4.0 * float(np.spacing(max(abs(low), abs(high))))
+        while high - low > wide:
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self._test(k, step, middle) else (middle, high)
+        return high
+

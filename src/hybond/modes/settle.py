@@ -1,0 +1,466 @@
+"""Mode selection at one instant: mythical modes, pinnacles, divergence of time.
+
+The algorithm (Mosterman & Biswas 2002, eq. 18 and Algorithms 2 and 3; steps marked * are ours)::
+
+    settle(x, mode, u-, u+):             # inputs at the left and right limits of the instant
+      pre <- all signals at (x, mode, u-)          # frozen until x is written; at the start u- = u+
+      x+ <- g_mode(x; pre, u+)           # * is x, bit for bit, if x is consistent: covers an
+                                         #   inconsistent start, and a source step onto a storage
+      repeat                             # outer loop, real modes: they write the state
+        fired <- no
+        repeat                           # inner loop, mythical modes: they do not
+          s+ <- signals in mode at (x+, u+): impulses from x+ - x, finite parts right limits *
+          T  <- the first enabled transition of each machine under (pre, s+)
+          if T is empty: leave the inner loop
+          mode <- T(mode);  x+ <- g_mode(x; pre, u+);  fired <- yes    # ALWAYS from the same x
+        if not fired and x+ = x: return x, mode
+        x <- x+;  pre <- the signals that have a value at (x, mode, u+)     # g is not applied again
+
+A mode left in the inner loop is *mythical*; one that was written and then left is a *pinnacle*;
+the last is *continuous*. All machines fire together. If the same ``(mode, x, x+, pre)`` returns at
+one instant, nothing can ever change: time cannot advance, and the loop is reported as a cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.mode import ModeEquations, undetermined_names
+from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
+from hybond.model.expressions import compile_expression
+from hybond.model.fieldless import reads_pre
+from hybond.model.graph import FlatGraph, Machine, Mode, Rule
+from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair
+from hybond.modes.jump import Jump, enter
+from hybond.modes.signals import impulse_floor, named_rows
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.trace import Energy, Event, Fired, Step, Trace
+
+Vector = NDArray[np.float64]
+Guard = Callable[[Sequence[Pair]], bool]
+
+
+@dataclass(slots=True)
+class _Trial:
+    """A mode being tried: its equations, its jump, and the signals that follow."""
+
+    mode: Mode
+    equations: ModeEquations
+    jump: Jump
+    s: Vector
+    v: list[float]
+    pairs: list[Pair]
+    floor: Vector
+    freedom: Vector
+    undetermined: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """Where an instant ends: the state and mode that time goes on from."""
+
+    x: Vector
+    s: Vector
+    mode: Mode
+    steps: tuple[Step, ...]
+
+
+class Settler:
+    """Settles modes for one program.
+
+    Parameters
+    ----------
+    program : Program
+    trace : Trace
+        Takes the warnings.
+    max_writes : int
+        State writes at one instant after which the run stops.
+    """
+
+    def __init__(self, program: Program, trace: Trace, *, max_writes: int = 1000) -> None:
+        self.program = program
+        self.graph: FlatGraph = program.graph
+        self.trace = trace
+        self.max_writes = max_writes
+        self.named = named_rows(self.graph)
+        slots = program.slots
+        self._guards: dict[Rule, Guard] = {}
+        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], Pair]]]] = {}
+        self._offset = slots.size
+        self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
+        self._rates = [
+            compile_expression(i.rate, slots.index, DIRAC, pre_offset=slots.size)
+            for i in self.graph.integrals
+        ]
+
+    # -- the algorithm
+
+    def settle(
+        self, t: float, x: Vector, s: Vector, mode: Mode, before: Interval, after: Interval,
+        *, start: bool = False,
+    ) -> Settled:
+        """Return the state and mode in which time goes on from `t`.
+
+        Raises
+        ------
+        DivergenceOfTime
+            HB-N401, with the cycle.
+        NumericsError
+            HB-N402 after `max_writes` writes, HB-N403 if the last mode is fieldless.
+        ModelError
+            HB-D101 arithmetic on impulses without meaning, HB-D102 a guard on an undetermined
+            signal.
+        """
+        steps: list[Step] = []
+        entered: tuple[Fired, ...] = ()
+        pre = self._a_priori(t, x, s, mode, before)
+        trial = self._try(t, x, s, mode, after, pre, jump=True)
+        seen: dict[tuple[object, ...], int] = {}
+        history: list[tuple[Mode, tuple[Fired, ...]]] = []
+        written = -1  # index in steps of the last written mode
+        writes = 0
+        while True:
+            fired_any = False
+            while True:
+                fired, target = self._enabled(trial, t)
+                self._look_for_cycle(t, x, s, trial, pre, seen, history, entered)
+                if not fired:
+                    break
+                if fired_any or trial.jump.happened or (start and not steps):
+                    steps.append(self._record(trial, x, entered, "mythical"))
+                elif written >= 0:
+                    steps[written] = replace(steps[written], kind="pinnacle")
+                trial = self._try(t, x, s, target, after, pre, jump=True)
+                entered, fired_any = fired, True
+            moved = trial.jump.happened
+            if not fired_any and not moved:
+                break
+            writes += 1
+            if writes > self.max_writes:
+                raise self._collapse(t, trial)
+            steps.append(self._record(trial, x, entered, "continuous"))
+            written = len(steps) - 1
+            entered = ()
+            x, s, mode = trial.jump.x, trial.s, trial.mode
+            trial = self._try(t, x, s, mode, after, pre, jump=False)
+            pre = trial.v[: self._offset]
+            trial = self._try(t, x, s, mode, after, pre, jump=False)
+        if self.program.fieldless(trial.mode):
+            raise self._ends_fieldless(t, trial.mode)
+        if not steps and start:
+            steps.append(self._record(trial, x, (), "continuous"))
+        if trial.undetermined:
+            self.trace.warn(
+                f"in mode ({self.text(trial.mode)}) the equations leave "
+                f"{', '.join(trial.undetermined)} open; least leakage decides"
+            )
+        return Settled(x, s, trial.mode, tuple(steps))
+
+    # -- signals
+
+    def _a_priori(
+        self, t: float, x: Vector, s: Vector, mode: Mode, before: Interval
+    ) -> list[float]:
+        equations = self.program.equations(mode, before, t)
+        v = self.program.values(t, before, mode, x, s)
+        equations.solve(v, x)
+        self._store(v, equations, x)
+        return v[: self._offset]
+
+    def _store(self, v: list[float], equations: ModeEquations, x: Vector) -> None:
+        """Let storages read what they store, even if the state is not consistent yet."""
+        z = equations.storage.co_energy(x)
+        start = self.program.slots.w.start
+        bonds = len(self.graph.bonds)
+        for k in self.graph.storages:
+            at = k.bond if k.kind == "C" else bonds + k.bond
+            v[start + at] = float(z[k.index]) * (1 if k.kind == "C" else k.sign)
+
+    def _try(
+        self, t: float, x: Vector, s: Vector, mode: Mode, after: Interval, pre: list[float],
+        *, jump: bool,
+    ) -> _Trial:
+        """Enter `mode` from the state x; without `jump`, stay on x."""
+        program = self.program
+        equations = program.equations(mode, after, t)
+        v = program.values(t, after, mode, x, s)
+        v[self._offset :] = pre
+        v[program.slots.w] = pre[program.slots.w]
+        nothing = np.zeros(equations.tableau.unknowns)
+        done = Jump(x, nothing, (), happened=False)
+        if jump:
+            done = enter(equations, v, x, where=self.text(mode))
+        floor = impulse_floor(self.graph, done.impulses, x, done.x, IMPULSE_RTOL)
+        pairs = self._pairs(equations, v, done, s, pre, floor)
+        landed = s
+        if done.happened and self._rates:
+            areas = np.array([self._area(f, pairs) for f in self._rates])
+            if areas.any():
+                landed = s + areas
+                pairs = self._pairs(equations, v, done, landed, pre, floor)
+        solution = equations.solution(v, done.x)
+        names = tuple(undetermined_names(self.graph, solution.freedom))
+        return _Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
+
+    def _area(self, rate: Callable[[Sequence[Pair]], object], pairs: list[Pair]) -> float:
+        value = rate(pairs)
+        return value.impulse if isinstance(value, Pair) and value.impulsive else 0.0
+
+    def _pairs(
+        self, equations: ModeEquations, v: list[float], jump: Jump, s: Vector, pre: list[float],
+        floor: Vector,
+    ) -> list[Pair]:
+        slots = self.program.slots
+        v[slots.x] = jump.x.tolist()
+        v[slots.s] = s.tolist()
+        solution = equations.solution(v, jump.x)
+        size = [abs(a) for a in v[: self._offset]]
+        size[slots.w] = solution.size.tolist()
+        impulse = [0.0] * self._offset
+        if jump.happened:
+            impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()
+        now = [
+            Pair(a, p, b, c, abs(p))
+            for a, p, b, c in zip(v, impulse, pre, size, strict=False)
+        ]
+        return now + [Pair(b, 0.0, b, max(abs(b), c), 0.0) for b, c in zip(pre, size, strict=True)]
+
+    # -- transitions
+
+    def _guard(self, rule: Rule) -> Guard:
+        found = self._guards.get(rule)
+        if found is None:
+            slots = self.program.slots
+            found = compile_expression(rule.guard, slots.index, DIRAC, pre_offset=slots.size)
+            self._guards[rule] = found
+        return found
+
+    def holds(self, rule: Rule, pairs: Sequence[Pair], where: str = "") -> bool:
+        """Return the truth of a guard, with the place added to a refusal."""
+        try:
+            return bool(self._guard(rule)(pairs))
+        except ModelError as error:
+            error.where = where or rule.text
+            error.why = f"{error.why} (in the guard {rule.text!r})"
+            raise
+
+    def _enabled(self, trial: _Trial, t: float) -> tuple[tuple[Fired, ...], Mode]:
+        target = list(trial.mode)
+        fired: list[Fired] = []
+        for machine in self.graph.machines:
+            chosen: Rule | None = None
+            others: list[str] = []
+            for rule in machine.rules:
+                if rule.source != trial.mode[machine.index]:
+                    continue
+                if trial.freedom.shape[1]:
+                    self._refuse_indeterminate(rule, machine, trial, t)
+                where = f"{machine.path} at t = {t:.9g} s"
+                if self.holds(rule, trial.pairs, where):
+                    if chosen is None:
+                        chosen = rule
+                    else:
+                        others.append(rule.text)
+            if chosen is not None:
+                target[machine.index] = chosen.target
+                fired.append(self._fired(machine, chosen, trial.pairs, tuple(others)))
+        return tuple(fired), tuple(target)
+
+    def _fired(
+        self, machine: Machine, rule: Rule, pairs: Sequence[Pair], others: tuple[str, ...]
+    ) -> Fired:
+        if rule not in self._reads:
+            slots = self.program.slots
+            self._reads[rule] = [
+                (name, compile_expression(e, slots.index, DIRAC, pre_offset=slots.size))
+                for name, e in rule.reads
+            ]
+        values, impulses = {}, {}
+        for name, f in self._reads[rule]:
+            pair = f(pairs)
+            if isinstance(pair, Pair):
+                values[name] = pair.finite
+                if pair.impulsive:
+                    impulses[name] = pair.impulse
+            else:
+                values[name] = float(pair)
+        return Fired(
+            machine.path, machine.states[rule.source], machine.states[rule.target], rule.text,
+            values, impulses, others,
+        )
+
+    def _refuse_indeterminate(
+        self, rule: Rule, machine: Machine, trial: _Trial, t: float
+    ) -> None:
+        """Refuse a guard whose truth depends on what the equations leave open."""
+        slots = self.program.slots
+        guard = self.program.compile(rule.guard)
+        if any(p.impulsive for p in trial.pairs[slots.w]):
+            return
+        reach = 1e3 * max(1.0, max((abs(a) for a in trial.v[slots.w]), default=1.0))
+        base = np.array(trial.v[slots.w])
+        truths = set()
+        for direction in trial.freedom.T:
+            for k in (-reach, 0.0, reach):
+                v = list(trial.v)
+                v[slots.w] = (base + k * direction).tolist()
+                truths.add(bool(guard(v)))
+        if len(truths) < 2:
+            return
+        names = ", ".join(trial.undetermined)
+        text = (
+            f"the guard {rule.text!r} depends on what the equations leave open in mode "
+            f"({self.text(trial.mode)}): {names}"
+        )
+        if self.graph.indeterminate == "least leakage":
+            self.trace.warn(f"{text}; least leakage decides, as the model asks")
+            return
+        raise ModelError(
+            text,
+            code="HB-D102",
+            where=f"{machine.path} at t = {t:.9g} s",
+            hint='add a resistor that decides it, or set indeterminate = "least leakage"',
+        )
+
+    # -- records
+
+    def _record(
+        self, trial: _Trial, x: Vector, fired: tuple[Fired, ...], kind: str
+    ) -> Step:
+        jump = trial.jump
+        energy: Energy | None = None
+        exchanged: dict[str, float] = {}
+        impulses: dict[str, float] = {}
+        storage = trial.equations.storage
+        if jump.happened:
+            impulses = self.named.of(
+                np.where(np.abs(jump.impulses) > trial.floor, jump.impulses, 0.0), trial.floor
+            )
+            before, after = storage.energy(x), storage.energy(jump.x)
+            source = self._source_work(trial)
+            energy = Energy(before, after, source, before + source - after)
+            exchanged = self._exchanged(trial)
+        elif kind == "continuous":
+            stored = storage.energy(x)
+            energy = Energy(stored, stored, 0.0, 0.0)
+        return Step(
+            trial.mode,
+            "mythical" if kind == "mythical" else "continuous",
+            fired,
+            impulses,
+            energy,
+            tuple(dict.fromkeys((*trial.undetermined, *jump.undetermined))),
+            exchanged,
+        )
+
+    def _source_work(self, trial: _Trial) -> float:
+        """Impulse times the source's own value at the right limit; impact rows are no source."""
+        slots = self.program.slots
+        w = np.array(trial.v[slots.w])
+        bonds = len(self.graph.bonds)
+        total = 0.0
+        for node in self.graph.nodes:
+            if node.kind not in ("Se", "Sf") or node.index in self._impact or node.domain.pseudo:
+                continue
+            end = node.ends[0]
+            own, other = (0, bonds) if node.kind == "Se" else (bonds, 0)
+            total -= end.sign * float(w[own + end.bond] * trial.jump.impulses[other + end.bond])
+        return total
+
+    def _exchanged(self, trial: _Trial) -> dict[str, float]:
+        """Return what passed through source bonds and bonds of OFF junctions."""
+        bonds = len(self.graph.bonds)
+        off = self.graph.off_nodes(trial.mode)
+        found = {}
+        for node in self.graph.nodes:
+            if node.kind == "Se" or (node.kind == "0" and node.index in off):
+                shift, variable = bonds, "f"
+            elif node.kind == "Sf" or (node.kind == "1" and node.index in off):
+                shift, variable = 0, "e"
+            else:
+                continue
+            for end in node.ends:
+                area = float(trial.jump.impulses[shift + end.bond])
+                if abs(area) > trial.floor[shift + end.bond]:
+                    found[f'"{self.graph.bonds[end.bond].name}".{variable}'] = area
+        return found
+
+    # -- refusals
+
+    def _look_for_cycle(
+        self, t: float, x: Vector, s: Vector, trial: _Trial, pre: list[float],
+        seen: dict[tuple[object, ...], int],
+        history: list[tuple[Mode, tuple[Fired, ...]]], entered: tuple[Fired, ...],
+    ) -> None:
+        key = (
+            trial.mode, x.tobytes(), trial.jump.x.tobytes(), s.tobytes(), trial.s.tobytes(),
+            trial.jump.happened, tuple(pre),
+        )
+        history.append((trial.mode, entered))
+        if key not in seen:
+            seen[key] = len(history) - 1
+            return
+        cycle = history[seen[key] :]
+        lines = []
+        for mode, fired in cycle:
+            why = "; ".join(_fired_text(f) for f in fired)
+            lines.append(f"({self.text(mode)})" + (f" by {why}" if why else ""))
+        raise DivergenceOfTime(
+            f"time cannot advance at t = {t:.9g} s: the modes "
+            + " -> ".join(lines)
+            + " follow each other without end",
+            code="HB-N401",
+            where=self.text(trial.mode),
+            hint="make the guards of the cycle exclude each other for this state, for instance "
+            "with a threshold on pre() of a stored quantity",
+        )
+
+    def _collapse(self, t: float, trial: _Trial) -> HybondError:
+        return NumericsError(
+            f"{self.max_writes} state writes at t = {t:.9g} s and still no mode to stay in",
+            code="HB-N402",
+            where=self.text(trial.mode),
+            hint="an inelastic collapse: make the contact plastic below a speed",
+        )
+
+    def _ends_fieldless(self, t: float, mode: Mode) -> HybondError:
+        return NumericsError(
+            f"the mode ({self.text(mode)}) holds at an instant only (one of its laws reads pre()) "
+            f"but no guard leaves it at t = {t:.9g} s",
+            code="HB-N403",
+            where=self.text(mode),
+            hint="its exit must be true for the state that the jump wrote, such as "
+            "pre(a.f) <= pre(b.f) after an impact",
+        )
+
+    def text(self, mode: Mode) -> str:
+        """Return a mode as written in tables: the machines' states."""
+        return ", ".join(
+            m.states[k] for m, k in zip(self.graph.machines, mode, strict=True)
+        ) or "the only mode"
+
+
+def _fired_text(fired: Fired) -> str:
+    values = ", ".join(
+        f"{k} = {fired.impulses[k]:.6g} δ" if k in fired.impulses else f"{k} = {a:.6g}"
+        for k, a in fired.values.items()
+    )
+    return f"{fired.machine}: {fired.guard}" + (f" [{values}]" if values else "")
+
+
+def event_of(
+    t: float, cause: str, settled: Settled, x: Vector, s: Vector
+) -> Event:
+    """Return the record of a settled instant."""
+    return Event(
+        t,
+        cause,  # type: ignore[arg-type]
+        settled.steps,
+        np.concatenate([x, s]),
+        np.concatenate([settled.x, settled.s]),
+    )

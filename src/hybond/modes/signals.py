@@ -1,0 +1,95 @@
+"""The signals that records name: what a person calls the variables of a graph."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.model.graph import FlatGraph
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class NamedRows:
+    """Signals that are signed sums of bond variables.
+
+    Parameters
+    ----------
+    names : tuple of str
+        ``x.e``, ``x.f`` of one-ports, the common variable of junctions, and the net variable of
+        controlled ones.
+    matrix : array, shape (names, 2 * bonds)
+    """
+
+    names: tuple[str, ...]
+    matrix: Vector
+
+    def of(self, w: Vector, floor: Vector) -> dict[str, float]:
+        """Return the signals of `w` that stand out of `floor`, shape (2 * bonds,), by name."""
+        values = self.matrix @ w
+        limits = np.abs(self.matrix) @ floor
+        return {
+            name: float(a)
+            for name, a, b in zip(self.names, values, limits, strict=True)
+            if abs(a) > b
+        }
+
+
+def named_rows(graph: FlatGraph) -> NamedRows:
+    """Return the named signals of a graph."""
+    bonds = len(graph.bonds)
+    names: list[str] = []
+    rows: list[Vector] = []
+
+    def add(name: str, terms: list[tuple[int, float]]) -> None:
+        row = np.zeros(2 * bonds)
+        for k, sign in terms:
+            row[k] += sign
+        names.append(name)
+        rows.append(row)
+
+    for node in graph.nodes:
+        if node.hidden or not node.ends:
+            continue
+        if node.is_junction:
+            common, other = ("e", "f") if node.kind == "0" else ("f", "e")
+            first = 0 if common == "e" else bonds
+            add(f"{node.path}.{common}", [(first + node.ends[0].bond, 1.0)])
+            if node.controlled:
+                net = [(bonds - first + end.bond, float(end.sign)) for end in node.ends]
+                add(f"{node.path}.{other}", net)
+            continue
+        for end in node.ends:
+            port = f".{end.port + 1}" if len(node.ends) > 1 else ""
+            add(f"{node.path}{port}.e", [(end.bond, 1.0)])
+            add(f"{node.path}{port}.f", [(bonds + end.bond, 1.0)])
+    return NamedRows(tuple(names), np.array(rows).reshape(len(names), 2 * bonds))
+
+
+def impulse_floor(graph: FlatGraph, impulses: Vector, x: Vector, after: Vector, rtol: float) -> Vector:
+    """Return the size below which each bond variable's impulse counts as zero.
+
+    ``rtol * S``, S the largest stored quantity of its kind (momentum for efforts, displacement
+    for flows) in the bond's domain, or the largest such impulse if nothing is stored there.
+    """
+    bonds = len(graph.bonds)
+    largest: dict[tuple[str, int], float] = {}
+
+    def note(domain: str, kind: int, value: float) -> None:
+        largest[domain, kind] = max(largest.get((domain, kind), 0.0), abs(value))
+
+    for s in graph.storages:
+        domain = graph.bonds[s.bond].domain.name
+        kind = 0 if s.kind == "I" else 1
+        note(domain, kind, float(x[s.index]))
+        note(domain, kind, float(after[s.index]))
+    for b in graph.bonds:
+        note(b.domain.name, 0, float(impulses[b.index]))
+        note(b.domain.name, 1, float(impulses[bonds + b.index]))
+    return rtol * np.array(
+        [largest[b.domain.name, 0] for b in graph.bonds]
+        + [largest[b.domain.name, 1] for b in graph.bonds]
+    )

@@ -1,0 +1,31 @@
+"""Names: dotted paths and "did you mean"."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
+    """Return a remedy that lists the known names nearest to `name`.
+
+    Examples
+    --------
+    >>> did_you_mean("bal.p", ["ball.p", "ball.f", "time"])
+    "did you mean 'ball.p', 'ball.f'?"
+    >>> did_you_mean("zzz", ["ball", "pad"])
+    'known names: ball, pad'
+    """
+    choices = list(known)
+    near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
+    if near:
+        return "did you mean " + ", ".join(repr(n) for n in near) + "?"
+    if not choices:
+        return ""
+    shown = ", ".join(sorted(choices)[:12])
+    return f"known names: {shown}" + (", ..." if len(choices) > 12 else "")
+
+
+def join(*parts: str) -> str:
+    """Join the parts of a dotted path, leaving out empty ones."""
+    return ".".join(p for p in parts if p)

@@ -1,0 +1,226 @@
+"""`Program`: a flat graph made runnable, mode by mode, as modes are entered."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.mode import ModeEquations, prepare
+from hybond.equations.slots import Slots, slots_of
+from hybond.equations.tableau import build
+from hybond.model.expressions import ARRAYS, Expr, compile_expression
+from hybond.model.fieldless import fieldless_laws
+from hybond.model.graph import FlatGraph, Mode
+from hybond.programs.interval import Interval, discrete_names, discrete_values
+
+Vector = NDArray[np.float64]
+Field = Callable[[float, Vector], Vector]
+KEPT = 512
+"""Configurations kept; the least recently used is forgotten first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PowerMeter:
+    """Where power enters and leaves: index pairs of bond variables and signs.
+
+    `supplied` are source bonds (power out of the source), `dissipated` resistor ports.
+    """
+
+    supplied: tuple[NDArray[np.intp], NDArray[np.intp], Vector]
+    dissipated: tuple[NDArray[np.intp], NDArray[np.intp], Vector]
+
+    def read(self, w: Vector) -> tuple[float, float]:
+        """Return power supplied and power dissipated, W."""
+        e, f, sign = self.supplied
+        supplied = float((w[e] * w[f]) @ sign)
+        e, f, sign = self.dissipated
+        return supplied, float((w[e] * w[f]) @ sign)
+
+
+class Program:
+    """The equations of a graph in the modes entered so far.
+
+    The vector of values `v` has two copies of the slots of `equations.slots`: current values,
+    then a priori values. A state vector `y` is stored quantities, integrated signals, energy
+    supplied, energy dissipated.
+    """
+
+    def __init__(self, graph: FlatGraph) -> None:
+        self.graph = graph
+        self.slots: Slots = slots_of(graph)
+        self.nx = len(graph.storages)
+        self.ns = len(graph.integrals)
+        self.meter = _meter(graph)
+        self._discrete = discrete_names(graph)
+        self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
+        self._rates = [self.compile(i.rate) for i in graph.integrals]
+        self._flags: dict[Mode, list[float]] = {}
+        self.built = 0
+        self.evaluations = 0
+
+    def compile(self, e: Expr) -> Callable[[Sequence[float]], float]:
+        """Return a closure of the values for a canonical expression."""
+        f: Callable[[Sequence[float]], float] = compile_expression(
+            e, self.slots.index, pre_offset=self.slots.size
+        )
+        return f
+
+    def equations(self, mode: Mode, interval: Interval, t: float) -> ModeEquations:
+        """Return the equations of a mode, made the first time it is entered."""
+        discrete = discrete_values(self.graph, self._discrete, interval, t)
+        key = (mode, *discrete.values())
+        found = self._equations.get(key)
+        if found is None:
+            tableau = build(self.graph, mode, discrete)
+            found = prepare(self.graph, mode, self.slots, tableau)
+            self._equations[key] = found
+            self.built += 1
+            if len(self._equations) > KEPT:
+                self._equations.popitem(last=False)
+        self._equations.move_to_end(key)
+        return found
+
+    def fieldless(self, mode: Mode) -> bool:
+        """Whether an active law of `mode` reads ``pre()``."""
+        return bool(fieldless_laws(self.graph, mode))
+
+    # -- values
+
+    def values(self, t: float, interval: Interval, mode: Mode, x: Vector, s: Vector) -> list[float]:
+        """Return `v` with all but bond variables filled; the a priori copy is zero."""
+        v = [0.0] * (2 * self.slots.size)
+        self.set_time(v, t, interval)
+        self.set_mode(v, mode)
+        v[self.slots.s] = s.tolist()
+        v[self.slots.x] = x.tolist()
+        return v
+
+    def set_time(self, v: list[float], t: float, interval: Interval) -> None:
+        """Write time, inputs and comparisons of time as seen inside `interval`."""
+        v[0] = t
+        if self.graph.inputs:
+            pairs = list(zip(self.graph.inputs, interval.pieces, strict=True))
+            v[self.slots.u] = [i.waveform.value(t, p) for i, p in pairs]
+            v[self.slots.du] = [i.waveform.rate(t, p) for i, p in pairs]
+        if interval.at:
+            v[self.slots.at] = [float(a) for a in interval.at]
+
+    def set_mode(self, v: list[float], mode: Mode) -> None:
+        """Write the Booleans of a mode."""
+        flags = self._flags.get(mode)
+        if flags is None:
+            on = self.graph.on_nodes(mode)
+            flags = [float(n.index in on) for n in self.graph.nodes if n.controlled]
+            for m, k in zip(self.graph.machines, mode, strict=True):
+                flags += [float(j == k) for j in range(len(m.states))]
+            self._flags[mode] = flags
+        v[self.slots.on.start : self.slots.states.stop] = flags
+
+    def rates(self, v: Sequence[float]) -> list[float]:
+        """Return the rates of the integrated signals."""
+        return [f(v) for f in self._rates]
+
+    def field(self, equations: ModeEquations, interval: Interval) -> Field:
+        """Return ``y' = field(t, y)`` of a configuration, y of shape (nx + ns + 2,)."""
+        nx, ns = self.nx, self.ns
+        v = self.values(0.0, interval, equations.mode, np.zeros(nx), np.zeros(ns))
+        timed = bool(self.graph.inputs)
+        rates = equations.storage.rates
+        meter = self.meter
+
+        def field(t: float, y: Vector) -> Vector:
+            self.evaluations += 1
+            x = y[:nx]
+            if timed:
+                self.set_time(v, t, interval)
+            else:
+                v[0] = t
+            v[self.slots.s] = y[nx : nx + ns].tolist()
+            v[self.slots.x] = x.tolist()
+            w = equations.solve(v, x)
+            rate = np.empty(nx + ns + 2)
+            rate[:nx] = rates @ w
+            if ns:
+                rate[nx : nx + ns] = self.rates(v)
+            rate[nx + ns :] = meter.read(w)
+            return rate
+
+        return field
+
+    def evaluate(
+        self, t: float, y: Vector, interval: Interval, equations: ModeEquations
+    ) -> list[float]:
+        """Return all values at one instant of a motion, a priori copy equal to the current one."""
+        x, s = y[: self.nx], y[self.nx : self.nx + self.ns]
+        v = self.values(t, interval, equations.mode, x, s)
+        equations.solve(v, x)
+        v[self.slots.size :] = v[: self.slots.size]
+        return v
+
+    def evaluate_many(
+        self, t: Vector, y: Vector, interval: Interval, equations: ModeEquations
+    ) -> Vector:
+        """Return all values at many instants of one segment, shape (2 * slots, len(t)).
+
+        Linear modes take one matrix product for all instants.
+        """
+        if not (equations.linear and equations.storage.linear):
+            rows = [self.evaluate(a, b, interval, equations) for a, b in zip(t, y, strict=True)]
+            return np.array(rows).reshape(len(t), 2 * self.slots.size).T
+        n = self.slots.size
+        v = np.zeros((2 * n, len(t)))
+        first = self.values(float(t[0]), interval, equations.mode, y[0, : self.nx], y[0, self.nx : self.nx + self.ns])
+        v[:n] = np.array(first[:n])[:, None]
+        v[0] = t
+        for i, p in zip(self.graph.inputs, interval.pieces, strict=True):
+            v[self.slots.u.start + i.index] = [i.waveform.value(a, p) for a in t]
+            v[self.slots.du.start + i.index] = [i.waveform.rate(a, p) for a in t]
+        v[self.slots.x] = y[:, : self.nx].T
+        v[self.slots.s] = y[:, self.nx : self.nx + self.ns].T
+        nu = len(equations.tableau.sources)
+        xi = np.zeros((self.nx + 2 * nu, len(t)))
+        xi[: self.nx] = equations.storage.matrix @ y[:, : self.nx].T
+        xi[self.nx : self.nx + nu] = equations.source_constants[:, None]
+        columns = [v[k] for k in range(2 * n)]
+        needed = {k for k, _ in equations.source_values}
+        moving = {k for k, _ in equations.rate_values}
+        for k, source in enumerate(equations.tableau.sources):
+            if k in needed:
+                xi[self.nx + k] = self.compile_arrays(source.value)(columns)
+            if k in moving:
+                xi[self.nx + nu + k] = self.compile_arrays(source.rate)(columns)
+        w = equations.x2 @ xi
+        if equations.project is not None:
+            w = equations.project @ w
+        v[self.slots.w] = w
+        v[n:] = v[:n]
+        return v
+
+    def compile_arrays(self, e: Expr) -> Callable[[Sequence[Vector]], Vector]:
+        """Return a closure over arrays of values."""
+        f: Callable[[Sequence[Vector]], Vector] = compile_expression(
+            e, self.slots.index, ARRAYS, pre_offset=self.slots.size
+        )
+        return f
+
+
+def _meter(graph: FlatGraph) -> PowerMeter:
+    bonds = len(graph.bonds)
+
+    def indices(kinds: tuple[str, ...], outward: bool) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
+        ends = [
+            end
+            for n in graph.nodes
+            if n.kind in kinds
+            for end in n.ends
+            if not graph.bonds[end.bond].domain.pseudo
+        ]
+        e = np.array([end.bond for end in ends], dtype=np.intp)
+        sign = np.array([float(-end.sign if outward else end.sign) for end in ends])
+        return e, e + bonds, sign
+
+    return PowerMeter(indices(("Se", "Sf"), True), indices(("R", "G"), False))

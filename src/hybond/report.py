@@ -1,0 +1,133 @@
+"""The event table: what happened, why, and what it did to the energy."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Sequence
+from typing import overload
+
+from hybond.model.graph import FlatGraph
+from hybond.trace import Event, Fired, Step
+from hybond.units import format_quantity
+
+SHOWN = 3
+"""Impulses shown per step; all are in the record."""
+
+
+class EventTable(Sequence[Event]):
+    """The events of a run; prints as a table.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> print(hb.simulate(m, until="1 s").events)
+    t = 0 s  start    (the only mode)  continuous  energy 50 mJ
+    """
+
+    def __init__(self, graph: FlatGraph, events: tuple[Event, ...]) -> None:
+        self.graph = graph
+        self.events = events
+
+    @overload
+    def __getitem__(self, k: int) -> Event: ...
+    @overload
+    def __getitem__(self, k: slice) -> tuple[Event, ...]: ...
+    def __getitem__(self, k: int | slice) -> Event | tuple[Event, ...]:
+        return self.events[k]
+
+    def __len__(self) -> int:
+        return len(self.events)
+
+    def __iter__(self) -> Iterator[Event]:
+        return iter(self.events)
+
+    def rows(self) -> list[tuple[str, str, str, str, str]]:
+        """Return time, cause, what, kind and details, one row per transition and mode."""
+        rows: list[tuple[str, str, str, str, str]] = []
+        for event in self.events:
+            time = f"t = {event.t:.9g} s"
+            cause: str = event.cause
+            for step in event.steps:
+                for fired in step.fired:
+                    what = f"{fired.machine}  {fired.source} -> {fired.target}"
+                    rows.append((time, cause, what, "", fired_text(fired)))
+                    time = cause = ""
+                rows.append((time, cause, self._mode(step), step.kind, self._details(step)))
+                time = cause = ""
+        return rows
+
+    def _mode(self, step: Step) -> str:
+        names = self.graph.mode_names(step.mode)
+        return "(" + (", ".join(names.values()) or "the only mode") + ")"
+
+    def _details(self, step: Step) -> str:
+        parts = []
+        for name, area in list(step.impulses.items())[:SHOWN]:
+            parts.append(f"{name} = {self._area(name, area)} δ")
+        if len(step.impulses) > SHOWN:
+            parts[-1] += f" (and {len(step.impulses) - SHOWN} more)"
+        energy = step.energy
+        if energy is not None and step.kind != "mythical":
+            text = f"energy {joule(energy.before)}"
+            if energy.after != energy.before or step.impulses:
+                text += f" -> {joule(energy.after)}"
+            small = 1e-12 * max(abs(energy.before), abs(energy.after))
+            if abs(energy.source) > small:
+                text += f", supplied {joule(energy.source)}"
+            if abs(energy.lost) > small:
+                text += f", lost {joule(energy.lost)}"
+            parts.append(text)
+        return ";  ".join(parts)
+
+    def _area(self, name: str, area: float) -> str:
+        node = self.graph.by_path.get(name.rsplit(".", 1)[0])
+        if node is None:
+            node = self.graph.by_path.get(name.rsplit(".", 2)[0])
+        domain = self.graph.nodes[node].domain if node is not None else None
+        unit = (domain.effort_unit if name.endswith(".e") else domain.flow_unit) if domain else ""
+        return f"{area:.6g} {unit}·s" if unit else f"{area:.6g} s"
+
+    def __str__(self) -> str:
+        rows = self.rows()
+        if not rows:
+            return "no events"
+        widths = [max(len(r[k]) for r in rows) for k in range(4)]
+        lines = []
+        for row in rows:
+            cells = [c.ljust(w) for c, w in zip(row[:4], widths, strict=True)]
+            lines.append("  ".join([*cells, row[4]]).rstrip())
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>"
+            for row in self.rows()
+        )
+        head = "".join(f"<th>{h}</th>" for h in ("time", "cause", "what", "kind", "details"))
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def joule(value: float) -> str:
+    """Return an energy with an engineering prefix."""
+    return format_quantity(value, "J")
+
+
+def fired_text(fired: Fired) -> str:
+    """Return a guard with the values that made it true."""
+    values = []
+    for name, value in fired.values.items():
+        impulse = fired.impulses.get(name)
+        if impulse is None:
+            values.append(f"{name} = {value:.6g}")
+        else:
+            values.append(f"{name} = {impulse:.6g} δ {'-' if value < 0 else '+'} {abs(value):.6g}")
+    text = fired.guard + (f"   [{'; '.join(values)}]" if values else "")
+    if fired.passed_over:
+        text += f"   (also true, listed later: {'; '.join(fired.passed_over)})"
+    return text

@@ -1,0 +1,356 @@
+"""`Result`: what a run gives back, made for discontinuities, read by name."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import HybondError, UsageError
+from hybond.model.expressions import Expr
+from hybond.model.graph import FlatGraph
+from hybond.names import did_you_mean
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.report import EventTable
+from hybond.trace import Accumulation, Segment, Trace
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Vector = NDArray[np.float64]
+Status = Literal["ok", "interrupted", "accumulation", "error"]
+Side = Literal["left", "right"]
+
+POINTS = 200
+"""Points per run that flat views add between accepted steps, spread over its segments."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One signal of a run: pieces that are smooth, jumps between them.
+
+    Parameters
+    ----------
+    name, unit : str
+    t, y : array, shape (n,)
+        All pieces joined; at an event the time stands twice, left limit first.
+    """
+
+    name: str
+    unit: str
+    t: Vector
+    y: Vector
+    run: Result
+
+    def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
+        """Return the value at `t`: a float for a float, an array for a sequence.
+
+        At an event `side` says which limit; the right one is after all that happened there.
+        """
+        if isinstance(t, float | int | np.floating):
+            return float(self.run.sample([float(t)], [self.name], side=side)[self.name][0])
+        return self.run.sample(list(t), [self.name], side=side)[self.name]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"
+
+
+class Result:
+    """A run: segments of motion, events between them, signals by name.
+
+    Attributes
+    ----------
+    status : {"ok", "interrupted", "accumulation", "error"}
+    error : HybondError or None
+    events : EventTable
+        Prints as the table of what happened and why.
+    segments : tuple of Segment
+    warnings : tuple of str
+    stats : dict
+        Steps, evaluations, modes built, and the tolerances used.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> run = hb.simulate(m, until="1 s")
+    >>> run["c.q"].unit, run.status
+    ('C', 'ok')
+    >>> sorted(run.final)
+    ['c.e', 'c.q']
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        trace: Trace,
+        status: Status,
+        until: float,
+        solver: str,
+        error: HybondError | None,
+    ) -> None:
+        self.program = program
+        self.graph: FlatGraph = program.graph
+        self.trace = trace
+        self.status: Status = status
+        self.until = until
+        self.solver = solver
+        self.error = error
+        self.segments: tuple[Segment, ...] = tuple(trace.segments)
+        self.events = EventTable(self.graph, tuple(trace.events))
+        self.warnings: tuple[str, ...] = tuple(trace.warnings)
+        self.stats: dict[str, float] = dict(trace.stats)
+        self._expressions: dict[str, Expr] = {}
+        self._starts = [float(s.t[0]) for s in self.segments]
+
+    # -- names
+
+    @property
+    def title(self) -> str:
+        """The model's title, or its name."""
+        return self.graph.title or self.graph.name
+
+    @property
+    def t_end(self) -> float:
+        """The time reached, s."""
+        return float(self.segments[-1].t[-1]) if self.segments else 0.0
+
+    @property
+    def accumulations(self) -> tuple[Accumulation, ...]:
+        """Accumulation points at which the run stopped."""
+        return tuple(self.trace.accumulations)
+
+    @property
+    def names(self) -> list[str]:
+        """Stored quantities, co-energy variables, signals and listed outputs."""
+        found = []
+        for s in self.graph.storages:
+            found += [s.path, self._co_energy(s.path, s.kind)]
+        found += [i.path for i in self.graph.integrals]
+        found += list(self.graph.signals)
+        for key in ("plot", "outputs"):
+            found += [str(n) for n in self.graph.experiment.get(key, ())]
+        return list(dict.fromkeys(found))
+
+    def _co_energy(self, path: str, kind: str) -> str:
+        return f"{path.rpartition('.')[0]}.{'e' if kind == 'C' else 'f'}"
+
+    def expression(self, name: str) -> Expr:
+        """Return a name, or any expression of names, in canonical names.
+
+        Raises
+        ------
+        UsageError
+            HB-S109 with the nearest names.
+        """
+        if name not in self._expressions:
+            assert self.graph.read is not None
+            try:
+                self._expressions[name] = self.graph.read(name)
+            except HybondError as error:
+                raise UsageError(
+                    f"there is no signal {name!r}: {error.why}",
+                    code="HB-S109",
+                    where=name,
+                    hint=error.hint or did_you_mean(name, self.names),
+                ) from None
+        return self._expressions[name]
+
+    def unit(self, name: str) -> str:
+        """Return the SI unit of a signal, empty if it has none or is not known."""
+        from hybond.model.dimensions import infer_dimension
+
+        dimension = infer_dimension(self.expression(name), self.graph.dimensions.get)
+        text = "" if dimension is None else str(dimension)
+        return "" if text == "1" else text
+
+    def __getitem__(self, name: str) -> Signal:
+        pieces = self.pieces(name)
+        t = np.concatenate([p[0] for p in pieces]) if pieces else np.zeros(0)
+        y = np.concatenate([p[1] for p in pieces]) if pieces else np.zeros(0)
+        return Signal(name, self.unit(name), t, y, self)
+
+    # -- values
+
+    def pieces(
+        self, name: str, *, points_per_segment: int | None = None
+    ) -> list[tuple[Vector, Vector]]:
+        """Return (t, y) of each segment: its accepted points and evenly spaced ones between."""
+        span = max(self.t_end, 1e-300)
+        found = []
+        for segment in self.segments:
+            count = points_per_segment
+            if count is None:
+                count = int(POINTS * (segment.t[-1] - segment.t[0]) / span)
+            t = np.unique(
+                np.concatenate([segment.t, np.linspace(segment.t[0], segment.t[-1], count + 2)])
+            )
+            found.append((t, self._of_segment(segment, [name], t)[name]))
+        return found
+
+    def _of_segment(
+        self, segment: Segment, names: Iterable[str], t: Vector
+    ) -> dict[str, Vector]:
+        interval = segment.interval
+        assert isinstance(interval, Interval)
+        equations = self.program.equations(segment.mode, interval, float(segment.t[0]))
+        y = np.array([segment.at(float(a)) for a in t])
+        columns = list(self.program.evaluate_many(t, y, interval, equations))
+        found = {}
+        for name in names:
+            value = self.program.compile_arrays(self.expression(name))(columns)
+            found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
+        return found
+
+    def sample(
+        self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
+    ) -> dict[str, Vector]:
+        """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
+
+        Raises
+        ------
+        UsageError
+            HB-S110 for a time outside the run, or a side that is none.
+        """
+        if side not in ("left", "right"):
+            raise UsageError(
+                f"side = {side!r}", code="HB-S110", where="side", hint="left or right"
+            )
+        found = {name: np.full(len(t), np.nan) for name in names}
+        by_segment: dict[int, list[int]] = {}
+        for k, a in enumerate(t):
+            if not self.segments or not 0.0 <= a <= self.t_end:
+                raise UsageError(
+                    f"the run goes from 0 to {self.t_end:.9g} s, not to {a:g} s",
+                    code="HB-S110",
+                    where="t",
+                    hint="ask for a time within it",
+                )
+            by_segment.setdefault(self._segment_at(a, side), []).append(k)
+        for index, which in by_segment.items():
+            times = np.array([t[k] for k in which], dtype=float)
+            for name, values in self._of_segment(self.segments[index], names, times).items():
+                found[name][which] = values
+        last = self.segments[-1] if self.segments else None
+        at_end = [k for k, a in enumerate(t) if a == self.t_end]
+        if side == "right" and last is not None and at_end and self._settled_at_end:
+            # an event at the very end: its right limit starts no segment
+            for name, value in self._after_last_event(names).items():
+                found[name][at_end] = value
+        return found
+
+    def _segment_at(self, t: float, side: Side) -> int:
+        if side == "right":
+            return max(bisect.bisect_right(self._starts, t) - 1, 0)
+        return max(bisect.bisect_left(self._starts, t) - 1, 0)
+
+    @property
+    def _settled_at_end(self) -> bool:
+        events = self.trace.events
+        return bool(events) and events[-1].t == self.t_end and self.t_end > 0.0
+
+    def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
+        from hybond.programs.interval import interval_after
+
+        event = self.trace.events[-1]
+        mode = event.steps[-1].mode
+        interval = interval_after(self.graph, event.t)
+        equations = self.program.equations(mode, interval, event.t)
+        v = self.program.evaluate(event.t, event.after, interval, equations)
+        return {n: float(self.program.compile(self.expression(n))(v)) for n in names}
+
+    @property
+    def mode(self) -> dict[str, str]:
+        """The state of each machine at the end."""
+        if self.trace.events:
+            return self.graph.mode_names(self.trace.events[-1].steps[-1].mode)
+        return self.graph.mode_names(self.graph.start_mode)
+
+    @property
+    def final(self) -> dict[str, float]:
+        """Stored quantities, co-energy variables, signals and listed outputs at the end."""
+        if not self.segments:
+            return {}
+        values = self.sample([self.t_end], self.names)
+        return {name: float(v[0]) for name, v in values.items()}
+
+    def explain(self, t: float | None = None) -> str:
+        """Return why the modes changed: the events, or the one nearest to `t`."""
+        if t is None or not len(self.events):
+            return str(self.events)
+        nearest = min(self.trace.events, key=lambda e: abs(e.t - t))
+        return str(EventTable(self.graph, (nearest,)))
+
+    # -- other forms
+
+    def to_pandas(self, names: Sequence[str] | None = None) -> Any:
+        """Return a DataFrame over time; at an event two rows, column ``side`` tells them apart."""
+        import pandas as pd
+
+        table = self._table(names)
+        return pd.DataFrame(table).set_index("t")
+
+    def to_xarray(self, names: Sequence[str] | None = None) -> Any:
+        """Return a Dataset over ``t``, units as attributes, ``side`` as a coordinate."""
+        import xarray as xr
+
+        table = self._table(names)
+        t, side = table.pop("t"), table.pop("side")
+        return xr.Dataset(
+            {n: ("t", v, {"units": self.unit(n)}) for n, v in table.items()},
+            coords={"t": ("t", t, {"units": "s"}), "side": ("t", side)},
+            attrs={"title": self.title, "status": self.status},
+        )
+
+    def to_csv(self, path: str | Path, names: Sequence[str] | None = None) -> None:
+        """Write a table: both limits at events, column ``side`` (left, right or empty)."""
+        import csv
+
+        table = self._table(names)
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(table)
+            for row in zip(*table.values(), strict=True):
+                writer.writerow([a if isinstance(a, str) else repr(float(a)) for a in row])
+
+    def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
+        """Write the same table as NumPy arrays."""
+        np.savez(path, allow_pickle=False, **self._table(names))
+
+    def _table(self, names: Sequence[str] | None) -> dict[str, Any]:
+        names = list(names) if names is not None else self.names
+        columns: dict[str, list[Vector]] = {n: [] for n in ("t", "side", *names)}
+        for k, segment in enumerate(self.segments):
+            columns["t"].append(segment.t)
+            side = np.full(len(segment.t), "", dtype="<U5")
+            if k:
+                side[0] = "right"
+            if k + 1 < len(self.segments):
+                side[-1] = "left"
+            columns["side"].append(side)
+            for name, values in self._of_segment(segment, names, segment.t).items():
+                columns[name].append(values)
+        return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}
+
+    def plot(self, *names: str, path: str | None = None) -> Any:
+        """Plot signals over time with a strip of modes; jumps as jumps, impulses as arrows."""
+        from hybond.draw.plots import plot_run
+
+        chosen = names or tuple(self.graph.experiment.get("plot", ())) or tuple(self.names[:3])
+        return plot_run(self, chosen, path=path)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Result {self.title!r}: {self.status}, t = {self.t_end:g} s, "
+            f"{len(self.events)} events>"
+        )

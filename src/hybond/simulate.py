@@ -1,0 +1,215 @@
+"""`simulate`: the one entry point from a model to a `Result`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import HybondError, UsageError
+from hybond.model.builder import Model
+from hybond.model.graph import FlatGraph
+from hybond.model.parts import Value
+from hybond.modes.executive import Executive, Limits
+from hybond.programs.interval import interval_after
+from hybond.programs.program import Program
+from hybond.result import Result, Status
+from hybond.solvers import make_solver
+from hybond.units import parse_unit, try_quantity
+
+Vector = NDArray[np.float64]
+
+RTOL = 1e-8
+"""Default relative tolerance."""
+NEGLIGIBLE = 1e-6
+"""A stored quantity is measured against at least this part of what the system's energy would
+make of it, so that rounding in an idle storage does not steer the step size."""
+IDLE = 1e-12
+"""Absolute size, in SI, below which an integrated signal is idle."""
+
+
+def simulate(
+    model: Model | FlatGraph,
+    until: float | str | None = None,
+    *,
+    parameters: Mapping[str, Value] | None = None,
+    solver: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    step: float | str | None = None,
+    max_step: float | str | None = None,
+    progress: Callable[[float, int], None] | None = None,
+    on_error: Literal["raise", "return"] = "raise",
+) -> Result:
+    """Simulate a model from t = 0.
+
+    Parameters
+    ----------
+    model : Model or FlatGraph
+        A model, built or loaded. Options that are not given are taken from its experiment.
+    until : float or str
+        End time, s or a quantity (``"50 ms"``).
+    parameters : mapping
+        Values by dotted path that replace the model's own.
+    solver : {"rk45", "radau", "rk4", "euler"}
+        Default ``"rk45"``, or what the experiment says.
+    rtol : float
+        Relative tolerance, default 1e-8. Stored quantities are measured against the largest value
+        they have had, and against 1e-6 of the value that would hold the system's energy.
+    atol : float
+        Absolute tolerance in SI for every state, instead of that floor.
+    step : float or str
+        Step of the fixed-step solvers.
+    max_step : float or str
+        Longest step.
+    progress : callable
+        ``progress(t, events)`` after each step.
+    on_error : {"raise", "return"}
+        What to do when the run stops with an error: raise it, with what was computed in
+        ``error.partial``, or return that with ``result.error`` set.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    HybondError
+        Unless `on_error` is ``"return"``. Errors of the model itself are always raised.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> run = hb.simulate(m, until="1 s")
+    >>> round(float(run["c.e"].at(1.0)), 6)
+    3.678794
+    """
+    graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
+    if on_error not in ("raise", "return"):
+        raise UsageError(
+            f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
+        )
+    experiment = graph.experiment
+    end = _seconds(until if until is not None else experiment.get("until"), "until")
+    if end is None or not 0.0 < end < math.inf:
+        raise UsageError(
+            "the run has no end time" if end is None else f"until = {end:g} s",
+            code="HB-S106",
+            where="until",
+            hint='give until="1 s", or [experiment] until in the file',
+        )
+    rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
+    if not 1e-14 <= rtol < 1.0:
+        raise UsageError(
+            f"rtol = {rtol:g} is out of range", code="HB-S107", where="rtol", hint="1e-12 to 1e-2"
+        )
+    atol = atol if atol is not None else experiment.get("atol")
+    name = str(solver or experiment.get("solver", "rk45"))
+    fixed = name in ("euler", "rk4")
+    given_step = _seconds(step if step is not None else experiment.get("step"), "step")
+    longest = _seconds(max_step if max_step is not None else experiment.get("max_step"), "max_step")
+    program = Program(graph)
+    scale = ErrorScale(program, rtol, None if atol is None else float(atol))
+    method = make_solver(
+        name,
+        scale=scale,
+        rtol=rtol,
+        step=given_step if fixed else None,
+        max_step=math.inf if longest is None else longest,
+    )
+    executive = Executive(
+        program,
+        method,
+        Limits(end, float(experiment.get("event_tol", 1e-12))),
+        max_writes=int(experiment.get("max_writes", 1000)),
+        progress=progress,
+    )
+    status: Status = "error"
+    failure: HybondError | None = None
+    try:
+        status = "accumulation" if executive.run(start_of(program)) == "accumulation" else "ok"
+    except KeyboardInterrupt:
+        status = "interrupted"
+    except HybondError as error:
+        failure = error
+    for warning in graph.warnings:
+        executive.trace.warn(warning)
+    result = Result(program, executive.trace, status, end, name, failure)
+    if failure is not None and on_error == "raise":
+        failure.partial = result
+        raise failure
+    return result
+
+
+class ErrorScale:
+    """The tolerance of each state, from the size it has had (see `simulate`, `rtol`)."""
+
+    def __init__(self, program: Program, rtol: float, atol: float | None) -> None:
+        self.nx, self.ns = program.nx, program.ns
+        self.rtol = rtol
+        self.atol = atol
+        self.largest = np.zeros(self.nx + self.ns)
+        self.energy = 0.0
+        graph = program.graph
+        equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
+        self.storage = equations.storage
+
+    def __call__(self, y0: Vector, y1: Vector) -> Vector:
+        """Return the tolerance per state, shape (nx + ns + 2,); quadratures are not controlled."""
+        n = self.nx + self.ns
+        size = np.maximum(np.abs(y0[:n]), np.abs(y1[:n]))
+        # what a rejected step tried must not loosen the tolerance for good
+        self.largest = np.maximum(self.largest, np.abs(y0[:n]))
+        size = np.maximum(size, self.largest)
+        tolerance = np.full(n + 2, np.inf)
+        if self.atol is not None:
+            tolerance[:n] = self.rtol * size + self.atol
+            return tolerance
+        stiffness = np.abs(np.diagonal(self.storage.stiffness(y0[: self.nx])))
+        x = y0[: self.nx]
+        self.energy = max(self.energy, 0.5 * float(np.sum(stiffness * x * x)))
+        tried = 0.5 * float(np.sum(stiffness * y1[: self.nx] ** 2))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            whole = np.sqrt(2.0 * max(self.energy, tried) / stiffness)
+        floor = np.zeros(n)
+        floor[: self.nx] = np.where(np.isfinite(whole), NEGLIGIBLE * whole, 0.0)
+        tolerance[:n] = self.rtol * np.maximum(size, floor)
+        tolerance[self.nx : n] += IDLE * self.rtol ** 0.5
+        return tolerance
+
+
+def start_of(program: Program) -> Vector:
+    """Return the state at t = 0 as the model gives it, before it is settled."""
+    graph = program.graph
+    y = np.zeros(program.nx + program.ns + 2)
+    equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
+    co_energy = np.zeros(program.nx)
+    wanted = [s for s in graph.storages if s.start_is == "co-energy"]
+    for s in graph.storages:
+        if s.start_is == "stored":
+            y[s.index] = s.start
+        else:
+            co_energy[s.index] = s.start
+    for s in wanted:
+        y[s.index] = equations.storage.stored(co_energy, s.index, graph)
+    for i in graph.integrals:
+        y[program.nx + i.index] = i.start
+    return y
+
+
+def _seconds(value: Any, where: str) -> float | None:
+    if value is None or isinstance(value, float | int):
+        return None if value is None else float(value)
+    quantity = try_quantity(str(value))
+    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
+        raise UsageError(
+            f"{value!r} is not a time", code="HB-S106", where=where, hint='write 0.2 or "200 ms"'
+        )
+    return quantity.value
+

@@ -1,0 +1,245 @@
+"""Units: SI dimensions, prefixes, quantities as text, and the domains of bond graphs.
+
+Conversion is exact (rational numbers) until the last step: ``"4.7 uF"`` is the float 4.7e-06 and
+not its neighbour.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hybond.errors import UnitError
+from hybond.names import did_you_mean
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Dimension:
+    """Exponents of kg, m, s, A, K, mol, cd. The radian is dimensionless.
+
+    Examples
+    --------
+    >>> print(parse_unit("V")[1] * parse_unit("A")[1], parse_unit("rad/s")[1])
+    W 1/s
+    """
+
+    exponents: tuple[Fraction, ...] = (Fraction(0),) * 7
+
+    def __mul__(self, other: Dimension) -> Dimension:
+        return Dimension(tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True)))
+
+    def __truediv__(self, other: Dimension) -> Dimension:
+        return self * other**-1
+
+    def __pow__(self, power: int | Fraction) -> Dimension:
+        return Dimension(tuple(a * power for a in self.exponents))
+
+    def __str__(self) -> str:
+        if self in _SYMBOL_OF:
+            return _SYMBOL_OF[self]
+        sides: tuple[list[str], list[str]] = ([], [])
+        for name, n in zip(_BASE, self.exponents, strict=True):
+            power = f"^{abs(n)}" if n.denominator == 1 else f"^({abs(n)})"
+            if n:
+                sides[n < 0].append(name + (power if abs(n) != 1 else ""))
+        above, below = ("*".join(side) or "1" for side in sides)
+        return above + ("/" + (f"({below})" if len(sides[1]) > 1 else below)) * bool(sides[1])
+
+    def __repr__(self) -> str:
+        return f"<Dimension {self}>"
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A value in SI units and its dimension."""
+
+    value: float
+    dimension: Dimension
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """Units and dimensions of effort and flow (None: any); `pseudo`: e times f is no power."""
+
+    name: str
+    effort_unit: str
+    flow_unit: str
+    effort: Dimension | None
+    flow: Dimension | None
+    pseudo: bool = False
+
+
+DIMENSIONLESS = Dimension()
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
+_Unit = tuple[Fraction, Dimension]
+_PLAIN: dict[str, _Unit] = {"1": (Fraction(1), DIMENSIONLESS)}  # these take no prefix
+_PREFIXED: dict[str, _Unit] = {"rad": _PLAIN["1"]}
+for _name in _BASE:
+    _one = Dimension(tuple(Fraction(int(_name == base)) for base in _BASE))
+    _PREFIXED[_name] = (Fraction(1), _one)
+_PREFIXED["g"] = (Fraction(1, 1000), _PREFIXED["kg"][1])
+_PLAIN["kg"] = _PREFIXED.pop("kg")
+
+_ENGINEERING = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_POWERS = {p: n for n, p in _ENGINEERING.items() if p} | {"u": -6, "μ": -6, "da": 1, "h": 2}
+_POWERS |= {"c": -2, "d": -1, "f": -15, "a": -18, "z": -21, "y": -24, "P": 15, "E": 18}
+_PREFIX = {p: Fraction(10) ** n for p, n in (_POWERS | {"Z": 21, "Y": 24}).items()}
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)", re.ASCII)
+_POWER = r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}(?!\d)|\(-?\d/[1-9]\)))?"
+_TOKEN = re.compile(rf"\s*(?:(?P<symbol>°?[^\W\d_]+|[%°℃]|1(?![\w.])){_POWER}|(?P<mark>[*·/()]))")
+_SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+def _resolve(symbol: str) -> _Unit:
+    if symbol in _PLAIN or symbol in _PREFIXED:
+        return _PLAIN.get(symbol) or _PREFIXED[symbol]
+    for cut in (2, 1):
+        if symbol[:cut] in _PREFIX and symbol[cut:] in _PREFIXED:
+            factor, dimension = _PREFIXED[symbol[cut:]]
+            return _PREFIX[symbol[:cut]] * factor, dimension
+    if symbol in ("degC", "°C", "℃", "celsius", "Celsius", "degF", "°F"):
+        why = f"{symbol!r} has an offset and is not a unit"
+        raise UnitError(why, code="HB-U105", hint="write kelvin: 20 degC is 293.15 K")
+    known = [*_PLAIN, *_PREFIXED, *(p + u for p in "kmMuc" for u in _PREFIXED)]
+    hint = did_you_mean(symbol, known)
+    raise UnitError(f"unknown unit {symbol[:40]!r}", code="HB-U101", hint=hint)
+
+
+def _bad(text: str, why: str) -> UnitError:
+    hint = "write '1 mH', '5 N/m', '10 m/(N*s)' or '9.81 m/s^2'"
+    return UnitError(f"{text[:40]!r} {why}", code="HB-U104", hint=hint)
+
+
+def _exact(text: str) -> _Unit:
+    """Return the exact factor and the dimension of a product of units."""
+    source = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), text.strip())
+    factor, dimension = _PLAIN["1"]
+    signs, sign, complete, at = [1], 1, not source, 0
+    while at < len(source):
+        match = _TOKEN.match(source, at)
+        mark = match["mark"] if match else None
+        if match is None or (not complete and mark and mark != "(") or at > 100:
+            raise _bad(text, f"is not a unit from column {at + 1} on")
+        at = match.end()
+        if mark == ")":
+            signs.pop()
+            if not signs:
+                raise _bad(text, "closes a parenthesis that is not open")
+        elif mark:
+            if mark == "(":
+                signs.append(signs[-1] * sign)
+            complete, sign = False, -1 if mark == "/" else 1
+        else:
+            power = Fraction(match["power"].strip("()") if match["power"] else 1)
+            base, unit = _resolve(match["symbol"])
+            if abs(power) > 12 or (power.denominator > 1 and base != 1):
+                raise _bad(text, f"has the power {power}, which is out of range")
+            power *= sign * signs[-1]
+            factor, dimension = factor * base**power.numerator, dimension * unit**power
+            complete, sign = True, 1
+    if not complete or len(signs) > 1:
+        raise _bad(text, "is not a complete unit")
+    return factor, dimension
+
+
+def parse_unit(text: str) -> tuple[float, Dimension]:
+    """Return the factor to SI and the dimension of a unit.
+
+    Examples
+    --------
+    >>> parse_unit("cm^2")
+    (0.0001, <Dimension m^2>)
+    """
+    return _scaled("1", text)
+
+
+def _scaled(number: str, unit: str) -> tuple[float, Dimension]:
+    factor, dimension = _exact(unit)
+    value = float(number)
+    try:  # a huge exponent must not reach exact arithmetic; the float is 0 or infinite then
+        value = float(Fraction(number) * factor) if value and math.isfinite(value) else value
+    except OverflowError:
+        value = math.inf
+    if math.isinf(value):
+        raise _bad(f"{number} {unit}", "is larger than a float can be")
+    return value, dimension
+
+
+def parse_quantity(text: str) -> Quantity:
+    """Parse ``"1 mH"``, ``"10 m/(N*s)"``, ``"0.2 1/s"``, ``"9.81 [m/s^2]"`` or ``"5"``.
+
+    Raises
+    ------
+    UnitError
+        HB-U101 unknown unit, HB-U104 no quantity at all, HB-U105 a scale with an offset.
+
+    Examples
+    --------
+    >>> parse_quantity("2 kN*m")
+    Quantity(value=2000.0, dimension=<Dimension J>)
+    """
+    match = _NUMBER.match(text)
+    if match is None:
+        raise _bad(text, "does not begin with a number")
+    unit = text[match.end() :].strip()
+    return Quantity(*_scaled(match[1], unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit))
+
+
+def try_quantity(text: str) -> Quantity | None:
+    """Return the quantity, or None where `text` is something else, such as ``"-m*g"``."""
+    try:
+        return parse_quantity(text)
+    except UnitError:
+        return None
+
+
+def format_quantity(value: float, unit: Dimension | str, digits: int = 6) -> str:
+    """Write an SI value with `digits` digits, and a prefix where the unit is one symbol.
+
+    Examples
+    --------
+    >>> format_quantity(0.04932851, "J"), format_quantity(-0.0993262, "V*s")
+    ('49.3285 mJ', '-0.0993262 V·s')
+    """
+    symbol, prefix = str(unit), ""
+    shown = value / parse_unit(symbol)[0]
+    if symbol in _PREFIXED and symbol != "g" and shown and math.isfinite(shown):
+        exponent = int(f"{shown:.{digits - 1}e}".split("e")[1])
+        power = min(max(exponent // 3 * 3, -12), 12)
+        shown, prefix = shown / 10.0**power, _ENGINEERING[power]
+    name = "" if symbol == "1" else prefix + symbol.replace("*", "·")
+    return f"{shown:.{digits}g} {name}".rstrip()
+
+
+def _define(table: dict[str, _Unit], entries: str) -> None:
+    for entry in entries.split(";"):
+        names, number, unit = entry.split(",")
+        factor, dimension = _exact(unit)
+        table |= dict.fromkeys(names.split(), (Fraction(number) * factor, dimension))
+
+
+_define(_PREFIXED, "Hz,1,1/s;N,1,kg*m/s^2;Pa,1,N/m^2;J,1,N*m;W,1,J/s;C,1,A*s;V,1,W/A;F,1,C/V")
+_define(_PREFIXED, "ohm Ω Ω,1,V/A;S,1,A/V;Wb,1,V*s;T,1,Wb/m^2;H,1,Wb/A;L l,1/1000,m^3")
+_define(_PREFIXED, "bar,100000,Pa;eV,1.602176634e-19,J;Wh,3600,J;Ah,3600,C;gram,1/1000,kg")
+_define(_PLAIN, "min,60,s;h,3600,s;t tonne,1000,kg;atm,101325,Pa;%,1/100,1")
+_TURN = 2 * Fraction(math.pi)
+_define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
+
+# The first name of a dimension wins: J before N*m, V*s before Wb.
+_NAMED = """1 1/s N Pa J W C V F ohm S H T V*s m/s m/s^2 m^2 m^3 m^3/s N/m N*s N*s/m m/N m/(N*s)
+Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 J*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
+_SYMBOL_OF: dict[Dimension, str] = {}
+for _name in _NAMED.split():
+    _SYMBOL_OF.setdefault(parse_unit(_name)[1], _name)
+
+_POWER_PAIRS = "electrical V A;translational N m/s;rotational N*m rad/s;hydraulic Pa m^3/s;"
+_POWER_PAIRS += "thermal K W/K;thermal_pseudo K W;magnetic A V"
+DOMAINS: Mapping[str, Domain] = {
+    name: Domain(name, e, f, parse_unit(e)[1], parse_unit(f)[1], name.endswith("pseudo"))
+    for name, e, f in map(str.split, _POWER_PAIRS.split(";"))
+} | {"generic": Domain("generic", "", "", None, None)}
+"""Units of effort and flow by domain; ``generic`` leaves both open."""

@@ -1,0 +1,195 @@
+"""The rooms of the package import leftwards only; no text is ever run as code; import is light."""
+
+import ast
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src"
+FILES = sorted((SOURCE / "hybond").rglob("*.py"))
+
+LAYERS = [
+    ["_version"],
+    ["errors", "names", "units"],
+    ["model"],
+    ["files"],
+    ["library"],
+    ["causality"],
+    ["equations"],
+    ["programs"],
+    ["solvers"],
+    ["trace"],
+    ["modes"],
+    ["kernel"],
+    ["simulate", "result"],
+    ["analysis", "sweep", "export", "draw"],
+    ["studio", "cli"],
+]
+LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
+
+# Display methods that import rightwards when they are called: the function, the rooms it may use.
+DISPLAY: dict[str, set[str]] = {
+    "hybond.model.builder.Model._repr_svg_": {"draw"},
+}
+
+EXEMPT = {"hybond", "hybond.__main__"}
+
+HEAVY = ["scipy", "matplotlib", "typer", "rich", "tomlkit", "pandas"]
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(SOURCE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(tree: ast.Module, package: str) -> Iterator[tuple[str, int, str]]:
+    """Yield (qualified name of the enclosing function, line, imported dotted name)."""
+
+    def visit(node: ast.AST, scope: str) -> Iterator[tuple[str, int, str]]:
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield scope, node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".")
+            base = parts[: len(parts) - node.level + 1] if node.level else []
+            base = [*base, *(node.module.split(".") if node.module else [])]
+            for alias in node.names:
+                yield scope, node.lineno, ".".join([*base, alias.name])
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            scope = f"{scope}.{node.name}"
+        for child in ast.iter_child_nodes(node):
+            yield from visit(child, scope)
+
+    yield from visit(tree, "")
+
+
+def rightward(source: str, path: Path) -> list[tuple[str, int, str]]:
+    """List the (scope, line, room) of imports in a file that do not go leftwards."""
+    module = module_name(path)
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    own = LAYER[module.split(".")[1]]
+    found = []
+    for scope, line, name in imports(ast.parse(source), package):
+        top, _, rest = name.partition(".")
+        room = rest.partition(".")[0]
+        # `import hybond` itself, or a public name of it, is an import from the far right.
+        if top == "hybond" and LAYER.get(room, len(LAYERS)) > own:
+            found.append((module + scope, line, room))
+    return found
+
+
+def test_every_room_has_a_layer() -> None:
+    rooms = {module_name(path).split(".")[1] for path in FILES if module_name(path) not in EXEMPT}
+    assert rooms <= LAYER.keys()
+
+
+@pytest.mark.parametrize(
+    "path",
+    [path for path in FILES if module_name(path) not in EXEMPT],
+    ids=lambda path: str(path.relative_to(SOURCE)),
+)
+def test_imports_go_left(path: Path) -> None:
+    wrong = [
+        f"line {line}: {scope} imports from {room or 'the package itself'}"
+        for scope, line, room in rightward(path.read_text(encoding="utf-8"), path)
+        if room not in DISPLAY.get(scope, ())
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_listed_display_methods_do_import_rightwards() -> None:
+    used = {
+        (scope, room)
+        for path in FILES
+        if module_name(path) not in EXEMPT
+        for scope, _, room in rightward(path.read_text(encoding="utf-8"), path)
+    }
+    listed = {(scope, room) for scope, rooms in DISPLAY.items() for room in rooms}
+    assert listed <= used, f"listed for nothing: {sorted(listed - used)}"
+
+
+@pytest.mark.parametrize(
+    ("text", "file", "rooms"),
+    [
+        ("from ..causality import assign", "model/a.py", ["causality"]),
+        ("from ..causality import assign", "cli/a.py", []),
+        ("from ...draw import svg", "model/__init__.py", []),  # leaves the package: not ours
+        ("from .. import draw, errors", "model/a.py", ["draw"]),
+        ("from . import b", "model/a.py", []),
+        ("from .cli.main import main", "errors.py", ["cli"]),
+        ("import hybond.draw.svg as s", "model/a.py", ["draw"]),
+        ("import hybond", "cli/a.py", [""]),
+        ("from hybond import Model", "cli/a.py", ["Model"]),
+        ("from .names import suggest", "units.py", []),
+        ("from .result import Result", "simulate.py", []),
+        ("class M:\n    def plot(self):\n        from ..draw import p", "model/a.py", ["draw"]),
+    ],
+)
+def test_the_import_test_sees(text: str, file: str, rooms: list[str]) -> None:
+    found = rightward(text, SOURCE / "hybond" / file)
+    assert [room for _, _, room in found] == rooms
+    if text.startswith("class"):
+        assert found[0][0] == "hybond.model.a.M.plot"
+
+
+def runs_text(source: str) -> list[str]:
+    """List what in a file could run text or data as code."""
+    modules = {"pickle", "cPickle", "_pickle", "dill", "cloudpickle", "marshal", "shelve"}
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name.split(".")[0] for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
+            names = [node.module.split(".")[0]]
+        if modules & set(names):
+            found.append(f"line {node.lineno}: imports {', '.join(names)}")
+        if isinstance(node, ast.Name) and node.id in {"eval", "exec"}:
+            found.append(f"line {node.lineno}: {node.id}")
+        elif isinstance(node, ast.Attribute):
+            if ast.unparse(node) in {"builtins.eval", "builtins.exec"}:
+                found.append(f"line {node.lineno}: {ast.unparse(node)}")
+            if node.attr in {"read_pickle", "to_pickle"}:
+                found.append(f"line {node.lineno}: {node.attr}")
+        elif isinstance(node, ast.keyword) and node.arg == "allow_pickle":
+            refused = isinstance(node.value, ast.Constant) and node.value.value is False
+            if not refused:
+                found.append(f"line {node.value.lineno}: allow_pickle")
+    return found
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_no_text_is_run_as_code(path: Path) -> None:
+    found = runs_text(path.read_text(encoding="utf-8"))
+    assert not found, "\n".join(found)
+
+
+def test_the_text_test_sees() -> None:
+    for text in (
+        "eval('1')",
+        "f = exec",
+        "import builtins\nbuiltins.eval('1')",
+        "import pickle",
+        "def f():\n    from pickle import loads",
+        "np.load(p, allow_pickle=True)",
+        "pd.read_pickle(p)",
+    ):
+        assert len(runs_text(text)) == 1, text
+    assert not runs_text("model.evaluate(x)\nre.compile('eval')\nnp.load(p, allow_pickle=False)")
+
+
+def test_import_hybond_is_light() -> None:
+    paths = [str(SOURCE), *filter(None, [os.environ.get("PYTHONPATH")])]
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys, hybond; print(hybond.__file__, *sys.modules)"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert not set(HEAVY) & set(done.stdout.split())
