@@ -20,7 +20,9 @@ names = st.text(string.ascii_letters + string.digits + "_", min_size=1, max_size
     lambda s: not s[0].isdigit() and s not in RESERVED
 )
 texts = st.one_of(
-    st.sampled_from(["1 kg", "-m*g", "a -> b", 'say "x"', "C:\\x", "# no comment", "Ω\t\n\x7f\x00"]),
+    st.sampled_from(
+        ["1 kg", "-m*g", "a -> b", 'say "x"', "C:\\x", "# no comment", "Ω\t\n\x7f\x00"]
+    ),
     st.text(st.characters(exclude_categories=["Cs"]), max_size=12),
 )
 numbers = st.one_of(
@@ -139,9 +141,7 @@ def files(draw: Any) -> dict[str, Any]:
     return {"hybond": 1, "name": draw(texts.filter(bool)), **draw(sections())}
 
 
-few = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+few = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @few

@@ -95,9 +95,7 @@ def _record(
             reasons[bond] = Reason(start)
     for choice in search.choices:
         start = reasons[choice.bond].origin
-        reasons[choice.bond] = Reason(
-            start, refused=choice.refused, ruled_out=choice.ruled_out
-        )
+        reasons[choice.bond] = Reason(start, refused=choice.refused, ruled_out=choice.ruled_out)
     resistors: dict[tuple[int, int], Variable] = {
         (node.index, end.port): "f" if strokes[end.bond] == int(end.inward) else "e"
         for node in graph.nodes
@@ -121,9 +119,7 @@ def _record(
     )
 
 
-def _conflict(
-    graph: FlatGraph, state: Propagation, clash: Clash, off: frozenset[int]
-) -> Conflict:
+def _conflict(graph: FlatGraph, state: Propagation, clash: Clash, off: frozenset[int]) -> Conflict:
     node = graph.nodes[clash.node]
     a, b, bonds = clash.first, clash.second, (clash.first, clash.second)
     kind = clash.kind
@@ -144,6 +140,7 @@ def _conflict(
         for k in sorted(involved - {-1})
         if graph.nodes[k].controlled
     )
+    gives_a = _received(state, a, clash.node)
     return Conflict(
         node=clash.node,
         bonds=tuple(dict.fromkeys(bonds)),
@@ -152,5 +149,11 @@ def _conflict(
         chain_b=(b,) if clash.own else state.chain(b),
         origin_a=state.origin_of(a),
         origin_b=clash.own or state.origin_of(b),
+        gives=(gives_a, gives_a if clash.own else _received(state, b, clash.node)),
         switches=switches,
     )
+
+
+def _received(state: Propagation, bond: int, node: int) -> Variable:
+    """Return the variable of `bond` that is imposed on `node`."""
+    return "e" if state.ends[bond][state.strokes[bond]] == node else "f"

@@ -60,10 +60,7 @@ class Propagation:
         self.open = [len(at) for at in self.at]
         self.cause = [-1] * len(self.at)
         # Nodes are told in the order of their index, whichever way the arrow points.
-        self.sides = [
-            ((b.tail, TAIL), (b.head, HEAD)) if b.tail < b.head else ((b.head, HEAD), (b.tail, TAIL))
-            for b in graph.bonds
-        ]
+        self.sides = [tuple(sorted(((b.tail, TAIL), (b.head, HEAD)))) for b in graph.bonds]
         self.tight = [n for n in range(len(self.at)) if self.is_tight(n)]
         """A heap with (among others) each junction that has no cause and two ends left."""
 

@@ -77,6 +77,8 @@ class Conflict:
         The bonds from each forcing element to `node`, that element's own bond first.
     origin_a, origin_b : Origin
         The forcing elements.
+    gives : tuple of ("e" or "f", "e" or "f")
+        The variable that each chain imposes on `node`. They differ only at a gyrator.
     switches : tuple of (str, bool)
         Paths of the controlled nodes that had a part in it, and whether they are ON.
     """
@@ -88,6 +90,7 @@ class Conflict:
     chain_b: tuple[int, ...]
     origin_a: Origin
     origin_b: Origin
+    gives: tuple[Variable, Variable]
     switches: tuple[tuple[str, bool], ...]
 
 

@@ -8,17 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from hybond.model.kinds import SOURCES
+
 Cell = tuple[int, int]
 
-LENGTH = 10
-DIAGONAL = 25
-SKEW = 60
+UNIT = 10
+"""A bond to the next cell."""
+LONGER = 22
+"""Each further cell."""
+DIAGONAL = 45
+SKEW = 70
 ON_BOND = 250
 CROSSING = 120
 BENT = 14
 """A two-port whose bonds are not in line."""
-BACKWARDS = 6
-"""A bond between junctions that carries power to the left (upwards: a third of it)."""
+BACKWARDS = 3
+"""A bond between junctions that carries power to the left or upwards."""
+VERTICAL = 5
+"""A bond between junctions that is not horizontal."""
 
 # Penalty of a one-port's direction as seen from its junction: north, east, south, west.
 _SIDES: dict[str, tuple[int, int, int, int]] = {
@@ -29,6 +36,8 @@ _SIDES: dict[str, tuple[int, int, int, int]] = {
     "Se": (5, 9, 6, 0),
     "Sf": (5, 9, 6, 0),
 }
+_SINK = (5, 0, 4, 9)
+"""A source that takes power: the floor, a threshold voltage."""
 
 
 class Board:
@@ -63,13 +72,21 @@ class Board:
                 if other not in self.near[one]:
                     self.near[one].append(other)
         self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
+        self._box: list[list[Cell]] = [[] for _ in bonds]  # these cells; none if not placed
+        self._ends: list[tuple[Cell, Cell] | None] = [None] * len(bonds)
 
     def put(self, node: int, cell: Cell) -> None:
         """Place a node on a free cell."""
         self.at[node] = cell
         self.who[cell] = node
         for b in self.bonds_of[node]:
-            for covered in self._box(b):
+            tail, head = self.bonds[b]
+            start, end = self.at[tail], self.at[head]
+            if start is None or end is None:
+                continue
+            self._ends[b] = (start, end)
+            self._box[b] = _box(start, end)
+            for covered in self._box[b]:
                 self._over.setdefault(covered, set()).add(b)
 
     def take(self, node: int) -> Cell:
@@ -77,8 +94,9 @@ class Board:
         cell = self.at[node]
         assert cell is not None
         for b in self.bonds_of[node]:
-            for covered in self._box(b):
+            for covered in self._box[b]:
                 self._over[covered].discard(b)
+            self._box[b], self._ends[b] = [], None
         self.at[node] = None
         del self.who[cell]
         return cell
@@ -107,26 +125,36 @@ class Board:
         touched = changed.union(*(self.near[n] for n in changed))
         return total + sum(self._node_cost(n) for n in touched)
 
-    def ends(self, bond: int) -> tuple[Cell, Cell] | None:
-        """Return the cells of a bond's tail and head, None if one is not placed."""
-        tail, head = self.bonds[bond]
-        a, b = self.at[tail], self.at[head]
-        return None if a is None or b is None else (a, b)
+    def defects(self) -> int:
+        """Return how many bonds run askew, cross another or pass over a node."""
+        count = 0
+        for b in range(len(self.bonds)):
+            ends = self._ends[b]
+            if ends is None:
+                continue
+            (ax, ay), (bx, by) = ends
+            over = {o for cell in self._box[b] for o in self._over.get(cell, ())}
+            count += ax != bx and ay != by
+            count += sum(self._cross(b, o) for o in over if o > b)
+            count += sum(cell in self.who and self._covers(b, cell) for cell in self._box[b])
+        return count
 
-    def _box(self, bond: int) -> list[Cell]:
-        ends = self.ends(bond)
-        if ends is None:
-            return []
-        (ax, ay), (bx, by) = ends
-        return [
-            (x, y)
-            for x in range(min(ax, bx), max(ax, bx) + 1)
-            for y in range(min(ay, by), max(ay, by) + 1)
-        ]
+    def least(self, moves: Mapping[int, Cell]) -> int:
+        """Return a quick lower bound of what `cost` would be after these moves.
+
+        It counts lengths and directions only; most moves are refused for these already.
+        """
+        total = 0
+        for b in {b for n in moves for b in self.bonds_of[n]}:
+            tail, head = self.bonds[b]
+            start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
+            if start is not None and end is not None:
+                total += _length(start, end)
+        return total
 
     def _covers(self, bond: int, cell: Cell) -> bool:
         """Whether a bond passes through or close by a cell that is not one of its ends."""
-        ends = self.ends(bond)
+        ends = self._ends[bond]
         if ends is None or cell in ends:
             return False
         (ax, ay), (bx, by) = ends
@@ -138,19 +166,17 @@ class Board:
         return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
 
     def _bond_cost(self, bond: int, changed: set[int]) -> int:
-        ends = self.ends(bond)
+        ends = self._ends[bond]
         if ends is None:
             return 0
         (ax, ay), (bx, by) = ends
         dx, dy = bx - ax, by - ay
-        total = LENGTH * (dx * dx + dy * dy)
-        if dx and dy:
-            total += DIAGONAL if abs(dx) == abs(dy) else SKEW
+        total = _length(*ends)
         tail, head = self.bonds[bond]
         if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
-            total += BACKWARDS * (dx < 0) + (BACKWARDS // 3) * (dy < 0)
+            total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
         others: set[int] = set()
-        for cell in self._box(bond):
+        for cell in self._box[bond]:
             if cell in self.who and self._covers(bond, cell):
                 total += ON_BOND
             others |= self._over.get(cell, set())
@@ -161,13 +187,14 @@ class Board:
         return total
 
     def _cross(self, one: int, two: int) -> bool:
-        if set(self.bonds[one]) & set(self.bonds[two]):
+        a, b = self.bonds[one]
+        if a in self.bonds[two] or b in self.bonds[two]:
             return False
-        first, second = self.ends(one), self.ends(two)
+        first, second = self._ends[one], self._ends[two]
         if first is None or second is None:
             return False
-        (a, b), (c, d) = first, second
-        return _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0
+        (p, q), (r, s) = first, second
+        return _turn(p, q, r) * _turn(p, q, s) < 0 and _turn(r, s, p) * _turn(r, s, q) < 0
 
     def _node_cost(self, node: int) -> int:
         here = self.at[node]
@@ -181,6 +208,8 @@ class Board:
                 return 0
             dx, dy = here[0] - there[0], here[1] - there[1]
             side = (2 if dy > 0 else 0) if abs(dy) >= abs(dx) else (1 if dx > 0 else 3)
+            if kind in SOURCES and self.bonds[self.bonds_of[node][0]][1] == node:
+                return _SINK[side]
             return _SIDES[kind][side]
         if len(near) == 2 and kind in ("TF", "GY"):
             p, q = self.at[near[0]], self.at[near[1]]
@@ -189,6 +218,22 @@ class Board:
             ux, uy, vx, vy = p[0] - here[0], p[1] - here[1], q[0] - here[0], q[1] - here[1]
             return 0 if ux * vy == uy * vx and ux * vx + uy * vy < 0 else BENT
         return 0
+
+
+def _length(a: Cell, b: Cell) -> int:
+    """Return the cost of a bond's length and direction alone."""
+    dx, dy = abs(b[0] - a[0]), abs(b[1] - a[1])
+    askew = 0 if dx == 0 or dy == 0 else DIAGONAL if dx == dy else SKEW
+    return UNIT + LONGER * (dx + dy - 1) + askew
+
+
+def _box(a: Cell, b: Cell) -> list[Cell]:
+    (ax, ay), (bx, by) = a, b
+    return [
+        (x, y)
+        for x in range(min(ax, bx), max(ax, bx) + 1)
+        for y in range(min(ay, by), max(ay, by) + 1)
+    ]
 
 
 def _turn(a: Cell, b: Cell, c: Cell) -> int:

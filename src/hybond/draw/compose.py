@@ -218,7 +218,7 @@ def _number(arrow: Arrow, shape: BondShape, clutter: Clutter) -> tuple[Mark, ...
     size = look("number").size or 9.0
     normal = barb_side(shape.head[0] - shape.tail[0], shape.head[1] - shape.tail[1])
     block = (width(arrow.number, size), size)
-    place, _ = best(beside_bond(shape.middle, normal, block), clutter)
+    place, _ = best(beside_bond((shape.tail, shape.head), normal, block), clutter)
     clutter.add_box(place.box)
     role = "number" + (" off" if arrow.off else "")
     return (Text(role, arrow.number, place.x, place.box.y1 - 0.13 * size, place.anchor),)

@@ -113,6 +113,8 @@ def _attempt(board: Board, moves: Mapping[int, Cell], threshold: float) -> int:
         return 0
     old = {n: c for n in moves if (c := board.at[n]) is not None}
     before = board.cost(moves)
+    if board.least(moves) > before + threshold:
+        return 0
     board.move(moves)
     change = board.cost(moves) - before
     if change > threshold:

@@ -101,14 +101,16 @@ def beside_junction(letters: Box, size: Point, taken: set[str]) -> list[Place]:
     return near + corners + [_side(letters, size, s, 4 * _GAP) for s in "nsew"]
 
 
-def beside_bond(middle: Point, normal: Point, size: Point) -> list[Place]:
+def beside_bond(line: Segment, normal: Point, size: Point) -> list[Place]:
     """Return places for the number of a bond: opposite its barb, then on the barb's side."""
     places = []
+    (ax, ay), (bx, by) = line
     for sign in (-1.0, 1.0):
-        for away in (3.0, 7.0):
+        for along in (0.5, 0.36, 0.64, 0.24):
             # The block's half size along the normal keeps its nearest corner off the line.
-            reach = away + abs(normal[0]) * size[0] / 2 + abs(normal[1]) * size[1] / 2
-            x, y = middle[0] + sign * reach * normal[0], middle[1] + sign * reach * normal[1]
+            reach = 3.0 + abs(normal[0]) * size[0] / 2 + abs(normal[1]) * size[1] / 2
+            x = ax + along * (bx - ax) + sign * reach * normal[0]
+            y = ay + along * (by - ay) + sign * reach * normal[1]
             box = Box(x - size[0] / 2, y - size[1] / 2, x + size[0] / 2, y + size[1] / 2)
             places.append(Place(box, "middle"))
     return places

@@ -19,6 +19,8 @@ Position = tuple[float, float]
 
 _FULL = 80
 """Number of nodes up to which the search is thorough."""
+_TRIES = 6
+"""Searches for a picture without a flaw; only for graphs of half that size."""
 
 
 def layout(
@@ -108,17 +110,26 @@ def _component(
     for n, (x, y) in pins.items():
         # Two pins may round to one cell: the second takes the nearest free one for the search.
         fixed[local[n]] = _nearest((round(x), round(y)), set(fixed.values()))
-    empty = Board(own_kinds, own_bonds)
     size = len(nodes)
-    starts = [_start(own_kinds, own_bonds, fixed, row) for row in _first_rows(empty, fixed)]
+    rows = _first_rows(Board(own_kinds, own_bonds), fixed)
+    starts = [_start(own_kinds, own_bonds, fixed, row) for row in rows]
     starts.sort(key=lambda b: b.cost(range(size)))  # stable: a tie keeps the order of trying
-    effort = min(_FULL / max(total, 1), 1.0)
-    boards = []
-    for board in starts[: 3 if size <= 40 else 1]:
-        improve(board, fixed, steps=int(effort * min(120 * size, 4000)), seed=seed)
-        boards.append(board)
-    best = min(boards, key=lambda b: b.cost(range(size)))
-    cells = [c for c in best.at if c is not None]
+    steps = int(min(_FULL / max(total, 1), 1.0) * min(120 * size, 4000))
+    # A picture without a flaw is good enough; otherwise other beginnings are tried.
+    best: tuple[int, list[Cell | None]] | None = None
+    for attempt in range(_TRIES if size <= _FULL // 2 else 1):
+        board = Board(own_kinds, own_bonds)
+        for n, cell in enumerate(starts[attempt % len(starts)].at):
+            if cell is not None:
+                board.put(n, cell)
+        improve(board, fixed, steps=steps, seed=seed + attempt)
+        cost = board.cost(range(size))
+        if best is None or cost < best[0]:
+            best = cost, board.at
+        if not board.defects():
+            break
+    assert best is not None
+    cells = [c for c in best[1] if c is not None]
     return dict(zip(nodes, cells, strict=True))
 
 
@@ -127,16 +138,14 @@ def _first_rows(board: Board, fixed: Mapping[int, Cell]) -> list[dict[int, Cell]
     if fixed:
         return [{}]
     nodes = range(len(board.kinds))
-    rows = [_snake(spine(board.near, board.kinds, nodes))]
+    rows = [_snake(spine(board, nodes))]
     ring = rings(board.near, nodes)
     if 4 <= len(ring) <= 40:
         for height in range(1, min(4, len(ring) // 2)):
             frame = _rectangle(len(ring), height)
-            turns = range(0, len(ring), max(1, len(ring) // 12))
-            for shift in turns:
+            for shift in range(0, len(ring), max(1, len(ring) // 4)):
                 turned = ring[shift:] + ring[:shift]
                 rows.append(dict(zip(turned, frame, strict=True)))
-                rows.append(dict(zip(turned[::-1], frame, strict=True)))
     return rows
 
 
@@ -170,7 +179,7 @@ def _start(
     for node, cell in {**fixed, **row}.items():
         board.put(node, cell)
     if not board.who:
-        board.put(spine(board.near, kinds, range(len(kinds)))[0], (0, 0))
+        board.put(spine(board, range(len(kinds)))[0], (0, 0))
     # Skeleton before one-ports: these find room, a branch does not.
     for inner in (True, False):
         pending = [

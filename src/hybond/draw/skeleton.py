@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise
 
+from hybond.draw.board import Board
 from hybond.model.kinds import SOURCES
 
 
@@ -32,8 +34,8 @@ def components(near: Sequence[Sequence[int]]) -> list[list[int]]:
     return found
 
 
-def spine(near: Sequence[Sequence[int]], kinds: Sequence[str], nodes: Sequence[int]) -> list[int]:
-    """Return the longest path of a component's skeleton, beginning at the end near a source.
+def spine(board: Board, nodes: Sequence[int]) -> list[int]:
+    """Return the longest path of a component's skeleton, in the direction of most of its power.
 
     In a graph with loops it is the longest of the shortest paths.
 
@@ -41,13 +43,14 @@ def spine(near: Sequence[Sequence[int]], kinds: Sequence[str], nodes: Sequence[i
     --------
     Se - 1 - TF - 1 - R: the one-ports are no part of it.
 
-    >>> near = [[1], [0, 2], [1, 3], [2, 4], [3]]
-    >>> spine(near, ["Se", "1", "TF", "1", "R"], range(5))
-    [1, 2, 3]
+    >>> board = Board(["R", "1", "TF", "1", "Se"], [(1, 0), (2, 1), (3, 2), (4, 3)])
+    >>> spine(board, range(5))
+    [3, 2, 1]
     """
+    near = board.near
     inner = {n for n in nodes if len(near[n]) > 1}
     if not inner:
-        return [min(nodes, key=lambda n: (kinds[n] not in ("0", "1"), n))]
+        return [min(nodes, key=lambda n: (board.kinds[n] not in ("0", "1"), n))]
     best: list[int] = []
     start = min(inner)
     # Twice the farthest node gives the diameter of a tree; a third time is for loops.
@@ -56,16 +59,23 @@ def spine(near: Sequence[Sequence[int]], kinds: Sequence[str], nodes: Sequence[i
         if len(path) > len(best):
             best = path
         start = path[-1]
-
-    def drive(end: int) -> int:
-        leaves = [kinds[m] for m in near[end] if len(near[m]) == 1]
-        return 2 * sum(k in SOURCES for k in leaves) - sum(k == "R" or k == "G" for k in leaves)
-
-    # The stronger source at the west end; a tie keeps the order in which the model was written.
-    first, last = drive(best[0]), drive(best[-1])
-    if last > first or (last == first and best[-1] < best[0]):
+    bonds = set(board.bonds)
+    along = sum((a, b) in bonds for a, b in pairwise(best))
+    against = sum((b, a) in bonds for a, b in pairwise(best))
+    forward = along - against + 2 * (_drive(board, best[0]) - _drive(board, best[-1]))
+    # A tie keeps the order in which the model was written.
+    if forward < 0 or (forward == 0 and best[-1] < best[0]):
         best.reverse()
     return best
+
+
+def _drive(board: Board, end: int) -> int:
+    """Return the number of sources that feed a node, less those that it feeds."""
+    sources = {m for m in board.near[end] if board.kinds[m] in SOURCES}
+    return sum(
+        (board.bonds[b][0] in sources) - (board.bonds[b][1] in sources)
+        for b in board.bonds_of[end]
+    )
 
 
 def rings(near: Sequence[Sequence[int]], nodes: Sequence[int], *, effort: int = 4000) -> list[int]:

@@ -50,7 +50,9 @@ def write_svg(scene: Scene) -> str:
 def style_sheet() -> str:
     """Return the CSS of all roles, scoped to drawings of hybond."""
     rules = [
-        f".hybond-graph{{max-width:100%;height:auto;font-family:{FONT}}}",
+        # Within a medium, because simple converters take the height literally.
+        "@media screen{.hybond-graph{max-width:100%;height:auto}}",
+        f".hybond-graph{{font-family:{FONT}}}",
         f".hybond-graph .paper{{fill:{PAPER[0]}}}",
         ".hybond-graph path,.hybond-graph rect.switch{fill:none}",
         ".hybond-graph path{stroke-linecap:butt}",
@@ -65,8 +67,11 @@ def style_sheet() -> str:
             continue
         # A word's colour is the stroke of its lines and the fill of its texts.
         for sheet, ink in zip((rules, dark), style.ink, strict=True):
-            sheet.append(f".hybond-graph path.{word},.hybond-graph rect.{word}{{stroke:{ink}}}")
-            sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
+            if style.size is None:
+                lines = f".hybond-graph path.{word},.hybond-graph rect.{word}"
+                sheet.append(f"{lines}{{stroke:{ink}}}")
+            if style.width is None or word == "conflict":
+                sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
     return "\n".join(rules) + "\n@media (prefers-color-scheme:dark){\n" + "\n".join(dark) + "\n}"
 
 

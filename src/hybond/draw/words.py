@@ -10,6 +10,8 @@ from hybond.draw.style import look
 
 _MARGIN = 14.0
 _LEAST = 260.0
+_MOST = 520.0
+"""How far a title may widen the page."""
 _LEGEND = (
     ("dynamic", "stroke dynamic", "depends on the mode"),
     ("derivative", "stroke derivative", "derivative causality"),
@@ -24,12 +26,12 @@ def with_words(groups: tuple[Group, ...], sketch: Sketch) -> Scene:
     x0, y0 = min((b.x0 for b in extent), default=0.0), min((b.y0 for b in extent), default=0.0)
     x1, y1 = max((b.x1 for b in extent), default=0.0), max((b.y1 for b in extent), default=0.0)
     legend = _legend(sketch)
-    wide = max(x1 - x0, _LEAST, legend[1])
+    size = look("title").size or 13.0
+    wide = max(x1 - x0, min(width(sketch.title, size, bold=True), _MOST), _LEAST, legend[1])
 
     head: list[Mark] = []
     y = _MARGIN
     if sketch.title:
-        size = look("title").size or 13.0
         title = shorten(sketch.title, 1.1 * size, wide)
         y += size
         head.append(Text("title", title, _MARGIN, y, "start"))

@@ -16,7 +16,7 @@ import msgspec
 
 from hybond.errors import FileError
 from hybond.files import limits
-from hybond.files.place import Place
+from hybond.files.place import Place, quoted, shortened
 from hybond.names import did_you_mean
 
 _EXPECTED = re.compile(r"Expected `([^`]*)`(.*?)(?:, got `([^`]*)`)?(?: - at `\$(.*)`)?\Z")
@@ -42,7 +42,7 @@ def check_plain(data: Any, place: Place, *, depth: int = 0) -> None:
         # A lone surrogate (JSON can spell one) could never be saved again.
         if not data.isascii() and any("\ud800" <= c <= "\udfff" for c in data):
             raise place.refuse(
-                f"{data!r} holds half a character", code="HB-F108", hint="write it in full"
+                f"{quoted(data)} holds half a character", code="HB-F108", hint="write it in full"
             )
     elif type(data) is bool:
         pass
@@ -142,7 +142,7 @@ def _located_in_record(
         if key not in fields:
             what = "section or key of a model" if "elements" in fields else "key here"
             return (place / key).refuse(
-                f"{key!r} is not a {what}", code="HB-F109", hint=did_you_mean(key, fields)
+                f"{quoted(key)} is not a {what}", code="HB-F109", hint=did_you_mean(key, fields)
             )
     for key, (of, required) in fields.items():
         if key in data:
@@ -183,12 +183,12 @@ def describe(data: Any) -> str:
     if isinstance(data, bool):
         return "true" if data else "false"
     if isinstance(data, str):
-        return f"the text {data!r}" if len(data) <= 40 else f"the text {data[:37] + '...'!r}"
+        return f"the text {quoted(data)}"
     if isinstance(data, int | float):
         return f"the number {data!r}"
     if isinstance(data, list):
         return f"a list of {len(data)}" if data else "an empty list"
     if isinstance(data, dict):
-        keys = ", ".join(list(data)[:4]) + (", ..." if len(data) > 4 else "")
+        keys = ", ".join(map(shortened, list(data)[:4])) + (", ..." if len(data) > 4 else "")
         return f"a table with {keys}" if data else "an empty table"
     return type(data).__name__

@@ -7,7 +7,7 @@ from typing import Any
 from hybond.errors import FileError, ModelError
 from hybond.files.check import check, describe
 from hybond.files.elements import read_element
-from hybond.files.place import Place
+from hybond.files.place import Place, shortened
 from hybond.files.schema import VERSION, File
 from hybond.files.submodel_files import Reading, is_file
 from hybond.model.builder import Model
@@ -97,7 +97,9 @@ def _name(model: Model, name: str, place: Place) -> None:
     try:
         model._new_name(name)
     except ModelError as error:
-        raise FileError(error.why, code=error.code, where=str(place), hint=error.hint) from None
+        raise FileError(
+            shortened(error.why, 120), code=error.code, where=str(place), hint=error.hint
+        ) from None
 
 
 def _input(data: dict[str, Any], place: Place) -> InputPart:

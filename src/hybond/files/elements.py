@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hybond.files.check import check, describe
-from hybond.files.place import Place
+from hybond.files.place import Place, quoted
 from hybond.files.schema import ELEMENTS
 from hybond.model.parts import Part, SubmodelPart
 from hybond.names import did_you_mean
@@ -79,7 +79,7 @@ def _kind(data: dict[str, Any], place: Place) -> str:
             hint="kinds: " + ", ".join(ELEMENTS),
         )
     raise (place / strange).refuse(
-        f"{strange!r} is not a kind of element",
+        f"{quoted(strange)} is not a kind of element",
         code="HB-F113",
         hint=did_you_mean(strange, ELEMENTS),
     )

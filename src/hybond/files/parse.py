@@ -12,11 +12,16 @@ from typing import Any
 
 from hybond.errors import FileError
 from hybond.files import limits
-from hybond.files.place import Format, Source
+from hybond.files.place import Format, Source, quoted, shortened
 
 _TOML_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 _MASKED = re.compile(
-    r'"""(?:[^\\]|\\.)*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'', re.DOTALL
+    r'"""(?:[^\\]|\\.)*?"{3,5}'
+    r"|'{3}.*?'{3,5}"
+    r'|"(?:[^"\\\n]|\\.)*"'
+    r"|'[^'\n]*'"
+    r"|\#[^\n]*",
+    re.DOTALL,
 )
 _DEEPEST_KEY = 2 * limits.LEVELS + 12
 
@@ -66,7 +71,9 @@ def read_text(path: Path, name: str) -> str:
     except IsADirectoryError:
         raise _unreadable("it is a directory", name) from None
     except (OSError, ValueError) as error:
-        why = "it is a directory" if path.is_dir() else getattr(error, "strerror", "") or str(error)
+        why = getattr(error, "strerror", "") or str(error)
+        if os.path.isdir(path):  # Windows says only that permission is denied
+            why = "it is a directory"
         raise _unreadable(why, name) from None
     return decode_text(data, name)
 
@@ -155,7 +162,7 @@ def _parse_json(source: Source) -> Any:
         if len(data) < len(pairs):
             keys = [key for key, _ in pairs]
             twice = next(key for k, key in enumerate(keys) if key in keys[:k])
-            raise _syntax("JSON", f"the key {twice!r} is there twice", source.name)
+            raise _syntax("JSON", f"the key {quoted(twice)} is there twice", source.name)
         return data
 
     def constant(word: str) -> float:
@@ -170,4 +177,4 @@ def _parse_json(source: Source) -> Any:
 
 
 def _syntax(language: str, why: str, where: str) -> FileError:
-    return FileError(f"not {language}: {why}", code="HB-F105", where=where)
+    return FileError(f"not {language}: {shortened(why, 200)}", code="HB-F105", where=where)

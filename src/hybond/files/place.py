@@ -75,6 +75,15 @@ def dotted(path: Path) -> str:
         if isinstance(key, int):
             text += f"[{key}]"
         else:
-            shown = key if len(key) <= 60 else key[:57] + "..."
-            text += ("." if text else "") + (shown if _BARE.match(key) else repr(shown))
+            text += ("." if text else "") + (shortened(key) if _BARE.match(key) else quoted(key))
     return text
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """Return a text cut to a length that a message can hold."""
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def quoted(text: str) -> str:
+    """Return a text in quotes, shortened."""
+    return repr(shortened(text))

@@ -16,6 +16,7 @@ from hybond.files.encode import to_data
 from hybond.files.load import load
 from hybond.files.parse import format_of, parse, read_text
 from hybond.files.place import Format, Place, Source
+from hybond.files.schema import VERSION
 from hybond.files.submodel_files import Reading, is_file
 from hybond.files.toml_text import toml_text
 from hybond.model.builder import Model
@@ -146,8 +147,10 @@ def _existing(text: str, file: Path, format: Format) -> dict[str, Any]:
     source = Source(str(file), text, format)
     try:
         data = parse(source)
-        if "hybond" not in data:
-            raise FileError("not a hybond model", code="HB-F106", where=str(file))
+        if data.get("hybond") != VERSION:
+            raise FileError(
+                f"not a hybond model of format version {VERSION}", code="HB-F106", where=str(file)
+            )
         with contextlib.suppress(FileError):
             # A model that is wrong somewhere is edited by its own data, not the canonical data.
             data = _canonical_for(data, source, file)

@@ -16,7 +16,7 @@ from hybond.errors import FileError
 from hybond.files import limits
 from hybond.files.check import check_plain
 from hybond.files.parse import format_of, parse, read_text
-from hybond.files.place import Place, Source
+from hybond.files.place import Place, Source, quoted
 from hybond.model.builder import Model
 
 
@@ -100,7 +100,7 @@ class Reading:
 
     def _resolve(self, reference: str, place: Place) -> Path:
         def refuse(why: str, hint: str) -> FileError:
-            return place.refuse(f"{reference!r} {why}", code="HB-F115", hint=hint)
+            return place.refuse(f"{quoted(reference)} {why}", code="HB-F115", hint=hint)
 
         if self.root is None or self._folder is None:
             raise refuse("names a file, but this text has no directory", "give base=")

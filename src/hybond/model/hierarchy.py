@@ -12,7 +12,15 @@ from dataclasses import dataclass, field
 
 from hybond.errors import ModelError
 from hybond.model.builder import Model
-from hybond.model.expressions import Expr, Number, names, parse, simplify, substitute
+from hybond.model.expressions import (
+    Expr,
+    Number,
+    names,
+    parse,
+    simplify,
+    substitute,
+    transform,
+)
 from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
@@ -234,6 +242,11 @@ def literal(value: Value, where: str) -> Expr:
     return number
 
 
+def without_units(e: Expr) -> Expr:
+    """Return the tree with plain SI numbers: units have done their work once checked."""
+    return transform(e, lambda n: Number(n.value) if isinstance(n, Number) else n)
+
+
 def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Number:
     """Return the value of an expression of parameters, in SI, with its dimension.
 
@@ -257,7 +270,7 @@ def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Numb
             )
     bound = substitute(tree, parameters)
     dimension = infer_dimension(bound, lambda _: None, where=where)
-    folded = simplify(bound)
+    folded = simplify(without_units(bound))
     if not isinstance(folded, Number) or folded.value - folded.value != 0.0:
         raise ModelError(
             f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"

@@ -24,7 +24,7 @@ from hybond.model.expressions import (
     substitute,
 )
 from hybond.model.graph import Node
-from hybond.model.hierarchy import Written, constant, literal
+from hybond.model.hierarchy import Written, constant, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.laws import Law
 from hybond.model.resolve import Resolver
@@ -103,7 +103,7 @@ class _Reader:
                 where=self.where,
                 hint=f"give a value in {expected}, or declare the domain of {self.node.path!r}",
             )
-        return simplify(tree)
+        return simplify(without_units(tree))
 
     def plain(self, value: Any) -> Law:
         """``R = "10 ohm"`` and its like."""
