@@ -29,10 +29,13 @@ SYMBOLS += (
 SYMBOLS += " mT mWb mL dm dag kHz MHz mrad kmol Eg Ym zs mmol kWh mAh"
 
 
+@pytest.fixture(scope="module")
+def registry():
+    return pytest.importorskip("pint").UnitRegistry()
+
+
 @pytest.mark.parametrize("symbol", SYMBOLS.split())
-def test_every_symbol_against_pint(symbol):
-    pint = pytest.importorskip("pint")
-    registry = pint.UnitRegistry()
+def test_every_symbol_against_pint(registry, symbol):
     theirs = registry.Quantity(1.0, PINT.get(symbol, symbol)).to_base_units()
     factor, dimension = parse_unit(symbol)
     assert factor == pytest.approx(theirs.magnitude, rel=1e-14)
@@ -46,9 +49,8 @@ COMPOUND += ["W/(m^2*K)", "N*s/m", "cm^-3", "m/s/s", "J/(kg*K)", "uF*kohm", "L/m
 
 
 @pytest.mark.parametrize("unit", COMPOUND)
-def test_compound_units_against_pint(unit):
-    pint = pytest.importorskip("pint")
-    theirs = pint.UnitRegistry().Quantity(2.5, unit).to_base_units()
+def test_compound_units_against_pint(registry, unit):
+    theirs = registry.Quantity(2.5, unit).to_base_units()
     ours = parse_quantity(f"2.5 {unit}")
     assert ours.value == pytest.approx(theirs.magnitude, rel=1e-14)
     powers = {str(u): p for u, p in theirs.unit_items() if str(u) != "radian"}

@@ -65,7 +65,7 @@ class EventTable(Sequence[Event]):
 
     def _details(self, step: Step) -> str:
         parts = []
-        for name, area in list(step.impulses.items())[:SHOWN]:
+        for name, area in sorted(step.impulses.items(), key=self._rank)[:SHOWN]:
             parts.append(f"{name} = {self._area(name, area)} δ")
         if len(step.impulses) > SHOWN:
             parts[-1] += f" (and {len(step.impulses) - SHOWN} more)"
@@ -81,6 +81,13 @@ class EventTable(Sequence[Event]):
                 text += f", lost {joule(energy.lost)}"
             parts.append(text)
         return ";  ".join(parts)
+
+    def _rank(self, item: tuple[str, float]) -> tuple[int, str]:
+        """Junctions first, then one-ports, then the sides of two-ports."""
+        node = self.graph.by_path.get(item[0].rsplit(".", 1)[0])
+        if node is None:
+            return (2, item[0])
+        return (0 if self.graph.nodes[node].is_junction else 1, item[0])
 
     def _area(self, name: str, area: float) -> str:
         node = self.graph.by_path.get(name.rsplit(".", 1)[0])

@@ -198,9 +198,7 @@ class Result:
             found.append((t, self._of_segment(segment, [name], t)[name]))
         return found
 
-    def _of_segment(
-        self, segment: Segment, names: Iterable[str], t: Vector
-    ) -> dict[str, Vector]:
+    def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
         interval = segment.interval
         assert isinstance(interval, Interval)
         equations = self.program.equations(segment.mode, interval, float(segment.t[0]))
@@ -223,9 +221,7 @@ class Result:
             HB-S110 for a time outside the run, or a side that is none.
         """
         if side not in ("left", "right"):
-            raise UsageError(
-                f"side = {side!r}", code="HB-S110", where="side", hint="left or right"
-            )
+            raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         found = {name: np.full(len(t), np.nan) for name in names}
         by_segment: dict[int, list[int]] = {}
         for k, a in enumerate(t):

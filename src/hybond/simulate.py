@@ -180,7 +180,7 @@ class ErrorScale:
         floor = np.zeros(n)
         floor[: self.nx] = np.where(np.isfinite(whole), NEGLIGIBLE * whole, 0.0)
         tolerance[:n] = self.rtol * np.maximum(size, floor)
-        tolerance[self.nx : n] += IDLE * self.rtol ** 0.5
+        tolerance[self.nx : n] += IDLE * self.rtol**0.5
         return tolerance
 
 
@@ -212,4 +212,3 @@ def _seconds(value: Any, where: str) -> float | None:
             f"{value!r} is not a time", code="HB-S106", where=where, hint='write 0.2 or "200 ms"'
         )
     return quantity.value
-

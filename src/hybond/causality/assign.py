@@ -121,7 +121,8 @@ def _record(
 
 def _conflict(graph: FlatGraph, state: Propagation, clash: Clash, off: frozenset[int]) -> Conflict:
     node = graph.nodes[clash.node]
-    a, b, bonds = clash.first, clash.second, (clash.first, clash.second)
+    a, b = clash.first, clash.second
+    bonds: tuple[int, ...] = (a, b)
     kind = clash.kind
     if clash.kind == "under":
         bonds = tuple(bond for bond, _ in state.at[clash.node])
@@ -134,11 +135,10 @@ def _conflict(graph: FlatGraph, state: Propagation, clash: Clash, off: frozenset
             kind, a, b = "over", min(bonds), max(bonds)
     involved = {clash.node}
     for bond in state.culprits(clash):
-        involved |= {state.via[bond], state.origin_of(bond).node}
+        start = state.starts[bond] if state.parent[bond] < 0 else None
+        involved.add(start.node if start else state.via[bond])
     switches = tuple(
-        (graph.nodes[k].path, k not in off)
-        for k in sorted(involved - {-1})
-        if graph.nodes[k].controlled
+        (graph.nodes[k].path, k not in off) for k in sorted(involved) if graph.nodes[k].controlled
     )
     gives_a = _received(state, a, clash.node)
     return Conflict(

@@ -28,7 +28,7 @@ def mode_dependent(graph: FlatGraph, modes: Iterable[Mode]) -> dict[int, tuple[i
     >>> m.bond("V -> sw -> j -> c", "sw -> r")
     >>> m.machine("S", states={"closed": ["sw"], "open": []}, start="closed")
     >>> mode_dependent(m.flatten(), [(0,), (1,)])
-    {3: (0, 1)}
+    {3: (1, 0)}
     """
     strokes = [assign(graph, mode).strokes for mode in modes]
     return {

@@ -131,9 +131,7 @@ def _shapes(
         same = together[min(a.tail, a.head), max(a.tail, a.head)]
         shift = PARALLEL * (same.index(k) - (len(same) - 1) / 2)
         shapes.append(
-            bond_shape(
-                boxes[a.tail], boxes[a.head], centres[a.tail], centres[a.head], shift=shift
-            )
+            bond_shape(boxes[a.tail], boxes[a.head], centres[a.tail], centres[a.head], shift=shift)
         )
     return shapes
 

@@ -156,6 +156,4 @@ def draw_mode(
     """
     from hybond.causality.assign import assign
 
-    return draw(
-        graph, mode=mode, causality=assign(graph, mode), numbers=numbers, title=title
-    )
+    return draw(graph, mode=mode, causality=assign(graph, mode), numbers=numbers, title=title)

@@ -43,9 +43,11 @@ def improve(board: Board, fixed: Mapping[int, Cell], *, steps: int, seed: int) -
     for step in range(steps):
         threshold = _HOT * (1.0 - step / steps) ** 2
         node = free[int(rng.random() * len(free))]
-        anchor = board.near[node][int(rng.random() * len(board.near[node]))] if (
-            board.near[node]
-        ) else node
+        anchor = (
+            board.near[node][int(rng.random() * len(board.near[node]))]
+            if (board.near[node])
+            else node
+        )
         cell = board.at[anchor]
         assert cell is not None
         reach = 1 if rng.random() < 0.6 else 3

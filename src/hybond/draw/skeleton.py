@@ -73,8 +73,7 @@ def _drive(board: Board, end: int) -> int:
     """Return the number of sources that feed a node, less those that it feeds."""
     sources = {m for m in board.near[end] if board.kinds[m] in SOURCES}
     return sum(
-        (board.bonds[b][0] in sources) - (board.bonds[b][1] in sources)
-        for b in board.bonds_of[end]
+        (board.bonds[b][0] in sources) - (board.bonds[b][1] in sources) for b in board.bonds_of[end]
     )
 
 

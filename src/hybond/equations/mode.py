@@ -215,9 +215,7 @@ class ModeEquations:
             hint="look at the last values of the partial result",
         )
 
-    def _system(
-        self, v: list[float], x: Vector, xi: Vector, w: Vector
-    ) -> tuple[Vector, Matrix]:
+    def _system(self, v: list[float], x: Vector, xi: Vector, w: Vector) -> tuple[Vector, Matrix]:
         """Return Newton's residual and Jacobian in the free unknowns."""
         v[self.slots.w] = w.tolist()
         f = np.array([g(v) for g in self.values])
@@ -316,12 +314,25 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
         rate_values = [(k, f) for k, f in rate_values if np.any(x2[:, first + k])]
     off = graph.off_nodes(mode)
     equations = ModeEquations(
-        graph, mode, slots, tableau, storage, n1, x1, n2, x2,
-        source_values, constants, rate_values, rows,
+        graph,
+        mode,
+        slots,
+        tableau,
+        storage,
+        n1,
+        x1,
+        n2,
+        x2,
+        source_values,
+        constants,
+        rate_values,
+        rows,
         [compiled(d.expression) for d in rows],
         gradient([dict(d.slopes) for d in rows]),
         gradient([dict(d.frozen) for d in rows]),
-        structure, others, [compiled(e) for e in drifts],
+        structure,
+        others,
+        [compiled(e) for e in drifts],
         gradient([slopes_of(e) for e in drifts]),
         0,
         junction_rows(graph, off),

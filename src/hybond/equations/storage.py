@@ -67,8 +67,13 @@ class StorageLaws:
                 f = compile_expression(d, slots.index, pre_offset=slots.size)
                 slopes.append((s.index, t.index, f))
         return StorageLaws(
-            matrix, rates, laws, slopes, [tuple(g) for g in groups.values()],
-            slots.x.start, 2 * slots.size,
+            matrix,
+            rates,
+            laws,
+            slopes,
+            [tuple(g) for g in groups.values()],
+            slots.x.start,
+            2 * slots.size,
         )
 
     @property

@@ -177,7 +177,14 @@ def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tablea
         elif (rest := finite.add(constant)) is not None:
             too_high.append(rest)
     return Tableau(
-        2 * bonds, len(graph.storages), sources, power, finite, constraints, agreements, dynamic,
+        2 * bonds,
+        len(graph.storages),
+        sources,
+        power,
+        finite,
+        constraints,
+        agreements,
+        dynamic,
         too_high,
     )
 
@@ -241,9 +248,7 @@ def _modulated(node: Node, modulus: Expr, pair: tuple[Term, Term]) -> Dynamic:
 def _controlled_source(node: Node, name: str, value: Expr) -> Dynamic:
     e = simplify(Binary("-", Name(name), value))
     slopes = gradient(e)
-    return Dynamic(
-        "structure", node.index, e, slopes, slopes, () if node.impulsive else (name,)
-    )
+    return Dynamic("structure", node.index, e, slopes, slopes, () if node.impulsive else (name,))
 
 
 def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], list[Dynamic]]:
@@ -268,9 +273,7 @@ def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], lis
     return constant, dynamic
 
 
-def _independent(
-    rows: list[Row], graph: FlatGraph
-) -> tuple[list[Row], list[Row]]:
+def _independent(rows: list[Row], graph: FlatGraph) -> tuple[list[Row], list[Row]]:
     """Split constraints into independent ones on storage and ones among sources alone."""
     first = 2 * len(graph.bonds)
     table = Elimination(len(graph.storages))
@@ -336,4 +339,3 @@ def stored_names(node: Node, graph: FlatGraph) -> dict[str, Expr]:
         for s in graph.storages
         if s.node == node.index
     }
-

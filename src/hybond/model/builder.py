@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
-RESERVED = frozenset({"time", "pi", "pre", "and", "or", "not", "if", "then", "else", "true", "false"})
+RESERVED = frozenset(
+    {"time", "pi", "pre", "and", "or", "not", "if", "then", "else", "true", "false"}
+)
 
 
 class Model:

@@ -14,9 +14,19 @@ from dataclasses import replace
 from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
-from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
-    And, Bool, Compare, Expr, If, Name, Not, Number, Or, Pre, children, parse,
+    And,
+    Bool,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Not,
+    Number,
+    Or,
+    Pre,
+    children,
+    parse,
 )
 from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
@@ -46,9 +56,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     raw_nodes, raw_bonds = _graph(opened, switched)
     ends = ends_of(raw_nodes, raw_bonds)
     domains = domains_of(raw_nodes, raw_bonds, opened)
-    bonds = tuple(
-        Bond(k, b.tail, b.head, b.name, domains[k]) for k, b in enumerate(raw_bonds)
-    )
+    bonds = tuple(Bond(k, b.tail, b.head, b.name, domains[k]) for k, b in enumerate(raw_bonds))
     nodes = [
         Node(
             index=k,
@@ -78,7 +86,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
             nodes[k] = replace(nodes[k], law=law_of(nodes[k], raw.written, resolver, dimensions))
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
-        dimensions[path] = infer_dimension(tree, dimensions.get, where=f"signals.{path}")
+        dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
     machines = _machines(opened, resolver, nodes, switched, dimensions)
     root = Scope("", model, {k: v for k, v in opened.parameters.items() if "." not in k})
     graph = FlatGraph(
@@ -158,9 +166,7 @@ def _graph(
         number[path] = len(nodes)
         nodes.append(RawNode(path, kind, written, switched=path in switched and not behind))
     bonds = [
-        RawBond(
-            number[b.tail.path], number[b.head.path], b.tail.port, b.head.port, b.name, b.where
-        )
+        RawBond(number[b.tail.path], number[b.head.path], b.tail.port, b.head.port, b.name, b.where)
         for b in opened.bonds
     ]
     for path in switched:
@@ -244,7 +250,8 @@ def _dimensions(
 
 def _inputs(opened: Opened) -> tuple[Input, ...]:
     return tuple(
-        _input(k, path, scope, part) for k, (path, (scope, part)) in enumerate(opened.inputs.items())
+        _input(k, path, scope, part)
+        for k, (path, (scope, part)) in enumerate(opened.inputs.items())
     )
 
 
@@ -320,7 +327,7 @@ def _integrals(
     for k, (path, (scope, part)) in enumerate(opened.integrals.items()):
         where = f"signals.{path}.integral"
         rate = resolver.resolve(literal(part.rate, where), scope, where)
-        dimension = infer_dimension(rate, dimensions.get, where=where)
+        dimension = resolver.dimension(rate, dimensions, where)
         if dimension is not None:
             whole = dimension * _TIME
             given = starts[path].dimension
@@ -406,7 +413,7 @@ def _rule(
             where=where,
             hint="compare it with something, such as > 0",
         )
-    infer_dimension(guard, dimensions.get, where=where)
+    resolver.dimension(guard, dimensions, where)
     reads = []
     for read in _reads(tree):
         meaning = resolver.resolve(read, scope, where)

@@ -320,5 +320,3 @@ def _end(text: str, scope: Scope, opened: Opened) -> BondEnd:
         if last.isdigit() and head in opened.nodes:
             path, port = head, last
     return BondEnd(path, port)
-
-

@@ -161,7 +161,7 @@ class Called:
 
     def rate(self, t: float, piece: int) -> float:
         """Return a central difference: a callable has no derivative of its own."""
-        h = 1e-6 * max(1.0, abs(t)) ** 0.5
+        h = 1e-6 * math.sqrt(max(1.0, abs(t)))
         return (self.value(t + h, piece) - self.value(t - h, piece)) / (2 * h)
 
 

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, cast
 
 from hybond.errors import ModelError, UnitError
-from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
     Binary,
     Expr,
@@ -95,7 +94,7 @@ class _Reader:
         tree = self.resolver.resolve(
             literal(value, self.where), self.scope, self.where, self.locals if local else None
         )
-        found = infer_dimension(tree, self.dimensions.get, where=self.where)
+        found = self.resolver.dimension(tree, self.dimensions, self.where)
         if known and expected is not None and found is not None and found != expected:
             raise UnitError(
                 f"{value!r} is in {found}; this place wants {expected}",

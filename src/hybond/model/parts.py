@@ -95,7 +95,7 @@ def _one_port(kind: str) -> Callable[..., Part]:
 
 
 C = _one_port("C")
-I = _one_port("I")  # noqa: E741 - the field's name for an inertia
+I = _one_port("I")
 R = _one_port("R")
 G = _one_port("G")
 Se = _one_port("Se")

@@ -8,9 +8,10 @@ signals substituted.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from hybond.errors import ModelError
+from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
     Binary,
     Compare,
@@ -22,17 +23,19 @@ from hybond.model.expressions import (
     Pre,
     String,
     children,
+    names,
     parse,
     simplify,
+    substitute,
     transform,
 )
 from hybond.model.expressions.tree import with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.names import did_you_mean, join
+from hybond.units import Dimension
 
 _QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
-
 
 
 class Resolver:
@@ -281,6 +284,17 @@ class Resolver:
             hint=did_you_mean(_squeeze(text), self._bond_names),
         )
 
+    def dimension(
+        self, tree: Expr, dimensions: Mapping[str, Dimension | None], where: str
+    ) -> Dimension | None:
+        """Return a tree's dimension; a refusal speaks of names as they are written."""
+        written = {
+            name: as_written(name, self.nodes, self.bonds, self.opened) for name in names(tree)
+        }
+        known = {text: dimensions.get(name) for name, text in written.items()}
+        shown = substitute(tree, {name: Name(text) for name, text in written.items()})
+        return infer_dimension(shown, known.get, where=where)
+
     def known(self, scope: Scope) -> list[str]:
         """Return the names that may be written in `scope`, for "did you mean"."""
         found = ["time", *scope.parameters]
@@ -295,6 +309,25 @@ class Resolver:
                 found += [f"{node.path}.e", f"{node.path}.f"]
         dot = f"{scope.prefix}."
         return [p.removeprefix(dot) for p in found if not scope.prefix or p.startswith(dot)]
+
+
+def as_written(name: str, nodes: Sequence[Node], bonds: Sequence[Bond], opened: Opened) -> str:
+    """Return a canonical name as a modeller would write it."""
+    kind, _, index = name.partition(":")
+    if kind == "law":
+        return index
+    if kind in ("e", "f"):
+        bond = bonds[int(index)]
+        for at in (bond.tail, bond.head):
+            node = nodes[at]
+            if not node.is_junction and len(node.ends) == 1:
+                return f"{node.path}.{kind}"
+        return f'"{bond.name}".{kind}'
+    if kind == "s":
+        return list(opened.integrals)[int(index)]
+    if kind == "u":
+        return list(opened.inputs)[int(index)]
+    return name
 
 
 def balance(node: Node, variable: str) -> Expr:

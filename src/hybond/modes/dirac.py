@@ -125,7 +125,9 @@ def _mul(a: Pair, b: Pair) -> Pair:
     if a.impulsive and not b.steady:
         raise _meaningless("an impulse times a factor that jumps")
     product = _scaled(a, b, operator.mul)
-    return Pair(product.finite, product.impulse, product.before, a.size * b.size, product.impulse_size)
+    return Pair(
+        product.finite, product.impulse, product.before, a.size * b.size, product.impulse_size
+    )
 
 
 def _quotient(a: float, b: float) -> float:

@@ -298,4 +298,3 @@ class Executive:
             "the run stops there"
         )
         return True
-

@@ -17,6 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.assign import assign
+from hybond.causality.explain import describe_conflict
+from hybond.equations.elimination import Row
 from hybond.equations.leakage import least_leakage, null_space
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import CausalityError, NumericsError
@@ -66,7 +69,7 @@ def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) ->
     Raises
     ------
     CausalityError
-        HB-C104 if sources contradict each other.
+        HB-C101 if sources contradict each other.
     NumericsError
         HB-N303 if no jump meets the constraints, HB-N304 if Newton does not converge.
     """
@@ -103,19 +106,31 @@ def check_agreement(equations: ModeEquations, v: list[float], x: Vector, where: 
         total, size = sum(terms.values()), sum(abs(a) for a in terms.values())
         if abs(total) <= AGREE * size:
             continue
-        nz = len(equations.graph.storages)
-        sources = [equations.tableau.sources[k - first - nz] for k in sorted(row)]
-        names = " and ".join(
-            f"{equations.graph.nodes[s.node].kind} {equations.graph.nodes[s.node].path}"
-            for s in sources
-        )
-        raise CausalityError(
-            f"{names or 'the sources'} contradict each other in this mode: "
-            f"their values differ by {total:.6g} at t = {v[0]:.9g} s",
-            code="HB-C104",
-            where=where,
-            hint="put a resistor between them, or change the rule that switches them together",
-        )
+        raise contradiction(equations, row, total, float(v[0]), where)
+
+
+def contradiction(
+    equations: ModeEquations, row: Row, difference: float, t: float, where: str
+) -> CausalityError:
+    """Return the refusal of a mode whose sources contradict each other, with their chains."""
+    graph = equations.graph
+    nz = len(graph.storages)
+    first = equations.tableau.unknowns
+    sources = [graph.nodes[equations.tableau.sources[k - first - nz].node] for k in sorted(row)]
+    names = " and ".join(f"{n.kind} {n.path}" for n in sources)
+    chains = [
+        describe_conflict(graph, equations.mode, c) for c in assign(graph, equations.mode).conflicts
+    ]
+    if len(sources) == 1:
+        why = f"{names} is shorted or cut off by what holds zero, but its value is {difference:.6g}"
+    else:
+        why = f"{names} prescribe the same variable and differ by {difference:.6g}"
+    return CausalityError(
+        f"{why} at t = {t:.9g} s. " + " ".join(chains),
+        code="HB-C101",
+        where=where,
+        hint="put a resistor between them, or change the rule that switches them together",
+    )
 
 
 class _Constraints:
@@ -167,9 +182,7 @@ class _Constraints:
     def slope(self, x: Vector, d: Matrix) -> Matrix:
         """Return the derivative of the residual by the areas, shape (count, areas)."""
         e = self.e
-        if not e.storage.laws and not e.source_values and not (
-            self.left.shape[1] and self.sourced
-        ):
+        if not e.storage.laws and not e.source_values and not (self.left.shape[1] and self.sourced):
             known = self.rows
             if self.left.shape[1]:
                 known = np.vstack([known, self.left.T @ (self.two_port @ e.x1)])
@@ -222,7 +235,11 @@ def _newton(problem: _Constraints, x: Vector, d: Matrix, where: str) -> Vector:
         here = x + d @ nu
         residual, size = problem.residual(here)
         slope = problem.slope(here, d)
-        rank = np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0)) if slope.size else 0
+        rank = (
+            np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0))
+            if slope.size
+            else 0
+        )
         step, *_ = np.linalg.lstsq(slope, residual, rcond=1e-12)
         worst = float((np.abs(residual) / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
         if worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best):

@@ -18,11 +18,16 @@ from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
 from hybond.model.expressions import (
-    Binary, Compare, Expr, Pre, comparisons, transform,
+    Binary,
+    Compare,
+    Expr,
+    Pre,
+    comparisons,
+    transform,
 )
 from hybond.model.graph import Mode, Rule
-from hybond.modes.settle import Settler
 from hybond.modes.dirac import Pair
+from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers import Step
@@ -44,7 +49,7 @@ class Watched:
     """
 
     rules: tuple[Rule, ...]
-    tests: tuple[Callable[[Sequence[float]], bool], ...]
+    tests: tuple[Callable[[Sequence[float]], float], ...]
     atoms: tuple[tuple[Callable[[Sequence[float]], float], ...], ...]
     arrays: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...]
     array_tests: tuple[Callable[[Sequence[Vector]], Vector], ...]
@@ -105,7 +110,9 @@ class Locator:
         self, k: int, step: Step, t: Vector, values: Vector, before: float | None
     ) -> float | None:
         columns = list(values)
-        truth = np.broadcast_to(np.asarray(self.watched.array_tests[k](columns), dtype=bool), t.shape)
+        truth = np.broadcast_to(
+            np.asarray(self.watched.array_tests[k](columns), dtype=bool), t.shape
+        )
         atoms = [np.broadcast_to(f(columns), t.shape) for f in self.watched.arrays[k]]
         candidates = set(t[1:][truth[1:]].tolist())
         for j, d in enumerate(atoms):
@@ -165,7 +172,9 @@ class Locator:
             # a parabola through the samples cannot dip by more than this
             if size[i] > 2.0 * spread:
                 continue
-            found += self._dip(k, j, step, float(t[i - 1]), float(t[i + 1]), math.copysign(1.0, d[i]))
+            found += self._dip(
+                k, j, step, float(t[i - 1]), float(t[i + 1]), math.copysign(1.0, d[i])
+            )
         return found
 
     def _dip(self, k: int, j: int, step: Step, low: float, high: float, sign: float) -> list[float]:
@@ -234,4 +243,3 @@ class Locator:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self._test(k, step, middle) else (middle, high)
         return high
-

@@ -42,7 +42,7 @@ from hybond.programs.program import Program
 from hybond.trace import Energy, Event, Fired, Step, Trace
 
 Vector = NDArray[np.float64]
-Guard = Callable[[Sequence[Pair]], bool]
+Guard = Callable[[Sequence[Pair]], object]
 
 
 @dataclass(slots=True)
@@ -88,9 +88,10 @@ class Settler:
         self.trace = trace
         self.max_writes = max_writes
         self.named = named_rows(self.graph)
+        self.energy = 0.0
         slots = program.slots
         self._guards: dict[Rule, Guard] = {}
-        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], Pair]]]] = {}
+        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
         self._offset = slots.size
         self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
         self._rates = [
@@ -101,8 +102,15 @@ class Settler:
     # -- the algorithm
 
     def settle(
-        self, t: float, x: Vector, s: Vector, mode: Mode, before: Interval, after: Interval,
-        *, start: bool = False,
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        before: Interval,
+        after: Interval,
+        *,
+        start: bool = False,
     ) -> Settled:
         """Return the state and mode in which time goes on from `t`.
 
@@ -182,8 +190,15 @@ class Settler:
             v[start + at] = float(z[k.index]) * (1 if k.kind == "C" else k.sign)
 
     def _try(
-        self, t: float, x: Vector, s: Vector, mode: Mode, after: Interval, pre: list[float],
-        *, jump: bool,
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        after: Interval,
+        pre: list[float],
+        *,
+        jump: bool,
     ) -> _Trial:
         """Enter `mode` from the state x; without `jump`, stay on x."""
         program = self.program
@@ -195,7 +210,9 @@ class Settler:
         done = Jump(x, nothing, (), happened=False)
         if jump:
             done = enter(equations, v, x, where=self.text(mode))
-        floor = impulse_floor(self.graph, done.impulses, x, done.x, IMPULSE_RTOL)
+        floor = impulse_floor(
+            self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
+        )
         pairs = self._pairs(equations, v, done, s, pre, floor)
         landed = s
         if done.happened and self._rates:
@@ -207,12 +224,26 @@ class Settler:
         names = tuple(undetermined_names(self.graph, solution.freedom))
         return _Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
 
+    def _reach(self, equations: ModeEquations, x: Vector, after: Vector) -> Vector:
+        """Return what each storage would hold with all the energy seen so far in the run."""
+        storage = equations.storage
+        self.energy = max(self.energy, abs(storage.energy(x)), abs(storage.energy(after)))
+        stiffness = np.abs(np.diagonal(storage.stiffness(x)))
+        with np.errstate(divide="ignore"):
+            reach = np.sqrt(2.0 * self.energy / stiffness)
+        return np.where(np.isfinite(reach), reach, 0.0)
+
     def _area(self, rate: Callable[[Sequence[Pair]], object], pairs: list[Pair]) -> float:
         value = rate(pairs)
         return value.impulse if isinstance(value, Pair) and value.impulsive else 0.0
 
     def _pairs(
-        self, equations: ModeEquations, v: list[float], jump: Jump, s: Vector, pre: list[float],
+        self,
+        equations: ModeEquations,
+        v: list[float],
+        jump: Jump,
+        s: Vector,
+        pre: list[float],
         floor: Vector,
     ) -> list[Pair]:
         slots = self.program.slots
@@ -224,10 +255,7 @@ class Settler:
         impulse = [0.0] * self._offset
         if jump.happened:
             impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()
-        now = [
-            Pair(a, p, b, c, abs(p))
-            for a, p, b, c in zip(v, impulse, pre, size, strict=False)
-        ]
+        now = [Pair(a, p, b, c, abs(p)) for a, p, b, c in zip(v, impulse, pre, size, strict=False)]
         return now + [Pair(b, 0.0, b, max(abs(b), c), 0.0) for b, c in zip(pre, size, strict=True)]
 
     # -- transitions
@@ -288,15 +316,18 @@ class Settler:
                 if pair.impulsive:
                     impulses[name] = pair.impulse
             else:
-                values[name] = float(pair)
+                values[name] = float(bool(pair))
         return Fired(
-            machine.path, machine.states[rule.source], machine.states[rule.target], rule.text,
-            values, impulses, others,
+            machine.path,
+            machine.states[rule.source],
+            machine.states[rule.target],
+            rule.text,
+            values,
+            impulses,
+            others,
         )
 
-    def _refuse_indeterminate(
-        self, rule: Rule, machine: Machine, trial: _Trial, t: float
-    ) -> None:
+    def _refuse_indeterminate(self, rule: Rule, machine: Machine, trial: _Trial, t: float) -> None:
         """Refuse a guard whose truth depends on what the equations leave open."""
         slots = self.program.slots
         guard = self.program.compile(rule.guard)
@@ -329,9 +360,7 @@ class Settler:
 
     # -- records
 
-    def _record(
-        self, trial: _Trial, x: Vector, fired: tuple[Fired, ...], kind: str
-    ) -> Step:
+    def _record(self, trial: _Trial, x: Vector, fired: tuple[Fired, ...], kind: str) -> Step:
         jump = trial.jump
         energy: Energy | None = None
         exchanged: dict[str, float] = {}
@@ -393,13 +422,24 @@ class Settler:
     # -- refusals
 
     def _look_for_cycle(
-        self, t: float, x: Vector, s: Vector, trial: _Trial, pre: list[float],
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        trial: _Trial,
+        pre: list[float],
         seen: dict[tuple[object, ...], int],
-        history: list[tuple[Mode, tuple[Fired, ...]]], entered: tuple[Fired, ...],
+        history: list[tuple[Mode, tuple[Fired, ...]]],
+        entered: tuple[Fired, ...],
     ) -> None:
         key = (
-            trial.mode, x.tobytes(), trial.jump.x.tobytes(), s.tobytes(), trial.s.tobytes(),
-            trial.jump.happened, tuple(pre),
+            trial.mode,
+            x.tobytes(),
+            trial.jump.x.tobytes(),
+            s.tobytes(),
+            trial.s.tobytes(),
+            trial.jump.happened,
+            tuple(pre),
         )
         history.append((trial.mode, entered))
         if key not in seen:
@@ -440,9 +480,10 @@ class Settler:
 
     def text(self, mode: Mode) -> str:
         """Return a mode as written in tables: the machines' states."""
-        return ", ".join(
-            m.states[k] for m, k in zip(self.graph.machines, mode, strict=True)
-        ) or "the only mode"
+        return (
+            ", ".join(m.states[k] for m, k in zip(self.graph.machines, mode, strict=True))
+            or "the only mode"
+        )
 
 
 def _fired_text(fired: Fired) -> str:
@@ -453,9 +494,7 @@ def _fired_text(fired: Fired) -> str:
     return f"{fired.machine}: {fired.guard}" + (f" [{values}]" if values else "")
 
 
-def event_of(
-    t: float, cause: str, settled: Settled, x: Vector, s: Vector
-) -> Event:
+def event_of(t: float, cause: str, settled: Settled, x: Vector, s: Vector) -> Event:
     """Return the record of a settled instant."""
     return Event(
         t,

@@ -69,11 +69,22 @@ def named_rows(graph: FlatGraph) -> NamedRows:
     return NamedRows(tuple(names), np.array(rows).reshape(len(names), 2 * bonds))
 
 
-def impulse_floor(graph: FlatGraph, impulses: Vector, x: Vector, after: Vector, rtol: float) -> Vector:
+def impulse_floor(
+    graph: FlatGraph, impulses: Vector, reach: Vector, x: Vector, after: Vector, rtol: float
+) -> Vector:
     """Return the size below which each bond variable's impulse counts as zero.
 
-    ``rtol * S``, S the largest stored quantity of its kind (momentum for efforts, displacement
+    ``rtol * S``: S is the largest stored quantity of its kind (momentum for efforts, displacement
     for flows) in the bond's domain, or the largest such impulse if nothing is stored there.
+
+    Parameters
+    ----------
+    impulses : array, shape (2 * bonds,)
+    reach : array, shape (storages,)
+        What each storage would hold if it had all the energy that the run has seen: a mass that
+        stands still but for rounding is measured by the spring that moved it.
+    x, after : array, shape (storages,)
+        Stored quantities before and after the jump.
     """
     bonds = len(graph.bonds)
     largest: dict[tuple[str, int], float] = {}
@@ -83,9 +94,8 @@ def impulse_floor(graph: FlatGraph, impulses: Vector, x: Vector, after: Vector, 
 
     for s in graph.storages:
         domain = graph.bonds[s.bond].domain.name
-        kind = 0 if s.kind == "I" else 1
-        note(domain, kind, float(x[s.index]))
-        note(domain, kind, float(after[s.index]))
+        for value in (reach, x, after):
+            note(domain, 0 if s.kind == "I" else 1, float(value[s.index]))
     for b in graph.bonds:
         note(b.domain.name, 0, float(impulses[b.index]))
         note(b.domain.name, 1, float(impulses[bonds + b.index]))

@@ -85,4 +85,3 @@ def discrete_values(
         else:
             values[name] = graph.inputs[k].waveform.value(t, interval.pieces[k])
     return values
-

@@ -173,7 +173,13 @@ class Program:
             return np.array(rows).reshape(len(t), 2 * self.slots.size).T
         n = self.slots.size
         v = np.zeros((2 * n, len(t)))
-        first = self.values(float(t[0]), interval, equations.mode, y[0, : self.nx], y[0, self.nx : self.nx + self.ns])
+        first = self.values(
+            float(t[0]),
+            interval,
+            equations.mode,
+            y[0, : self.nx],
+            y[0, self.nx : self.nx + self.ns],
+        )
         v[:n] = np.array(first[:n])[:, None]
         v[0] = t
         for i, p in zip(self.graph.inputs, interval.pieces, strict=True):
@@ -211,7 +217,9 @@ class Program:
 def _meter(graph: FlatGraph) -> PowerMeter:
     bonds = len(graph.bonds)
 
-    def indices(kinds: tuple[str, ...], outward: bool) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
+    def indices(
+        kinds: tuple[str, ...], outward: bool
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
         ends = [
             end
             for n in graph.nodes
