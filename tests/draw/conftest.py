@@ -137,19 +137,8 @@ def _motor() -> FlatGraph:
             "load": ("I", "J_load"),
             "shaft": ("C", "1/k_shaft"),
             "twist": "0",
-            "arm": "1",
         },
         [
-            "supply -> i -> motor -> w -> gear -> twist -> out -> load",
-            "i -> winding",
-            "i -> armature",
-            "w -> rotor",
-            "w -> friction",
-            "twist -> shaft",
-            "out -> arm",
-        ]
-        if False
-        else [
             "supply -> i -> motor -> w -> gear -> twist -> out -> load",
             "i -> winding",
             "i -> armature",

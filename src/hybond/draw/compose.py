@@ -62,11 +62,14 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> Scene:
         corner=[s.is_junction for s in sketch.symbols],
     )
     boxes = [_letters(s, c) for s, c in zip(sketch.symbols, centres, strict=True)]
-    shapes = _shapes(sketch.arrows, boxes, centres)
+    framed = [
+        b.grown(2.0) if s.controlled else b for s, b in zip(sketch.symbols, boxes, strict=True)
+    ]
+    shapes = _shapes(sketch.arrows, framed, centres)
 
     clutter = Clutter()
-    for symbol, box in zip(sketch.symbols, boxes, strict=True):
-        clutter.add_box(box.grown(3.0) if symbol.controlled else box)
+    for box in framed:
+        clutter.add_box(box)
     groups = []
     for arrow, shape in zip(sketch.arrows, shapes, strict=True):
         marks = _bond_marks(arrow, shape)
@@ -80,7 +83,7 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> Scene:
     texts: dict[int, tuple[Mark, ...]] = {}
     for k in order:
         taken = _sides(k, sketch.arrows, centres)
-        texts[k] = _label(sketch.symbols[k], words[k], boxes[k], taken, clutter)
+        texts[k] = _label(sketch.symbols[k], words[k], framed[k], taken, clutter)
     for k, symbol in enumerate(sketch.symbols):
         marks_of = (*_node_marks(symbol, boxes[k], centres[k]), *texts[k])
         nodes.append(Group("node", symbol.path, symbol.about, marks_of))
@@ -186,14 +189,13 @@ def _label(
     symbol: Symbol, words: tuple[_Words, ...], box: Box, taken: set[str], clutter: Clutter
 ) -> tuple[Mark, ...]:
     """Place the small text of a symbol; where there is no room for all, it is cut."""
-    around = box.grown(2.0) if symbol.controlled else box
     found: tuple[Place, int, tuple[_Words, ...]] | None = None
     for room in (_ROOM, 70.0, 45.0, 30.0):
         lines = words if room == _ROOM else _words(symbol, room)
         if not lines:
             return ()
         size = (max(w.width for w in lines), sum(w.size * _LEADING for w in lines))
-        options = (beside_junction if symbol.is_junction else beside_element)(around, size, taken)
+        options = (beside_junction if symbol.is_junction else beside_element)(box, size, taken)
         place, hits = best(options, clutter)
         if found is None or hits < found[1]:
             found = (place, hits, lines)

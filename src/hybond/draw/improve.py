@@ -7,11 +7,10 @@ from collections.abc import Mapping
 
 from hybond.draw.board import Board, Cell
 
-_HOT = 60.0
-"""First threshold, in units of `board` costs: a diagonal or a long bond, not a crossing."""
 
-
-def improve(board: Board, fixed: Mapping[int, Cell], *, steps: int, seed: int) -> None:
+def improve(
+    board: Board, fixed: Mapping[int, Cell], *, steps: int, seed: int, hot: int = 40
+) -> None:
     """Move the nodes of `board` to cheaper places; those in `fixed` stay.
 
     Parameters
@@ -24,6 +23,9 @@ def improve(board: Board, fixed: Mapping[int, Cell], *, steps: int, seed: int) -
         Number of moves tried while hot; a descent until nothing improves follows.
     seed : int
         Seed of the choice of moves.
+    hot : int
+        First threshold, in units of `board` costs: 40 allows a diagonal or a long bond, 160 a
+        crossing on the way.
 
     Examples
     --------
@@ -41,7 +43,7 @@ def improve(board: Board, fixed: Mapping[int, Cell], *, steps: int, seed: int) -
     groups = _groups(board, fixed)
     best, record, score = list(board.at), 0, 0
     for step in range(steps):
-        threshold = _HOT * (1.0 - step / steps) ** 2
+        threshold = hot * (1.0 - step / steps) ** 2
         node = free[int(rng.random() * len(free))]
         anchor = (
             board.near[node][int(rng.random() * len(board.near[node]))]
@@ -129,6 +131,8 @@ def _descend(
     board: Board, fixed: Mapping[int, Cell], free: list[int], groups: list[tuple[int, ...]]
 ) -> None:
     """Try all near cells for all nodes until nothing improves, a few rounds at most."""
+    if len(free) > 320:  # seconds, for little: big models are drawn by part
+        return
     reach = 2 if len(free) <= 80 else 1
     for _ in range(6 if len(free) <= 80 else 2):
         gain = 0

@@ -19,7 +19,7 @@ Position = tuple[float, float]
 
 _FULL = 80
 """Number of nodes up to which the search is thorough."""
-_TRIES = 6
+_TRIES = 9
 """Searches for a picture without a flaw; only for graphs of half that size."""
 
 
@@ -114,7 +114,7 @@ def _component(
     rows = _first_rows(Board(own_kinds, own_bonds), fixed)
     starts = [_start(own_kinds, own_bonds, fixed, row) for row in rows]
     starts.sort(key=lambda b: b.cost(range(size)))  # stable: a tie keeps the order of trying
-    steps = int(min(_FULL / max(total, 1), 1.0) * min(120 * size, 4000))
+    steps = int(min(_FULL / max(total, 1), 1.0) * min(260 * size, 5000))
     # A picture without a flaw is good enough; otherwise other beginnings are tried.
     best: tuple[int, list[Cell | None]] | None = None
     for attempt in range(_TRIES if size <= _FULL // 2 else 1):
@@ -122,7 +122,8 @@ def _component(
         for n, cell in enumerate(starts[attempt % len(starts)].at):
             if cell is not None:
                 board.put(n, cell)
-        improve(board, fixed, steps=steps, seed=seed + attempt)
+        hot = 160 if attempt else 40
+        improve(board, fixed, steps=steps, seed=seed + attempt, hot=hot)
         cost = board.cost(range(size))
         if best is None or cost < best[0]:
             best = cost, board.at

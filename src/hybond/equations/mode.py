@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import partial_time
+from hybond.equations.calculus import partial_time, reads_bonds
 from hybond.equations.elimination import Elimination
 from hybond.equations.leakage import junction_rows, least_leakage, null_space, undetermined
 from hybond.equations.slots import Slots
@@ -103,6 +103,8 @@ class ModeEquations:
     rank: int
     """Rank of the structure rows, found at generic values."""
     junctions: Matrix
+    affine: bool
+    """Whether all dynamic rows are affine in bond variables and nothing is hidden."""
     project: Matrix | None = None
     freedom: Matrix = field(default_factory=lambda: np.zeros((0, 0)))
     guess: Vector | None = None
@@ -177,6 +179,9 @@ class ModeEquations:
             self.newton_steps += 1
             scale = np.abs(base).max(initial=0.0) + np.abs(r).max(initial=0.0)
             previous, update = update, float(np.abs(step).max(initial=0.0))
+            if self.affine:
+                # one step from anywhere is exact
+                update = 0.0
             # rounding keeps a step from vanishing: stop as well when it no longer shrinks
             if update <= NEWTON_TOLERANCE * scale or (
                 update <= 1e-9 * scale and update >= 0.5 * previous
@@ -220,7 +225,8 @@ class ModeEquations:
         v[self.slots.w] = w.tolist()
         f = np.array([g(v) for g in self.values])
         slopes = self.slopes.at(v) @ self.n2
-        if not self.structure:
+        if self.rank == len(self.structure):
+            # the power structure leaves nothing hidden: its rows stand as they are
             return f, slopes
         onto, left = self._split(v)
         frozen = self.frozen.at(v)[self.structure]
@@ -336,10 +342,14 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
         gradient([slopes_of(e) for e in drifts]),
         0,
         junction_rows(graph, off),
+        False,
         freedom=np.zeros((nw, 0)),
     )
     if structure:
         equations.rank = _generic_rank(equations)
+    equations.affine = equations.rank == len(structure) and not any(
+        reads_bonds(e) for d in rows for e in d.slopes.values()
+    )
     if equations.linear and n2.shape[1]:
         equations.freedom = n2
         equations.project = least_leakage(n2, equations.junctions)

@@ -64,7 +64,7 @@ def infer_dimension(
     Raises
     ------
     UnitError
-        HB-U102 if two dimensions meet that should be the same, HB-U103 for a dimension where a
+        HB-U102 if two dimensions meet that should be the same, HB-U106 for a dimension where a
         plain number has to stand.
 
     Examples
@@ -123,7 +123,7 @@ def _number_only(e: Expr, found: _Found, of: str, where: str) -> None:
     if isinstance(found, Dimension) and found != DIMENSIONLESS:
         why = f"{of} takes a plain number, {_shown(e)} is in {found}"
         hint = f"divide by a reference: ({to_text(e)[:40]})/(1 [{found}])"
-        raise UnitError(why, code="HB-U103", where=where, hint=hint)
+        raise UnitError(why, code="HB-U106", where=where, hint=hint)
 
 
 def _product(a: _Found, b: _Found, sign: int) -> _Found:

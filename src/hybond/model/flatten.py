@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
@@ -305,7 +306,7 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
         )
     times = [number(r[0], f"table[{k}][0]") for k, r in enumerate(rows)]
     levels = [number(r[1], f"table[{k}][1]") for k, r in enumerate(rows)]
-    if any(b.value < a.value for a, b in zip(times, times[1:], strict=False)):
+    if any(b.value < a.value for a, b in pairwise(times)):
         raise ModelError(
             "the times of a table must not decrease", code="HB-M150", where=where, hint="sort it"
         )

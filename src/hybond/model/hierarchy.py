@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from hybond.errors import ModelError
 from hybond.model.builder import Model
@@ -297,7 +298,7 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
             hint="write the labelled bond on its own",
         )
     found = []
-    for a, b in zip(ends, ends[1:], strict=False):
+    for a, b in pairwise(ends):
         name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
         tail, head = (_end(e, scope, opened) for e in (a, b))
         found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where))
