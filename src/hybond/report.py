@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import overload
 
 from hybond.model.graph import FlatGraph
@@ -50,18 +50,18 @@ class EventTable(Sequence[Event]):
         for event in self.events:
             time = f"t = {event.t:.9g} s"
             cause: str = event.cause
+            focus = {f.machine for step in event.steps for f in step.fired}
             for step in event.steps:
                 for fired in step.fired:
                     what = f"{fired.machine}  {fired.source} -> {fired.target}"
                     rows.append((time, cause, what, "", fired_text(fired)))
                     time = cause = ""
-                rows.append((time, cause, self._mode(step), step.kind, self._details(step)))
+                rows.append((time, cause, self._mode(step, focus), step.kind, self._details(step)))
                 time = cause = ""
         return rows
 
-    def _mode(self, step: Step) -> str:
-        names = self.graph.mode_names(step.mode)
-        return "(" + (", ".join(names.values()) or "the only mode") + ")"
+    def _mode(self, step: Step, focus: Collection[str]) -> str:
+        return f"({self.graph.mode_text(step.mode, focus)})"
 
     def _details(self, step: Step) -> str:
         parts = []

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
+from hybond.modes.audit import Audit, audit
 from hybond.names import did_you_mean
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -286,6 +287,10 @@ class Result:
             return str(self.events)
         nearest = min(self.trace.events, key=lambda e: abs(e.t - t))
         return str(EventTable(self.graph, (nearest,)))
+
+    def audit(self) -> Audit:
+        """Return the worst imbalance of power and energy over the run."""
+        return audit(self.program, self.trace)
 
     # -- other forms
 

@@ -62,17 +62,28 @@ def test_switch_that_shorts_a_source_is_named(build) -> None:
     graph = build(kinds, bonds, switches=["sw"])
     assert assign(graph, (0,)).conflicts == ()
     conflict = only(graph, (1,))
-    assert conflict.kind == "under"  # two efforts on a 1-junction: nothing gives its flow
-    assert conflict.node == graph.by_path["sw"]
+    assert (conflict.kind, conflict.node) == ("over", graph.by_path["s"])
     assert conflict.switches == (("sw", True),)
     error = conflict_error(graph, (1,), conflict)
-    assert error.code == "HB-C102"
-    assert error.where == "sw in mode (m_sw = closed)"
+    assert error.code == "HB-C101"
+    assert error.where == "s in mode (m_sw = closed)"
     assert error.why == (
-        "No bond gives 1-junction sw its flow: Se V imposes effort on 1-junction sw through "
-        "'V -> sw', and so does Se W through 's -> W', 'sw -> s'; switches: m_sw = closed."
+        "Se W imposes effort on 0-junction s through 's -> W', and so does Se V through "
+        "'V -> sw', 'sw -> s'; switches: m_sw = closed."
     )
-    assert error.hint == "connect a resistor to 1-junction sw, or change the rules of m_sw"
+    assert error.hint == "put a resistor between Se W and Se V, or change the rules of m_sw"
+
+
+def test_two_effort_sources_on_one_1_junction_leave_no_flow(build) -> None:
+    graph = build({"V": "Se", "j": "1", "W": "Se"}, ["V -> j", "j -> W"], switches=["j"])
+    conflict = only(graph, (1,))
+    assert describe_conflict(graph, (1,), conflict) == (
+        "No bond gives 1-junction j its flow: Se V imposes effort on 1-junction j through "
+        "'V -> j', and so does Se W through 'j -> W'; switches: m_j = closed."
+    )
+    error = conflict_error(graph, (1,), conflict)
+    assert error.code == "HB-C102"
+    assert error.hint == "connect a resistor to 1-junction j, or change the rules of m_j"
 
 
 def test_open_0_junction_shorts_a_source_directly(build) -> None:

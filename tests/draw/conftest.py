@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -28,7 +29,7 @@ def make_graph(
     pairs = []
     for chain in chains:
         names = [n.strip() for n in chain.split("->")]
-        pairs += list(zip(names, names[1:]))
+        pairs += list(itertools.pairwise(names))
     bonds = tuple(
         Bond(k, number[a], number[b], f"{a} -> {b}", domain) for k, (a, b) in enumerate(pairs)
     )

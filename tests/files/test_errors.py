@@ -39,7 +39,7 @@ WRONG = [
     # syntax
     (H + "title = ", "HB-F105", ":2:9", "not TOML: Invalid value", ""),
     (H + "[elements]\na = { C = 1", "HB-F105", ":3:12", "Unclosed inline table", ""),
-    (H + "title = 'a", "HB-F105", ":2", "", ""),
+    (H + "title = 'a", "HB-F105", ":2:11", "", ""),
     (H + "a = 1\na = 2", "HB-F105", ":3:6", "overwrite", ""),
     (H + "[elements]\n[elements]", "HB-F105", ":3:10", "twice", ""),
     # values that no model has
@@ -132,7 +132,7 @@ WRONG = [
     ),
     (H + "[graph]\nbonds = 'a -> b'", "HB-F112", ":3: graph.bonds", "where a list is needed", ""),
     (H + "[graph]\nbonds = [\n'a -> b',\n3]", "HB-F112", ":3: graph.bonds[1]", "the number 3", ""),
-    (H + "[signals]\nh = 3", "HB-F112", ":3: signals.h", "a table or text", ""),
+    (H + "[signals]\nh = 3", "HB-F112", ":3: signals.h", "text or a table", ""),
     (H + "[inputs]\nu = 5", "HB-F112", ":3: inputs.u", "where a table is needed", ""),
     (H + "[inputs]\nu = { table = [] }", "HB-F112", ":3: inputs.u.table", "length >= 1", ""),
     (
@@ -285,7 +285,7 @@ def test_every_code_is_listed_in_the_documentation() -> None:
     ("text", "code", "where"),
     [
         ("{", "HB-F105", "a:1:2"),
-        ('{"hybond": 1,\n "title": "x" "y"}', "HB-F105", "a:2:14"),
+        ('{"hybond": 1,\n "title": "x" "y"}', "HB-F105", "a:2:15"),
         ('{"hybond": 1, "hybond": 1}', "HB-F105", "a"),
         ('{"hybond": 1, "elements": {"a": {"C": 1}, "a": {"C": 2}}}', "HB-F105", "a"),
         ('{"hybond": 1, "parameters": {"m": NaN}}', "HB-F108", "a"),
@@ -425,19 +425,15 @@ def test_a_model_that_contains_itself_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "content",
+    "content",  # the third is of a newer version: not ours to edit
     ["[tool]\nx = 1\n", "not toml at all", "hybond = 2\n[new]\n", "\x00\x01"],
 )
 def test_something_else_is_never_overwritten(tmp_path: Path, content: str) -> None:
     path = tmp_path / "pyproject.toml"
     path.write_text(content)
-    if content.startswith("hybond"):  # a newer version: its data are not ours to edit
-        with pytest.raises(FileError):
-            save(Model("pyproject"), path)
-    else:
-        with pytest.raises(FileError) as caught:
-            save(Model("pyproject"), path)
-        assert caught.value.code == "HB-F117"
+    with pytest.raises(FileError) as caught:
+        save(Model("pyproject"), path)
+    assert caught.value.code == "HB-F117"
     assert path.read_text() == content
     (tmp_path / "package.json").write_text('{"name": "x"}')
     with pytest.raises(FileError, match="HB-F117"):

@@ -184,10 +184,11 @@ def test_one_model_saved_over_another_keeps_the_comments_it_can(
         edited = path.read_bytes().decode().split("\n")
     in_goal = set(goal.split("\n"))
     for line in text.split("\n"):
-        own_line = line and not line.startswith(" ") and line not in ("]", "")
-        if own_line and line in in_goal and text.count(line) == 1 == goal.count(line):
-            if in_same_table(line, text) == in_same_table(line, goal):
-                assert f"{line}  # kept" in edited, line
+        if not line or line.startswith((" ", "]")) or line not in in_goal:
+            continue
+        once = text.count(line) == 1 == goal.count(line)
+        if once and in_same_table(line, text) == in_same_table(line, goal):
+            assert f"{line}  # kept" in edited, line
 
 
 def in_same_table(line: str, text: str) -> str:

@@ -116,6 +116,7 @@ def _record(
         ),
         conflicts=tuple(_conflict(graph, state, clash, off) for clash in clashes),
         ends=tuple(state.ends),
+        gave_up=search.gave_up,
     )
 
 

@@ -10,6 +10,7 @@ taught never go back; on rings of junctions they end in conflicts that are none.
 from __future__ import annotations
 
 import heapq
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from hybond.causality.demands import Demand, imposing, preferred
@@ -62,6 +63,9 @@ class Search:
         self.place: dict[int, int] = {}
         """Position in `choices` by bond."""
         self.budget = BACKJUMP_WORK * max(len(graph.bonds), 100)
+        self.gave_up = False
+        self.learned: dict[int, tuple[int, dict[int, int]]] = {}
+        """By bond: a stroke that clashes, and the strokes of the chosen bonds it clashes with."""
         self.resistors: list[tuple[Node, End]] = [
             (node, end) for node in graph.nodes if node.kind in RESISTORS for end in node.ends
         ]
@@ -89,6 +93,10 @@ class Search:
         """Take `choice`, or what is left when it clashes."""
         state = self.state
         blame: set[int] = set()
+        known = self._known(choice)
+        if known is not None:
+            blame = known
+            choice = _turned(choice, blame)
         while True:
             start = len(state.trail)
             choice = replace(choice, start=start, clashes=len(self.clashes))
@@ -99,10 +107,11 @@ class Search:
             blame |= self._blame(clashes[0], choice.bond)
             state.undo(start)
             if not choice.refused:
-                choice = _turned(choice, blame)
+                choice = self._turn(choice, blame)
                 continue
             back = max((self.place[bond] for bond in blame), default=-1)
             if back < 0 or self.budget < 0:
+                self.gave_up |= back >= 0
                 choice = replace(
                     choice, stroke=1 - choice.stroke, refused=False, ruled_out=(), accepted=True
                 )
@@ -116,7 +125,7 @@ class Search:
             del self.choices[back:], self.clashes[earlier.clashes :]
             self._rewind()
             blame.remove(earlier.bond)
-            choice = _turned(earlier, blame)
+            choice = self._turn(earlier, blame)
 
     def _take(self, choice: Choice, *, stop: bool) -> list[Clash]:
         self.state.set(choice.bond, choice.stroke, choice.node, choice.rule)
@@ -126,16 +135,33 @@ class Search:
         self.place[choice.bond] = len(self.choices)
         self.choices.append(choice)
 
+    def _turn(self, choice: Choice, blame: set[int]) -> Choice:
+        """Return the other stroke of `choice`, and remember what rules this one out."""
+        strokes = {bond: self.choices[self.place[bond]].stroke for bond in sorted(blame)}
+        self.learned[choice.bond] = (choice.stroke, strokes)
+        return _turned(choice, blame)
+
+    def _known(self, choice: Choice) -> set[int] | None:
+        """Return what rules `choice` out, if that was found before a backjump and still holds."""
+        stroke, against = self.learned.get(choice.bond, (UNSET, {}))
+        strokes = self.state.strokes
+        if stroke != choice.stroke or any(strokes[b] != s for b, s in against.items()):
+            return None
+        return self._chosen(self.state.ancestry(against))
+
     def _blame(self, clash: Clash, own: int) -> set[int]:
         """Return the bonds of the choices, but for `own`, that `clash` follows from."""
+        return self._chosen(self.state.culprits(clash)) - {own}
+
+    def _chosen(self, bonds: Iterable[int]) -> set[int]:
+        """Return the choices among `bonds` that can still be turned."""
         found: set[int] = set()
-        for bond in self.state.culprits(clash):
+        for bond in bonds:
             if bond in self.place:
                 choice = self.choices[self.place[bond]]
                 # A choice that was ruled out cannot be turned again: those that did it can.
                 if not choice.accepted:
                     found.update(choice.ruled_out if choice.refused else (bond,))
-        found.discard(own)
         return found
 
     def _rewind(self) -> None:

@@ -28,7 +28,8 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
     ax.set_ylim(scene.height, 0.0)
     ax.set_aspect("equal", adjustable="box")
     window = ax.get_window_extent()
-    dots = ax.get_figure(root=True).dpi / 72.0
+    figure = ax.get_figure(root=True)
+    dots = (figure.dpi if figure is not None else 72.0) / 72.0
     # Pixels of the scene that the axes have room for, in points: the tighter direction counts.
     points = min(window.width / dots / scene.width, window.height / dots / scene.height)
     for group in scene.groups:

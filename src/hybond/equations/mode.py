@@ -195,7 +195,7 @@ class ModeEquations:
         raise NumericsError(
             f"the laws of {names} have no solution near the last one (t = {v[0]:.9g} s)",
             code="HB-N301",
-            where=_mode_text(self.graph, self.mode),
+            where=self.graph.mode_text(self.mode),
             hint="check these laws for jumps or missing slopes; start closer to a solution",
         )
 
@@ -209,14 +209,14 @@ class ModeEquations:
                 raise NumericsError(
                     f"the law of {name} gives {value} at t = {v[0]:.9g} s",
                     code="HB-N302",
-                    where=node.path if node else _mode_text(self.graph, self.mode),
+                    where=node.path if node else self.graph.mode_text(self.mode),
                     hint="look for a division by zero, a root of a negative number or a table "
                     "that ends",
                 )
         raise NumericsError(
             f"the equations overflow at t = {v[0]:.9g} s",
             code="HB-N302",
-            where=_mode_text(self.graph, self.mode),
+            where=self.graph.mode_text(self.mode),
             hint="look at the last values of the partial result",
         )
 
@@ -275,7 +275,7 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
         raise CausalityError(
             "a constraint on storage leaves no rate free that could keep it",
             code="HB-C103",
-            where=_mode_text(graph, mode),
+            where=graph.mode_text(mode),
             hint="a controlled source prescribes what it also measures; add storage or resistance",
         )
     storage = StorageLaws.of(graph, slots)
@@ -419,10 +419,6 @@ def _least_squares(jacobian: Matrix, residual: Vector) -> Vector:
         except np.linalg.LinAlgError:
             pass
     return np.asarray(np.linalg.lstsq(jacobian, residual, rcond=None)[0])
-
-
-def _mode_text(graph: FlatGraph, mode: Mode) -> str:
-    return ", ".join(f"{m} = {s}" for m, s in graph.mode_names(mode).items()) or "the only mode"
 
 
 def undetermined_names(graph: FlatGraph, freedom: Matrix) -> list[str]:

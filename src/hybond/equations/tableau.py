@@ -28,11 +28,12 @@ from hybond.model.expressions import (
     Neg,
     Number,
     differentiate,
+    names,
     simplify,
     substitute,
 )
 from hybond.model.graph import FlatGraph, Mode, Node
-from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
+from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +103,8 @@ class Tableau:
         return self.unknowns + storage
 
 
-def configure(e: Expr, graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Expr:
-    """Put in what is constant in a configuration: machine states, switches, `discrete`."""
+def settings(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> dict[str, Expr]:
+    """Return what is constant in a configuration: machine states, switches, `discrete`."""
     on = graph.on_nodes(mode)
     values: dict[str, Expr] = {k: Number(v) for k, v in discrete.items()}
     for n in graph.nodes:
@@ -111,13 +112,20 @@ def configure(e: Expr, graph: FlatGraph, mode: Mode, discrete: Mapping[str, floa
             values[f"on:{n.index}"] = Bool(n.index in on)
     for m, k in zip(graph.machines, mode, strict=True):
         values.update({f"in:{m.index}:{j}": Bool(j == k) for j in range(len(m.states))})
-    return simplify(substitute(e, values))
+    return values
+
+
+def configure(e: Expr, values: Mapping[str, Expr]) -> Expr:
+    """Put in what is constant in a configuration."""
+    read = names(e) & values.keys()
+    return simplify(substitute(e, {k: values[k] for k in read})) if read else e
 
 
 def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tableau:
     """Return the tableau of one configuration."""
     bonds = len(graph.bonds)
     off = graph.off_nodes(mode)
+    values = settings(graph, mode, discrete)
     first: list[Row] = []
     second: list[Row] = []
     sources: list[Source] = []
@@ -134,7 +142,11 @@ def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tablea
     for node in graph.nodes:
         if node.is_junction or node.kind in STORAGES:
             continue
-        laws = [configure(e, graph, mode, discrete) for e in _localised(node)]
+        constant = node.law is not None and node.law.matrix is not None and not node.impulsive
+        if constant and node.kind in RESISTORS:
+            second.extend({column(k): c for k, c in row.items()} for row in _constant(node))
+            continue
+        laws = [configure(e, values) for e in _localised(node)]
         if node.kind in SOURCES:
             end = node.ends[0]
             name = f"{'e' if node.kind == 'Se' else 'f'}:{end.bond}"
@@ -249,6 +261,20 @@ def _controlled_source(node: Node, name: str, value: Expr) -> Dynamic:
     e = simplify(Binary("-", Name(name), value))
     slopes = gradient(e)
     return Dynamic("structure", node.index, e, slopes, slopes, () if node.impulsive else (name,))
+
+
+def _constant(node: Node) -> list[dict[str, float]]:
+    """Return the rows of a linear resistor with constant coefficients."""
+    assert node.law is not None and node.law.matrix is not None
+    flow = node.law.output == "f"
+    rows = []
+    for end, coefficients in zip(node.ends, node.law.matrix, strict=True):
+        row = {f"{'f' if flow else 'e'}:{end.bond}": float(end.sign) if flow else 1.0}
+        for other, c in zip(node.ends, coefficients, strict=True):
+            if c != 0.0:
+                row[f"{'e' if flow else 'f'}:{other.bond}"] = -c * (1.0 if flow else other.sign)
+        rows.append(row)
+    return rows
 
 
 def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], list[Dynamic]]:

@@ -149,7 +149,8 @@ def _parse_toml(source: Source) -> Any:
         if match and match[1]:
             where += f":{match[1]}:{match[2]}"
         elif match:
-            where += f":{source.text.count(chr(10)) + 1}"
+            lines = source.text.split("\n")
+            where += f":{len(lines)}:{len(lines[-1]) + 1}"
         why = message[: match.start()] if match else message
         raise _syntax("TOML", why, where) from None
     except ValueError as error:  # more digits than Python converts

@@ -10,6 +10,7 @@ from hybond.errors import ModelError
 from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
 
 if TYPE_CHECKING:
+    from hybond.draw import Drawing
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
@@ -142,6 +143,28 @@ class Model:
 
         return flatten(self, parameters or {})
 
+    def draw(
+        self, *, mode: Mapping[str, str] | None = None, numbers: bool = False
+    ) -> Drawing:
+        """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
+
+        Parameters
+        ----------
+        mode : mapping of machine to state
+            Machines that are left out are in their start state.
+        numbers : bool
+            Number the bonds.
+
+        Raises
+        ------
+        ModelError
+            HB-M144 for a machine or state that does not exist.
+        """
+        from hybond.draw import draw_mode
+
+        graph = self.flatten()
+        return draw_mode(graph, graph.mode_of(mode or {}), numbers=numbers)
+
     def _new_name(self, name: str) -> None:
         if not _NAME.match(name) or name in RESERVED:
             raise ModelError(
@@ -157,7 +180,4 @@ class Model:
             )
 
     def _repr_svg_(self) -> str:
-        from hybond.draw import draw_mode
-
-        graph = self.flatten()
-        return draw_mode(graph, graph.start_mode).svg()
+        return self.draw().svg()

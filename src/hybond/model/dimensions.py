@@ -44,7 +44,11 @@ _Found = Dimension | _Scaled | _Plain | None
 
 
 def infer_dimension(
-    e: Expr, lookup: Callable[[str], Dimension | None], *, where: str = ""
+    e: Expr,
+    lookup: Callable[[str], Dimension | None],
+    *,
+    where: str = "",
+    certain: bool = False,
 ) -> Dimension | None:
     """Return the dimension of `e`, or None where it is unknown.
 
@@ -60,6 +64,8 @@ def infer_dimension(
         From a path to its dimension, or None where it is unknown.
     where : str
         Path of the expression in the model, for messages.
+    certain : bool
+        Return None as well where a plain number is a factor, which may carry a unit.
 
     Raises
     ------
@@ -75,18 +81,18 @@ def infer_dimension(
     >>> lookup = lambda path: parse_unit(units[path])[1]
     >>> print(infer_dimension(parse("0.5*m*v^2"), lookup))
     J
-    >>> infer_dimension(parse("m + 2*h"), lookup, where="ball.law")
+    >>> infer_dimension(parse("m + h"), lookup, where="ball.law")
     Traceback (most recent call last):
         ...
-    hybond.errors.UnitError: HB-U102 at ball.law: 'm' in kg and '2*h' in m do not add up
+    hybond.errors.UnitError: HB-U102 at ball.law: 'm' in kg and 'h' in m do not add up
       try: give both sides the same unit
     """
 
     def node(e: Expr, prior: bool, below: list[_Found]) -> _Found:
         return _node(e, below, lookup, where)
 
-    found = _known(fold(e, node))
-    return found
+    found = fold(e, node)
+    return _known(found) if not certain else found if isinstance(found, Dimension) else None
 
 
 def _known(found: _Found) -> Dimension | None:
@@ -112,6 +118,11 @@ def _same(args: tuple[Expr, ...], below: list[_Found], verb: str, where: str) ->
                 result = None
         elif first is None:
             first, result = (e, dimension), found
+        elif first[1] != dimension and (isinstance(found, _Scaled) or isinstance(result, _Scaled)):
+            # the number in 100*q may be a stiffness: it contradicts nothing
+            first, result = (
+                (first, result) if isinstance(result, Dimension) else ((e, dimension), found)
+            )
         elif first[1] != dimension:
             why = f"{_shown(first[0])} in {first[1]} and {_shown(e)} in {dimension} do not {verb}"
             hint = "give both sides the same unit"

@@ -22,14 +22,16 @@ once and every mode evaluates the same tree:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from hybond.errors import ModelError
 from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import Law
+from hybond.names import did_you_mean
 from hybond.units import Dimension, Domain
 
 
@@ -159,6 +161,9 @@ class Watch:
     """Instants at which its truth may change, if they can be told in advance."""
 
 
+MANY = 6
+"""Machines above which a mode is written with names, and only those that matter."""
+
 Mode = tuple[int, ...]
 """The state of each machine, by index."""
 
@@ -207,6 +212,39 @@ class FlatGraph:
         """Return the controlled junctions and switched elements that are OFF in `mode`."""
         on = self.on_nodes(mode)
         return frozenset(n.index for n in self.nodes if n.controlled and n.index not in on)
+
+    def mode_of(self, states: Mapping[str, str]) -> Mode:
+        """Return the mode with these states; other machines are in their start state.
+
+        Raises
+        ------
+        ModelError
+            HB-M144 for a machine or state that does not exist.
+        """
+        by_path = {m.path: m for m in self.machines}
+        mode = list(self.start_mode)
+        for path, state in states.items():
+            machine = by_path.get(path)
+            if machine is None or state not in machine.states:
+                known = machine.states if machine is not None else tuple(by_path)
+                raise ModelError(
+                    f"{path!r} has no state {state!r}" if machine else f"no machine {path!r}",
+                    code="HB-M144",
+                    where=path,
+                    hint=did_you_mean(state if machine is not None else path, known),
+                )
+            mode[machine.index] = machine.states.index(state)
+        return tuple(mode)
+
+    def mode_text(self, mode: Mode, focus: Collection[str] = ()) -> str:
+        """Return a mode for people: all states, or of many machines only those in `focus`."""
+        if not self.machines:
+            return "the only mode"
+        if len(self.machines) <= MANY:
+            return ", ".join(self.mode_names(mode).values())
+        shown = {m: k for m, k in self.mode_names(mode).items() if m in focus}
+        rest = len(self.machines) - len(shown)
+        return ", ".join([*(f"{m} = {k}" for m, k in shown.items()), f"{rest} other machines"])
 
     def mode_names(self, mode: Mode) -> dict[str, str]:
         """Return `mode` as ``{machine: state}``."""

@@ -94,7 +94,7 @@ class _Reader:
         tree = self.resolver.resolve(
             literal(value, self.where), self.scope, self.where, self.locals if local else None
         )
-        found = self.resolver.dimension(tree, self.dimensions, self.where)
+        found = self.resolver.dimension(tree, self.dimensions, self.where, certain=True)
         if known and expected is not None and found is not None and found != expected:
             raise UnitError(
                 f"{value!r} is in {found}; this place wants {expected}",

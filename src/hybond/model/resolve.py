@@ -285,7 +285,12 @@ class Resolver:
         )
 
     def dimension(
-        self, tree: Expr, dimensions: Mapping[str, Dimension | None], where: str
+        self,
+        tree: Expr,
+        dimensions: Mapping[str, Dimension | None],
+        where: str,
+        *,
+        certain: bool = False,
     ) -> Dimension | None:
         """Return a tree's dimension; a refusal speaks of names as they are written."""
         written = {
@@ -293,7 +298,7 @@ class Resolver:
         }
         known = {text: dimensions.get(name) for name, text in written.items()}
         shown = substitute(tree, {name: Name(text) for name, text in written.items()})
-        return infer_dimension(shown, known.get, where=where)
+        return infer_dimension(shown, known.get, where=where, certain=certain)
 
     def known(self, scope: Scope) -> list[str]:
         """Return the names that may be written in `scope`, for "did you mean"."""

@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     Expr,
     Pre,
     comparisons,
+    names,
     transform,
 )
 from hybond.model.graph import Mode, Rule
@@ -37,6 +38,8 @@ Sampler = Callable[[float], Vector]
 
 SAMPLES = 8
 """Points per step at which guards are sampled."""
+_STILL = ("in:", "on:", "at:")
+"""What is constant while time passes: a guard of these alone changes only at an event."""
 SEARCH = 40
 """Most iterations of one root or extremum search."""
 
@@ -61,7 +64,7 @@ def watch(program: Program, mode: Mode) -> Watched:
         rule
         for m, k in zip(program.graph.machines, mode, strict=True)
         for rule in m.rules
-        if rule.source == k
+        if rule.source == k and any(not n.startswith(_STILL) for n in names(rule.guard))
     ]
     guards = [transform(r.guard, _without_pre) for r in rules]
     differences = [
@@ -98,7 +101,7 @@ class Locator:
         t = step.t0 + (step.t1 - step.t0) * np.arange(SAMPLES + 1) / SAMPLES
         t[-1] = step.t1
         y = np.array([step.y0, *(step.interpolant(a) for a in t[1:-1]), step.y1])
-        values = self.program.evaluate_many(t, y, self.interval, self.equations)
+        values = list(self.program.evaluate_many(t, y, self.interval, self.equations))
         found: float | None = None
         for k in range(len(self.watched.rules)):
             at = self._of_rule(k, step, t, values, found)
@@ -107,13 +110,12 @@ class Locator:
         return found
 
     def _of_rule(
-        self, k: int, step: Step, t: Vector, values: Vector, before: float | None
+        self, k: int, step: Step, t: Vector, values: list[Vector], before: float | None
     ) -> float | None:
-        columns = list(values)
         truth = np.broadcast_to(
-            np.asarray(self.watched.array_tests[k](columns), dtype=bool), t.shape
+            np.asarray(self.watched.array_tests[k](values), dtype=bool), t.shape
         )
-        atoms = [np.broadcast_to(f(columns), t.shape) for f in self.watched.arrays[k]]
+        atoms = [np.broadcast_to(f(values), t.shape) for f in self.watched.arrays[k]]
         candidates = set(t[1:][truth[1:]].tolist())
         for j, d in enumerate(atoms):
             candidates.update(self._extrema(k, j, step, t, d))

@@ -23,7 +23,7 @@ one instant, nothing can ever change: time cannot advance, and the loop is repor
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -446,16 +446,17 @@ class Settler:
             seen[key] = len(history) - 1
             return
         cycle = history[seen[key] :]
+        focus = {f.machine for _, fired in cycle for f in fired}
         lines = []
         for mode, fired in cycle:
             why = "; ".join(_fired_text(f) for f in fired)
-            lines.append(f"({self.text(mode)})" + (f" by {why}" if why else ""))
+            lines.append(f"({self.text(mode, focus)})" + (f" by {why}" if why else ""))
         raise DivergenceOfTime(
             f"time cannot advance at t = {t:.9g} s: the modes "
             + " -> ".join(lines)
             + " follow each other without end",
             code="HB-N401",
-            where=self.text(trial.mode),
+            where=self.text(trial.mode, focus),
             hint="make the guards of the cycle exclude each other for this state, for instance "
             "with a threshold on pre() of a stored quantity",
         )
@@ -478,12 +479,9 @@ class Settler:
             "pre(a.f) <= pre(b.f) after an impact",
         )
 
-    def text(self, mode: Mode) -> str:
-        """Return a mode as written in tables: the machines' states."""
-        return (
-            ", ".join(m.states[k] for m, k in zip(self.graph.machines, mode, strict=True))
-            or "the only mode"
-        )
+    def text(self, mode: Mode, focus: Collection[str] = ()) -> str:
+        """Return a mode as written in tables and messages."""
+        return self.graph.mode_text(mode, focus)
 
 
 def _fired_text(fired: Fired) -> str:

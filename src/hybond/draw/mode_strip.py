@@ -1,0 +1,127 @@
+"""The strip of modes below a plot: one lane per machine, one block per stay in a state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+
+from hybond.draw.measure import width
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LANES = 10
+"""Most machines shown."""
+
+_COLOURS = ("#e3e6ea", "#9ecae1", "#fdd49e", "#a1d99b", "#dadaeb", "#fcbba1", "#d9d9b0", "#c7e9e4")
+
+Stay = tuple[float, float, int]
+"""From, to, state."""
+
+
+def stays(result: Any, machine: int) -> list[Stay]:
+    """Return the stays of one machine in its states, neighbours of one state joined.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as N
+    >>> run = N(segments=[N(t=[0, 1], mode=(0,)), N(t=[1, 2], mode=(0,)), N(t=[2, 3], mode=(1,))])
+    >>> stays(run, 0)
+    [(0.0, 2.0, 0), (2.0, 3.0, 1)]
+    """
+    found: list[Stay] = []
+    for segment in result.segments:
+        start, end, state = float(segment.t[0]), float(segment.t[-1]), int(segment.mode[machine])
+        if found and found[-1][2] == state:
+            found[-1] = (found[-1][0], end, state)
+        elif end > start or not found:
+            found.append((start, end, state))
+    return found
+
+
+def lanes(result: Any) -> tuple[list[int], int]:
+    """Return the machines to show, those that move first, and how many are left out."""
+    machines = range(len(result.graph.machines))
+    moving = [m for m in machines if len({s.mode[m] for s in result.segments}) > 1]
+    still = [m for m in machines if m not in set(moving)]
+    return sorted((moving + still)[:LANES]), max(0, len(machines) - LANES)
+
+
+def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches: float) -> None:
+    """Draw the lanes of the machines `shown` on axes of their own.
+
+    Parameters
+    ----------
+    factor : float
+        From seconds to the unit of the axis.
+    inches : float
+        Width of the axes, to tell which names fit into their blocks.
+    """
+    from matplotlib.collections import PolyCollection
+
+    span = (result.t_end or 1.0) * factor
+    corners, colours = [], []
+    for lane, m in enumerate(shown):
+        states = result.graph.machines[m].states
+        named: set[int] = set()
+        present: set[int] = set()
+        for start, end, state in stays(result, m):
+            a, b = start * factor, end * factor
+            corners.append([(a, lane - 0.4), (b, lane - 0.4), (b, lane + 0.4), (a, lane + 0.4)])
+            colours.append(_COLOURS[state % len(_COLOURS)])
+            present.add(state)
+            if (b - a) / span * inches * 72.0 > width(states[state], 7.5) + 4.0:
+                named.add(state)
+                ax.text(
+                    (a + b) / 2,
+                    lane,
+                    states[state],
+                    fontsize=7.5,
+                    ha="center",
+                    va="center",
+                    color="#222222",
+                    parse_math=False,
+                )
+        _explain(ax, lane, {k: states[k] for k in sorted(present - named)}, inches)
+    ax.add_collection(
+        PolyCollection(corners, facecolors=colours, edgecolors="white", linewidths=0.4),
+        autolim=False,
+    )
+    ax.set_ylim(len(shown) - 0.5, -0.5)
+    ax.set_yticks(range(len(shown)))
+    ax.set_yticklabels([result.graph.machines[m].path for m in shown], fontsize=8, parse_math=False)
+    ax.tick_params(axis="y", length=0)
+    for side in ("top", "right", "left"):
+        ax.spines[side].set_visible(False)
+
+
+def _explain(ax: Axes, lane: int, names: dict[int, str], inches: float) -> None:
+    """Name, right of a lane, the states whose blocks are all too narrow for their names."""
+    from matplotlib.lines import Line2D
+
+    x = 1.01
+    for state, name in names.items():
+        ax.add_line(
+            Line2D(
+                [x + 0.006],
+                [lane],
+                transform=ax.get_yaxis_transform(),
+                marker="s",
+                markersize=5.5,
+                color=_COLOURS[state % len(_COLOURS)],
+                markeredgecolor="#777777",
+                markeredgewidth=0.5,
+                clip_on=False,
+            )
+        )
+        ax.text(
+            x + 0.018,
+            lane,
+            name,
+            transform=ax.get_yaxis_transform(),
+            fontsize=7.5,
+            va="center",
+            color="#222222",
+            parse_math=False,
+        )
+        x += 0.03 + width(name, 7.5) / 72.0 / inches

@@ -1,0 +1,265 @@
+"""Plots of results: signals over time, with jumps, impulses and a strip of modes.
+
+One axes per unit. At a jump the line is broken: an open circle is the left limit, a filled one
+the right limit. Where events are too dense for circles and event lines these are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hybond.draw.impulses import draw_impulses, impulses_of
+from hybond.draw.measure import shorten, width
+from hybond.draw.mode_strip import draw_strip, lanes
+from hybond.draw.scales import axis_scale, printed
+from hybond.draw.traces import Trace, apart, trace_of
+from hybond.errors import UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's colours, told apart by everyone; yellow is too light for lines.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+
+_WIDE = 7.4
+_TALL = 1.75
+_LANE = 0.2
+_CIRCLE_GAP = 0.012
+"""Least distance of circles, as a part of the time shown."""
+_LINE_GAP = 0.006
+
+
+def plot_run(
+    result: Any, names: Sequence[str], *, ax: Axes | None = None, path: Any = None
+) -> Figure:
+    """Plot signals of a run over time.
+
+    Parameters
+    ----------
+    result : Result
+        A run.
+    names : sequence of str
+        Signals; those of one unit share axes, in the order in which the units first come up.
+    ax : Axes, optional
+        Draw on these axes, without a strip of modes; the signals must have one unit.
+    path : path, optional
+        Write the figure to this file too, in the format of its ending.
+
+    Returns
+    -------
+    Figure
+        With one axes per unit and, if the model has machines, a strip of modes at the bottom.
+
+    Raises
+    ------
+    UsageError
+        HB-D103 nothing to plot; HB-D104 signals of several units for one `ax`.
+    """
+    groups: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        groups.setdefault(result.unit(name) or "", []).append(name)
+    if not groups:
+        raise UsageError(
+            "no signal to plot", code="HB-D103", hint='name one: plot("ball.p", "contact.e")'
+        )
+    factor, time_label = axis_scale("s", result.t_end, least=0.5)
+    if ax is not None:
+        if len(groups) > 1:
+            units = ", ".join(repr(printed(u)) for u in groups)
+            raise UsageError(
+                f"the signals have different units ({units}) and cannot share axes",
+                code="HB-D104",
+                hint="plot one unit per axes, or leave `ax` out",
+            )
+        ((unit, chosen),) = groups.items()
+        _signals(ax, result, chosen, unit, factor)
+        _time_axis(ax, result, factor, time_label)
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+    else:
+        figure = _stacked(result, groups, factor, time_label, interactive=path is None)
+    if path is not None:
+        figure.savefig(path, dpi=150)
+    return figure
+
+
+def _stacked(
+    result: Any, groups: dict[str, list[str]], factor: float, time_label: str, *, interactive: bool
+) -> Figure:
+    """Make a figure with one axes per unit and the strip of modes below."""
+    shown, more = lanes(result)
+    machines = [result.graph.machines[m].path for m in shown]
+    left = min(2.2, max(0.95, *(0.2 + width(p, 8.0) / 72.0 for p in machines), 0.0))
+    strip = _LANE * len(shown)
+    gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
+    tall = _TALL if len(groups) < 5 else 1.25
+    height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
+    figure = _figure((_WIDE, height), interactive=interactive)
+    inches = _WIDE - left - right
+
+    def place(y: float, high: float) -> Any:
+        box = (left / _WIDE, y / height, inches / _WIDE, high / height)
+        return figure.add_axes(box)
+
+    y = height - top
+    panels: list[Any] = []
+    for unit, names in groups.items():
+        y -= tall
+        panel = place(y, tall - (0.16 if len(names) > 1 else 0.0))
+        panels.append(panel)
+        _signals(panel, result, names, unit, factor)
+        y -= gap
+    if shown:
+        lane_axes = place(y - strip, strip)
+        draw_strip(lane_axes, result, shown, factor=factor, inches=inches)
+        panels.append(lane_axes)
+        if more:
+            figure.text(
+                (left + inches) / _WIDE,
+                0.06 / height,
+                f"and {more} machines more",
+                fontsize=7.5,
+                ha="right",
+                color="#555555",
+            )
+    for panel in panels:
+        _time_axis(panel, result, factor, time_label if panel is panels[-1] else "")
+    figure.align_ylabels(panels[: len(groups)])
+    title = shorten(str(result.title), 10.5, 72.0 * inches)
+    figure.text(
+        left / _WIDE,
+        1 - 0.2 / height,
+        title,
+        fontsize=10.5,
+        fontweight="bold",
+        va="center",
+        parse_math=False,
+    )
+    warnings = len(result.warnings)
+    if warnings:
+        said = f"{warnings} warning{'s' if warnings > 1 else ''}: see run.warnings"
+        figure.text(0.06 / _WIDE, 0.06 / height, said, fontsize=7.5, color="#a05000")
+    return figure
+
+
+def _figure(size: tuple[float, float], *, interactive: bool) -> Figure:
+    """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file."""
+    if interactive:
+        from matplotlib import pyplot
+
+        return pyplot.figure(figsize=size)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Plain
+
+    figure = Plain(figsize=size)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: float) -> None:
+    """Draw the signals of one unit with their jumps and impulses."""
+    traces = [trace_of(result.pieces(name)) for name in names]
+    impulses = [impulses_of(result, name) for name in names]
+    values = np.concatenate([t.y for t in traces])
+    values = values[np.isfinite(values)]
+    largest = float(np.max(np.abs(values), initial=0.0))
+    scale, label = axis_scale(unit, largest)
+    lines = []
+    for k, trace in enumerate(traces):
+        colour = COLOURS[k % len(COLOURS)]
+        (line,) = ax.plot(trace.t * factor, trace.y * scale, color=colour, linewidth=1.4, zorder=3)
+        lines.append(line)
+        _circles(ax, trace, colour, factor, scale, result.t_end)
+    _limits(ax, values * scale, arrows=any(len(i) for i in impulses))
+    for k, table in enumerate(impulses):
+        draw_impulses(
+            ax,
+            table,
+            unit=unit,
+            colour=COLOURS[k % len(COLOURS)],
+            time_factor=factor,
+            t_end=result.t_end,
+        )
+    bracket = f" [{label}]" if label else ""
+    if len(names) == 1:
+        ax.set_ylabel(shorten(names[0], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
+    else:
+        ax.set_ylabel(label, fontsize=9.5, parse_math=False)
+        _legend(ax, lines, names)
+    ax.tick_params(labelsize=8)
+    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+
+
+def _circles(
+    ax: Axes, trace: Trace, colour: str, factor: float, scale: float, t_end: float
+) -> None:
+    """Mark both limits of each jump that has room for it."""
+    if not len(trace.jumps):
+        return
+    roomy = trace.jumps[apart(trace.jumps[:, 0], _CIRCLE_GAP * t_end)]
+    for column, face in ((1, "white"), (2, colour)):
+        ax.plot(
+            roomy[:, 0] * factor,
+            roomy[:, column] * scale,
+            "o",
+            markersize=3.8,
+            markerfacecolor=face,
+            markeredgecolor=colour,
+            markeredgewidth=1.0,
+            linestyle="none",
+            zorder=4,
+        )
+
+
+def _limits(ax: Axes, values: np.ndarray[Any, Any], *, arrows: bool) -> None:
+    """Set the limits of y, with room for arrows that start at zero."""
+    low = float(np.min(values, initial=np.inf)) if values.size else 0.0
+    high = float(np.max(values, initial=-np.inf)) if values.size else 1.0
+    if arrows:
+        low, high = min(low, 0.0), max(high, 0.0)
+    span = high - low
+    if span <= 1e-12 * max(abs(low), abs(high)):
+        span = abs(high) or 1.0
+        low, high = low - 0.4 * span, high + 0.4 * span
+    margin = 0.28 if arrows else 0.07
+    below = margin if not arrows or low < 0 else 0.12
+    ax.set_ylim(low - below * span, high + margin * span)
+
+
+def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
+    """Name the lines above the axes."""
+    # Neutral labels first: matplotlib leaves out those that begin with an underscore.
+    legend = ax.legend(
+        lines,
+        [str(k) for k in range(len(names))],
+        loc="lower left",
+        bbox_to_anchor=(0.0, 0.97),
+        ncols=min(len(names), 6),
+        frameon=False,
+        fontsize=8.5,
+        borderaxespad=0.0,
+        handlelength=1.4,
+        columnspacing=1.4,
+    )
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_parse_math(False)
+        text.set_text(shorten(name, 8.5, 150.0))
+
+
+def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:
+    """Set the time axis and draw a dotted line at each event that has room for it."""
+    end = (result.t_end or 1.0) * factor
+    ax.set_xlim(-0.01 * end, 1.01 * end)
+    times = np.array([float(e.t) for e in result.events if len(e.steps)]) * factor
+    times = np.unique(times[(times > 0) & (times < end)])
+    for t in times[apart(times, _LINE_GAP * end)]:
+        ax.axvline(t, color="#8c8c8c", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
+    ax.tick_params(axis="x", labelsize=8, labelbottom=bool(label))
+    if label:
+        ax.set_xlabel(f"time [{label}]", fontsize=9.5)

@@ -1,0 +1,58 @@
+"""Engineering prefixes for the axes of a plot."""
+
+from __future__ import annotations
+
+import math
+import re
+
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+# A prefix goes before a plain symbol; before kg, a power or a number it would mislead.
+_TAKES_PREFIX = re.compile(r"(?!kg|1|rad)[^\W\d_]+(?![\^²³\d])")
+_POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def axis_scale(unit: str, largest: float, *, least: float = 0.1) -> tuple[float, str]:
+    """Return the factor and the unit with which an axis is best read.
+
+    Parameters
+    ----------
+    unit : str
+        The SI unit of the values.
+    largest : float
+        The largest absolute value on the axis.
+    least : float
+        Values down to here need no prefix.
+
+    Returns
+    -------
+    factor : float
+        Multiply values by it.
+    label : str
+        The unit with its prefix, as it is printed.
+
+    Examples
+    --------
+    >>> axis_scale("A", 0.02)
+    (1000.0, 'mA')
+    >>> axis_scale("m/s", 0.5), axis_scale("N*m", 5e4), axis_scale("m^3/s", 1e-5)
+    ((1.0, 'm/s'), (0.001, 'kN·m'), (1.0, 'm³/s'))
+    """
+    power = 0
+    if math.isfinite(largest) and largest > 0 and not least <= largest < 2000.0:
+        # The largest value becomes a number of one to three digits before the point.
+        power = min(max(3 * math.floor(math.log10(largest) / 3 + 1e-9), -12), 12)
+    if not _TAKES_PREFIX.match(unit):
+        power = 0
+    return float(f"1e{-power}"), _PREFIXES[power] + printed(unit)
+
+
+def printed(unit: str) -> str:
+    """Return a unit as it is printed.
+
+    Examples
+    --------
+    >>> printed("m^3/(N*s)")
+    'm³/(N·s)'
+    """
+    raised = re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_POWERS), unit)
+    return raised.replace("*", "·")

@@ -1,0 +1,78 @@
+"""The audit: what must hold in every run, whatever the model.
+
+Power balances over the junction structure at every point; stored plus dissipated minus supplied
+energy is constant in every segment; no jump creates energy except by a source.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.trace import Trace
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """The worst imbalance of a run, each as a part of what is balanced.
+
+    Parameters
+    ----------
+    power : float
+        Of the power over the junction structure, at any accepted point.
+    energy : float
+        Of stored + dissipated - supplied over any segment, as a part of the largest energy.
+    created : float
+        Energy that jumps created without a source, as a part of the largest energy.
+    """
+
+    power: float
+    energy: float
+    created: float
+
+    def holds(self, rtol: float = 1e-8) -> bool:
+        """Whether the run keeps its balances at the tolerance it was made with."""
+        return self.power <= 1e-12 and self.energy <= 10.0 * rtol and self.created <= 1e-9
+
+
+def audit(program: Program, trace: Trace) -> Audit:
+    """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out."""
+    graph = program.graph
+    ends = [
+        end
+        for node in graph.nodes
+        if not node.is_junction and node.kind not in ("TF", "GY")
+        for end in node.ends
+        if not graph.bonds[end.bond].domain.pseudo
+    ]
+    bond = np.array([end.bond for end in ends], dtype=np.intp)
+    sign = np.array([float(end.sign) for end in ends])
+    power = energy = created = 0.0
+    largest = 0.0
+    for segment in trace.segments:
+        assert isinstance(segment.interval, Interval)
+        equations = program.equations(segment.mode, segment.interval, float(segment.t[0]))
+        values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
+        w = values[program.slots.w]
+        flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
+        total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
+        power = max(power, float((total / np.where(size > 0.0, size, 1.0)).max(initial=0.0)))
+        stored = np.array([equations.storage.energy(y[: program.nx]) for y in segment.y])
+        supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
+        balance = stored + dissipated - supplied
+        passed = np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum()
+        largest = max(largest, float(np.abs(stored).max(initial=0.0)), float(passed))
+        energy = max(energy, float(np.ptp(balance)) if len(balance) else 0.0)
+    for event in trace.events:
+        for step in event.steps:
+            if step.energy is not None and step.kind != "mythical":
+                created = max(created, -step.energy.lost)
+                largest = max(largest, abs(step.energy.before), abs(step.energy.after))
+    scale = largest if largest > 0.0 else 1.0
+    return Audit(power, energy / scale, created / scale)
