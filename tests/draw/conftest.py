@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hybond.model.graph import Bond, End, FlatGraph, Machine, Node, Storage
@@ -270,3 +271,104 @@ def strokes() -> Any:
         return SimpleNamespace(**given)
 
     return make
+
+
+def make_run(
+    signals: Mapping[str, tuple[str, Sequence[tuple[Any, Any]]]],
+    modes: Sequence[tuple[int, ...]],
+    *,
+    machines: Mapping[str, Sequence[str]] | None = None,
+    impulses: Sequence[Mapping[str, float]] = (),
+    warnings: Sequence[str] = (),
+) -> Any:
+    """Return what `plot_run` reads of a result; `impulses` are those at each segment's start."""
+    any_signal = next(iter(signals.values()))[1]
+    times = [np.asarray(t, dtype=float) for t, _ in any_signal]
+    areas = list(impulses) or [{} for _ in times]
+    return SimpleNamespace(
+        title="A run of $x$",
+        t_end=float(times[-1][-1]),
+        warnings=list(warnings),
+        graph=SimpleNamespace(
+            machines=[SimpleNamespace(path=p, states=tuple(s)) for p, s in (machines or {}).items()]
+        ),
+        segments=[SimpleNamespace(t=t, mode=m) for t, m in zip(times, modes)],
+        events=[
+            SimpleNamespace(
+                t=t[0],
+                steps=(
+                    SimpleNamespace(kind="mythical", impulses=dict.fromkeys(a, 99.0)),
+                    SimpleNamespace(kind="continuous", impulses=a),
+                ),
+            )
+            for t, a in zip(times, areas)
+        ],
+        unit=lambda name: signals[name][0],
+        pieces=lambda name, points_per_segment=None: [
+            (np.asarray(t, dtype=float), np.asarray(y, dtype=float)) for t, y in signals[name][1]
+        ],
+    )
+
+
+def bouncing_run(bounces: int = 14, ratio: float = 0.8) -> Any:
+    """A ball that bounces: closed form, with the impulse of each impact."""
+    g, v, t = 9.81, 5.0, 0.0
+    height, speed, areas = [], [], []
+    for k in range(bounces):
+        local = np.linspace(0.0, 2 * v / g, 40)
+        height.append((t + local, v * local - g * local**2 / 2))
+        speed.append((t + local, v - g * local))
+        areas.append({"contact.e": (1 + ratio) / ratio * v} if k else {})
+        t += 2 * v / g
+        v *= ratio
+    force = [(a, 0.0 * b) for a, b in height]
+    return make_run(
+        {"height": ("m", height), "v.f": ("m/s", speed), "contact.e": ("N", force)},
+        [(0,)] * bounces,
+        machines={"floor": ("away", "touching")},
+        impulses=areas,
+        warnings=["something"],
+    )
+
+
+def switched_run(cycles: int = 2000) -> Any:
+    """A pulse-width modulated current, with thousands of events."""
+    pieces, level, modes = [], [], []
+    for k in range(2 * cycles):
+        t = np.linspace(k, k + 1, 3) * 25e-6
+        up = k % 2 == 0
+        wave = 1e-2 * np.sin(2 * np.pi * t / (cycles * 50e-6))
+        pieces.append((t, wave + 1e-3 * (np.linspace(-1, 1, 3) if up else np.linspace(1, -1, 3))))
+        level.append((t, np.full(3, 24.0 if up else 0.0)))
+        modes.append((int(up), 0, int(k < cycles)))
+    return make_run(
+        {"L.f": ("A", pieces), "_node$.e": ("V", level), "i2": ("V", level)},
+        modes,
+        machines={"pwm": ("low", "high"), "idle": ("rest", "work"), "half": ("second", "first")},
+    )
+
+
+@pytest.fixture
+def bouncing() -> Any:
+    return bouncing_run
+
+
+@pytest.fixture
+def switched() -> Any:
+    return switched_run
+
+
+@pytest.fixture
+def run_of() -> Any:
+    return make_run
+
+
+@pytest.fixture(autouse=True)
+def _no_open_figures() -> Any:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    yield
+    from matplotlib import pyplot
+
+    pyplot.close("all")

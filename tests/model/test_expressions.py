@@ -285,9 +285,11 @@ def test_floats_and_arrays_agree(tree, rows):
     single = compile_expression(tree, slot, FLOATS, pre_offset=7)
     one_by_one = [float(single(list(row))) for row in rows]
     several = np.broadcast_to(np.asarray(several, dtype=float), len(rows))
-    # Rounding differs between the two sines; where a step follows, it may be magnified.
-    smooth = not {"floor", "ceil", "mod", "sign"} & set(to_text(tree).replace("(", " ").split())
-    assume(smooth and not comparisons(tree))
+    # Rounding differs between the two sines; where a step follows, it may be magnified. Which of
+    # 0.0 and -0.0 is the least is up to the processor, and a division or an angle shows it.
+    text = to_text(tree)
+    assume(not re.search(r"floor|ceil|mod|sign\(.*\(", text) and not comparisons(tree))
+    assume(not (re.search(r"(min|max)\(", text) and re.search(r"/|\^|atan2", text)))
     assert several == pytest.approx(one_by_one, rel=1e-6, abs=1e-6, nan_ok=True)
 
 

@@ -122,6 +122,9 @@ class Search:
             self.budget -= state.undo(earlier.start)
             for later in self.choices[back:]:
                 del self.place[later.bond]
+                if later.accepted:
+                    # What was learned while its clash stood might hold no longer.
+                    self.learned.clear()
             del self.choices[back:], self.clashes[earlier.clashes :]
             self._rewind()
             blame.remove(earlier.bond)

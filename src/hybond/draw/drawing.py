@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -129,13 +130,23 @@ def draw(
         numbers=numbers,
         title=title,
     )
-    positions = layout(
-        [s.kind for s in shown.symbols],
-        [(a.tail, a.head) for a in shown.arrows],
-        pinned=shown.pins,
+    positions = _positions(
+        tuple(s.kind for s in shown.symbols),
+        tuple((a.tail, a.head) for a in shown.arrows),
+        tuple(shown.pins.items()),
     )
     places = dict(zip((s.path for s in shown.symbols), positions, strict=True))
     return Drawing(compose(shown, positions), places)
+
+
+@lru_cache(maxsize=32)
+def _positions(
+    kinds: tuple[str, ...],
+    bonds: tuple[tuple[int, int], ...],
+    pins: tuple[tuple[int, tuple[float, float]], ...],
+) -> tuple[tuple[float, float], ...]:
+    """Remember layouts: a model is drawn again for each mode."""
+    return layout(kinds, bonds, pinned=dict(pins))
 
 
 def draw_mode(

@@ -29,7 +29,9 @@ def impulses_of(result: Any, name: str) -> Vector:
         if area:
             found.append((float(event.t), float(area)))
     table = np.array(found) if found else np.zeros((0, 2))
-    return table[np.abs(table[:, 1]) > _NEGLIGIBLE * np.max(np.abs(table[:, 1]), initial=0.0)]
+    largest = np.max(np.abs(table[:, 1]), initial=0.0)
+    kept: Vector = table[np.abs(table[:, 1]) > _NEGLIGIBLE * largest]
+    return kept
 
 
 def draw_impulses(
@@ -44,7 +46,7 @@ def draw_impulses(
     low, high = ax.get_ylim()
     t, area = table[:, 0] * time_factor, table[:, 1]
     foot = min(max(0.0, low), high)
-    part = 0.14 + 0.16 * np.abs(area) / np.max(np.abs(area))
+    part = 0.12 + 0.12 * np.abs(area) / np.max(np.abs(area))
     tip = foot + np.sign(area) * part * (high - low)
     ax.vlines(t, foot, tip, color=colour, linewidth=1.4, zorder=4)
     for sign, marker in ((1.0, "^"), (-1.0, "v")):
@@ -60,7 +62,7 @@ def draw_impulses(
             scalex=False,
             scaley=False,
         )
-    roomy = apart(table[:, 0], 0.13 * t_end)
+    roomy = apart(table[:, 0], 0.11 * t_end)
     for k in np.flatnonzero(roomy)[:24]:
         late = table[k, 0] > 0.85 * t_end
         ax.annotate(

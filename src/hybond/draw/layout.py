@@ -114,7 +114,9 @@ def _component(
     rows = _first_rows(Board(own_kinds, own_bonds), fixed)
     starts = [_start(own_kinds, own_bonds, fixed, row) for row in rows]
     starts.sort(key=lambda b: b.cost(range(size)))  # stable: a tie keeps the order of trying
-    steps = int(min(_FULL / max(total, 1), 1.0) * min(260 * size, 5000))
+    # A step of a tangled graph costs more and gains less.
+    tangle = min(1.0, size / max(len(own_bonds), 1)) ** 2
+    steps = int(tangle * min(_FULL / max(total, 1), 1.0) * min(260 * size, 5000))
     # A picture without a flaw is good enough; otherwise other beginnings are tried.
     best: tuple[int, list[Cell | None]] | None = None
     for attempt in range(_TRIES if size <= _FULL // 2 else 1):
@@ -124,6 +126,9 @@ def _component(
                 board.put(n, cell)
         hot = 160 if attempt else 40
         improve(board, fixed, steps=steps, seed=seed + attempt, hot=hot)
+        if not fixed and size <= _FULL:
+            _turn_about(board)
+            improve(board, fixed, steps=0, seed=seed)
         cost = board.cost(range(size))
         if best is None or cost < best[0]:
             best = cost, board.at
@@ -132,6 +137,21 @@ def _component(
     assert best is not None
     cells = [c for c in best[1] if c is not None]
     return dict(zip(nodes, cells, strict=True))
+
+
+def _turn_about(board: Board) -> None:
+    """Mirror or turn the whole picture to the way that suits the compass best."""
+    nodes = range(len(board.kinds))
+    here = {n: c for n, c in enumerate(board.at) if c is not None}
+    ways = []
+    for a, b in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+        ways.append({n: (a * x, b * y) for n, (x, y) in here.items()})
+        ways.append({n: (a * y, b * x) for n, (x, y) in here.items()})
+    costs = []
+    for way in ways:
+        board.move(way)
+        costs.append(board.cost(nodes))
+    board.move(ways[costs.index(min(costs))])
 
 
 def _first_rows(board: Board, fixed: Mapping[int, Cell]) -> list[dict[int, Cell]]:

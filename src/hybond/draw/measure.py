@@ -44,9 +44,9 @@ def shorten(text: str, size: float, room: float, *, keep_end: bool = False) -> s
     Examples
     --------
     >>> shorten("a_very_long_name", 10.0, 60.0)
-    'a_very_l…'
+    'a_very_…'
     >>> shorten("plant.motor.coil", 10.0, 60.0, keep_end=True)
-    '…tor.coil'
+    '…otor.coil'
     """
     if width(text, size) <= room:
         return text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-
 from hybond.draw.measure import width
 
 if TYPE_CHECKING:
@@ -83,8 +82,10 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
                     parse_math=False,
                 )
         _explain(ax, lane, {k: states[k] for k in sorted(present - named)}, inches)
+    # White borders of very many blocks would leave nothing else.
+    border = 0.4 if len(corners) < 150 else 0.0
     ax.add_collection(
-        PolyCollection(corners, facecolors=colours, edgecolors="white", linewidths=0.4),
+        PolyCollection(corners, facecolors=colours, edgecolors="white", linewidths=border),
         autolim=False,
     )
     ax.set_ylim(len(shown) - 0.5, -0.5)

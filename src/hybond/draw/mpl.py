@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hybond.draw.scene import Frame, Line, Scene
+from hybond.draw.scene import Frame, Line, Scene, printable
 from hybond.draw.style import look
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
                 ax.text(
                     mark.x,
                     mark.y,
-                    mark.text,
+                    printable(mark.text),
                     color=colour,
                     fontsize=(style.size or 11.0) * points,
                     fontweight="bold" if style.bold else "normal",

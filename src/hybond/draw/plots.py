@@ -15,7 +15,7 @@ from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.measure import shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes
 from hybond.draw.scales import axis_scale, printed
-from hybond.draw.traces import Trace, apart, trace_of
+from hybond.draw.traces import Trace, Vector, apart, trace_of
 from hybond.errors import UsageError
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
         (line,) = ax.plot(trace.t * factor, trace.y * scale, color=colour, linewidth=1.4, zorder=3)
         lines.append(line)
         _circles(ax, trace, colour, factor, scale, result.t_end)
-    _limits(ax, values * scale, arrows=any(len(i) for i in impulses))
+    _limits(ax, values * scale, np.concatenate([i[:, 1] for i in impulses]))
     for k, table in enumerate(impulses):
         draw_impulses(
             ax,
@@ -202,7 +202,11 @@ def _circles(
     """Mark both limits of each jump that has room for it."""
     if not len(trace.jumps):
         return
-    roomy = trace.jumps[apart(trace.jumps[:, 0], _CIRCLE_GAP * t_end)]
+    room = apart(trace.jumps[:, 0], _CIRCLE_GAP * t_end)
+    # Too dense for circles: thin uprights, or a fast square wave would look like two levels.
+    t, left, right = trace.jumps[~room].T
+    ax.vlines(t * factor, left * scale, right * scale, color=colour, linewidth=0.5, alpha=0.35)
+    roomy = trace.jumps[room]
     for column, face in ((1, "white"), (2, colour)):
         ax.plot(
             roomy[:, 0] * factor,
@@ -217,19 +221,23 @@ def _circles(
         )
 
 
-def _limits(ax: Axes, values: np.ndarray[Any, Any], *, arrows: bool) -> None:
-    """Set the limits of y, with room for arrows that start at zero."""
+def _limits(ax: Axes, values: Vector, areas: Vector) -> None:
+    """Set the limits of y, with room for arrows from zero."""
     low = float(np.min(values, initial=np.inf)) if values.size else 0.0
     high = float(np.max(values, initial=-np.inf)) if values.size else 1.0
-    if arrows:
+    if areas.size:
         low, high = min(low, 0.0), max(high, 0.0)
     span = high - low
     if span <= 1e-12 * max(abs(low), abs(high)):
         span = abs(high) or 1.0
         low, high = low - 0.4 * span, high + 0.4 * span
-    margin = 0.28 if arrows else 0.07
-    below = margin if not arrows or low < 0 else 0.12
-    ax.set_ylim(low - below * span, high + margin * span)
+    low, high = low - 0.07 * span, high + 0.07 * span
+    # The longest arrow is a quarter of the axes, and its area is written beyond it.
+    if np.any(areas > 0):
+        high = max(high, 0.7 * span)
+    if np.any(areas < 0):
+        low = min(low, -0.7 * span)
+    ax.set_ylim(low, high)
 
 
 def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:

@@ -5,10 +5,25 @@ Roles are words of `style.STYLES`; a mark may have several: ``"stroke dynamic"``
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
 from hybond.draw.geometry import Box, Point
+
+# Characters that XML 1.0 cannot hold, even escaped; no font has them either.
+_ILLEGAL = re.compile("[^\t\n\r\u0020-\u007e\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def printable(text: str) -> str:
+    r"""Return `text` with control characters replaced.
+
+    Examples
+    --------
+    >>> printable("a\x00b")
+    'a�b'
+    """
+    return _ILLEGAL.sub("�", text)
 
 
 @dataclass(frozen=True, slots=True)

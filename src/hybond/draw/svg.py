@@ -7,14 +7,10 @@ reader's light or dark theme.
 
 from __future__ import annotations
 
-import re
 from html import escape
 
-from hybond.draw.scene import Frame, Line, Mark, Scene
+from hybond.draw.scene import Frame, Line, Mark, Scene, printable
 from hybond.draw.style import FONT, PAPER, STYLES, Style
-
-# Characters that XML 1.0 cannot hold, even escaped.
-_ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def write_svg(scene: Scene) -> str:
@@ -113,4 +109,4 @@ def _number(value: float) -> str:
 
 def _text(text: str) -> str:
     """Escape text from anywhere for element content and attributes."""
-    return escape(_ILLEGAL.sub("�", text), quote=True)
+    return escape(printable(text), quote=True)

@@ -172,8 +172,8 @@ class ModeEquations:
         for _ in range(NEWTON_STEPS):
             w = base + self.n2 @ r
             residual, jacobian = self._system(v, x, xi, w)
-            if not np.isfinite(residual).all():
-                self._blame(v)
+            if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+                raise self._blame(v)
             step = _least_squares(jacobian, residual)
             r = r - step
             self.newton_steps += 1
@@ -199,21 +199,26 @@ class ModeEquations:
             hint="check these laws for jumps or missing slopes; start closer to a solution",
         )
 
-    def _blame(self, v: Sequence[float]) -> None:
+    def _blame(self, v: Sequence[float]) -> NumericsError:
+        """Return the refusal that names the law whose value or slope is not a number."""
         self.guess = None
-        for row, f in zip(self.rows, self.values, strict=True):
+        slopes = self.slopes.at(v)
+        for k, (row, f) in enumerate(zip(self.rows, self.values, strict=True)):
             value = f(v)
-            if value - value != 0.0:
+            what = f"gives {value}" if value - value != 0.0 else ""
+            if not what and not np.isfinite(slopes[k]).all():
+                what = "has no finite slope"
+            if what:
                 node = self.graph.nodes[row.node] if row.node >= 0 else None
                 name = f"{node.kind} {node.path}" if node else "a constraint's derivative"
-                raise NumericsError(
-                    f"the law of {name} gives {value} at t = {v[0]:.9g} s",
+                return NumericsError(
+                    f"the law of {name} {what} at t = {v[0]:.9g} s",
                     code="HB-N302",
                     where=node.path if node else self.graph.mode_text(self.mode),
                     hint="look for a division by zero, a root of a negative number or a table "
                     "that ends",
                 )
-        raise NumericsError(
+        return NumericsError(
             f"the equations overflow at t = {v[0]:.9g} s",
             code="HB-N302",
             where=self.graph.mode_text(self.mode),

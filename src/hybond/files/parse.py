@@ -23,6 +23,8 @@ _MASKED = re.compile(
     r"|\#[^\n]*",
     re.DOTALL,
 )
+_LONG_KEY = re.compile(r"(?<![\w.-])(?:[\w-]++\.){20,}+")
+_LONG_KEYS = 1000
 _DEEPEST_KEY = 2 * limits.LEVELS + 12
 
 
@@ -134,11 +136,15 @@ def parse(source: Source) -> dict[str, Any]:
 
 def _parse_toml(source: Source) -> Any:
     if source.text.count(".") > _DEEPEST_KEY:
-        # tomllib takes quadratic time for a.a.a.a... = 1; no model has such keys.
+        # tomllib takes quadratic time for a.a.a.a... = 1; no model needs such keys, or many.
         masked = re.sub(r"(?<![ \t])[ \t]*+\.[ \t]*+", ".", _MASKED.sub("s", source.text))
-        if re.search(rf"(?<![\w.-])(?:[\w-]++\.){{{_DEEPEST_KEY}}}", masked):
+        long = [key.count(".") for key in re.findall(_LONG_KEY, masked)]
+        if len(long) > _LONG_KEYS or max(long, default=0) >= _DEEPEST_KEY:
             raise FileError(
-                f"a key of more than {_DEEPEST_KEY} parts", code="HB-F103", where=source.name
+                f"a key of more than {_DEEPEST_KEY} parts, or more than {_LONG_KEYS} keys of "
+                "more than 20",
+                code="HB-F103",
+                where=source.name,
             )
     try:
         return tomllib.loads(source.text)

@@ -49,6 +49,10 @@ REMAINING = 1e-10
 """An accumulation is reached if what is left of it is below this part of the time."""
 
 
+BEYOND = 50
+"""Steps in a row that may touch a place where a law has no value before the law is blamed."""
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """Where a run ends, and what counts as one instant.
@@ -159,10 +163,14 @@ class Executive:
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [])
         field = program.field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
+        beyond = 0
         while True:
             step = self._guarded(lambda: self.solver.step(end))
             self._steps += 1
             self._rejected += step.rejected
+            beyond = beyond + 1 if program.refused is not None else 0
+            if program.refused is not None and beyond > BEYOND:
+                raise program.refused
             at = locator.first(step)
             if at is not None:
                 step, at = self._land(step, at, locator)
@@ -226,9 +234,12 @@ class Executive:
         return np.concatenate([jump.x, y[nx : nx + ns], y[nx + ns :]])
 
     def _guarded(self, action: Callable[[], object]) -> Step:
+        self.program.refused = None
         try:
             return action()  # type: ignore[return-value]
         except StepFailure as error:
+            if error.code == "HB-N202" and self.program.refused is not None:
+                raise self.program.refused from None
             if error.component is not None:
                 error.where = self._component(error.component)
             raise

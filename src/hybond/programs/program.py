@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.tableau import build
+from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression
 from hybond.model.fieldless import fieldless_laws
 from hybond.model.graph import FlatGraph, Mode
@@ -59,6 +60,8 @@ class Program:
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._rates = [self.compile(i.rate) for i in graph.integrals]
         self._flags: dict[Mode, list[float]] = {}
+        self.refused: NumericsError | None = None
+        """The last refusal of a law during a trial step."""
         self.built = 0
         self.evaluations = 0
 
@@ -141,7 +144,13 @@ class Program:
                 v[0] = t
             v[self.slots.s] = y[nx : nx + ns].tolist()
             v[self.slots.x] = x.tolist()
-            w = equations.solve(v, x)
+            try:
+                w = equations.solve(v, x)
+            except NumericsError as error:
+                # a trial point beyond where the laws hold: the solver shortens its step, and if
+                # that does not help the reason is this one
+                self.refused = error
+                return np.full(nx + ns + 2, np.nan)
             rate = np.empty(nx + ns + 2)
             rate[:nx] = rates @ w
             if ns:

@@ -1,62 +1,84 @@
-"""Radau IIA of order 5 for stiff modes: SciPy's, held to the step contract.
-
-What is used of `scipy.integrate.Radau` beyond its documentation, in this file only: its
-attributes ``h_abs`` (size of the next attempt) and ``f`` (derivative), which are read, and
-``atol``, which is set before each step.
-"""
+"""Radau IIA of order 5 for stiff modes."""
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from hybond.solvers.base import FloatArray, Scale, Solver, Step, StepFailure, first_not_finite
+from hybond.solvers.collocation import C1, C2, collocation, continued
 from hybond.solvers.control import first_step, worst_component
-from hybond.solvers.dense import Interpolant, Polynomial
+from hybond.solvers.dense import Joined, Polynomial
+from hybond.solvers.newton import ITERATIONS, Choice, Factors, Stages, norm, solve_stages
 
 Jacobian: TypeAlias = Callable[[float, FloatArray], FloatArray]
 
-_NO_RTOL = 1e-13
-"""Small against any tolerance, large enough that SciPy stops Newton's iteration at 0.02 of it."""
+_EPS = float(np.finfo(np.float64).eps)
+
+# Size of the next step: after Hairer and Wanner, IV.8, with Gustafsson's prediction.
+_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 8.0
+_SMALLEST_ERROR = 1e-2
+_KEEP = 1.2
+"""Growth below which a step of the old size, with its factors, is the cheaper one."""
+
+_ENOUGH = 0.001
+"""Part of the tolerance that Newton's iteration may leave."""
+
+_SLOW = 1e-3
+"""Rate of convergence, over more than two iterations, that asks for a new Jacobian."""
+
+
+class _Memory(NamedTuple):
+    """What one step leaves to the next."""
+
+    jacobian: FloatArray | None = None
+    current: bool = False
+    """Whether `jacobian` was made at the start of the step to come."""
+    left: float = 1.0
+    """`Stages.left` of the last iteration that converged."""
+    coefficients: FloatArray | None = None
+    """Collocation polynomial to foresee the stages by, and the step it belongs to."""
+    span: float = 1.0
+    origin: float = 1.0
+    """1 if that step ends where the next one starts, 0 if it starts there."""
+    h: float = 0.0
+    """Size of the last step whose size the error decided; 0 without one."""
+    error: float = 0.0
 
 
 class RadauIIA(Solver):
     """Implicit Runge-Kutta, order 5, L-stable, adaptive; dense output of order 3.
 
-    SciPy measures errors by ``atol + rtol*abs(y)``. Here `atol` is set to ``scale(y, y)`` at
-    the start of each step and `rtol` to next to nothing, so that the caller's scale alone
-    decides; it is corrected for the components of infinite scale, which SciPy would count in
-    its mean. A scale of 0 becomes the smallest positive number.
+    The dense output is the collocation polynomial. Jacobian and factors of the linear systems
+    are kept over steps for as long as Newton's iteration converges fast with them.
 
-    A step that must end at a given time, and the first after a jump, is made by a new object
-    with a new Jacobian, because SciPy keeps the factors made for another step size.
+    A component of infinite scale is a quadrature: nothing may depend on it. It is integrated
+    with the weights of the method, from the stages of the others, and has no part in the
+    linear algebra.
 
     Parameters
     ----------
     scale : callable
-        ``scale(y0, y1)``: the error a step may make, per component, shape (n,).
+        ``scale(y0, y1)``: the error a step may make, per component, shape (n,); ``inf`` for a
+        quadrature.
     rtol : float, optional
         Relative tolerance behind `scale`: ``scale/rtol`` is taken as the size of a component
         when differences for the Jacobian are chosen.
     max_step : float, optional
         Largest step.
     jacobian : callable, optional
-        ``jacobian(t, y)``, shape (n, n). By default forward differences, n evaluations. The
-        attribute `jacobian` may be set anew before each `start`.
-
-    Notes
-    -----
-    SciPy does not tell its error estimate nor its rejected attempts: steps have error nan and
-    0 rejected. On underflow the component to blame is the one that moves most tolerances per
-    second.
+        ``jacobian(t, y)``, shape (n, n). By default forward differences, one evaluation for
+        each component that is not a quadrature. The attribute `jacobian` may be set anew
+        before each `start`.
 
     References
     ----------
-    Hairer, Wanner, *Solving Ordinary Differential Equations II*, IV.8.
+    Hairer, Wanner, *Solving Ordinary Differential Equations II*, IV.8. K. Gustafsson,
+    "Control-theoretic techniques for stepsize selection in implicit Runge-Kutta methods", ACM
+    Trans. Math. Softw. 20(4), 1994.
 
     Examples
     --------
@@ -90,218 +112,276 @@ class RadauIIA(Solver):
         self._scale = scale
         self._rtol = float(rtol)
         self._max_step = float(max_step)
-        self._radau: Any = None
+        # Below ten units of rounding of the state itself no iteration can come.
+        self._enough = max(_ENOUGH, 10.0 * _EPS / self._rtol) if rtol > 0.0 else _ENOUGH
         self._f: FloatArray = np.empty(0)
-        self._not_finite: int | None = None
-        """Component of the last evaluation that was not finite, if the last one was not."""
-
-    @property
-    def h(self) -> float:
-        """Size of the next step to try; setting it drops the history of steps."""
-        return self._h
-
-    @h.setter
-    def h(self, value: float) -> None:
-        if not value > 0.0:
-            raise ValueError(f"a step size must be positive, not {value}")
-        self._h = float(value)
-        self._radau = None
+        self._chosen: Choice = slice(0, 0)
+        self._indices = np.empty(0, dtype=np.intp)
+        self._quadratures = np.empty(0, dtype=np.intp)
+        self._memory = _Memory()
+        self._replay = _Memory()
+        """The memory to repeat the last step with."""
+        self._factors: Factors | None = None
 
     def _begin(self, t_bound: float, *, forget: bool, moved: bool) -> None:
+        t, y = self._t, self._y
         if moved:
-            self._radau = None
-            self._f = self._finite_derivative(self._t, self._y)
+            self._f = self._finite_derivative(t, y)
+            self._memory = self._memory._replace(current=False)
+        scale = self._scale(y, y)
+        controlled = scale < np.inf
+        indices = np.flatnonzero(controlled)
+        if forget or not np.array_equal(indices, self._indices):
+            self._memory = _Memory()
+            self._factors = None
+            m = indices.size
+            self._indices = indices
+            self._chosen = slice(0, m) if m == 0 or indices[-1] == m - 1 else indices
+            self._quadratures = np.flatnonzero(~controlled)
         if forget:
-            t, y = self._t, self._y
             limit = min(self._max_step, t_bound - t) if t_bound > t else self._max_step
-            scale = self._scale(y, y)
             self._h = first_step(self._derivative, t, y, self._f, scale=scale, order=3, limit=limit)
 
     def step(self, t_end: float) -> Step:
         """Make one step that satisfies the tolerance."""
         t_end = float(t_end)
         self._remaining(t_end)
-        t0, y0, f0 = self._t, self._y, self._f
+        start = (self._t, self._y, self._f)
         with np.errstate(all="ignore"):
-            piece = self._piece(t_end)
-        self._retryable = (t0, y0, f0)
-        interpolant = _Joined(t0, self._t, y0, self._y, [(t0, piece)])
-        return Step(t0, self._t, y0, self._y, interpolant, math.nan, self._counted(), 0)
+            piece, error, rejected = self._advance(t_end)
+        self._retryable = start
+        return Step(piece.t0, piece.t1, piece.y0, piece.y1, piece, error, self._counted(), rejected)
 
     def retry(self, t_end: float) -> Step:
-        """Repeat the last step, ending at `t_end`; several inner steps if accuracy needs them.
+        """Repeat the last step, ending at `t_end`: in one step, if that is accurate enough.
 
-        Unlike other solvers this one controls the error of a retry too, and may raise HB-N201.
+        Past the end of the last step it may take several. Unlike other solvers this one
+        controls the error of a retry too, and may raise HB-N201. Jacobian and step size of the
+        steps to come are those of before.
         """
         t_end = float(t_end)
         t0, y0, f0 = self._last(t_end)
-        before = (self._t, self._y, self._f, self._h)
-        hint = self._h
-        self._radau = None
-        self._t, self._y, self._f, self._h = t0, y0, f0, t_end - t0
-        pieces = []
+        before = (self._t, self._y, self._f, self._h, self._memory, self._replay)
+        self._t, self._y, self._f, self._memory = t0, y0, f0, self._replay
+        self._h = t_end - t0
+        pieces: list[Polynomial] = []
+        largest, rejected = 0.0, 0
         try:
             with np.errstate(all="ignore"):
                 while self._t < t_end:
-                    start = self._t
-                    pieces.append((start, self._piece(t_end)))
+                    piece, error, more = self._advance(t_end)
+                    pieces.append(piece)
+                    largest, rejected = max(largest, error), rejected + more
         except StepFailure:
-            self._t, self._y, self._f, self._h = before
-            self._radau = None
+            self._t, self._y, self._f, self._h, self._memory, self._replay = before
             raise
-        self._h = hint
-        self._radau = None
-        self._retryable = (t0, y0, f0)
-        interpolant = _Joined(t0, self._t, y0, self._y, pieces)
-        return Step(t0, self._t, y0, self._y, interpolant, math.nan, self._counted(), 0)
-
-    def _piece(self, t_end: float) -> Any:
-        """Advance by one step of SciPy and return its dense output."""
-        t0, y0 = self._t, self._y
-        remaining = t_end - t0
-        if y0.size == 0:
-            # SciPy's norms divide by the number of states.
-            whole = remaining <= self._max_step * (1.0 + 1e-12)
-            self._t = t_end if whole else t0 + self._max_step
-            return _nothing
-        if remaining <= 10.0 * math.ulp(t0):
-            return self._sliver(t_end)
-        trial = self._h = min(self._h, self._max_step)
-        landing = remaining <= self._max_step * (1.0 + 1e-12) and remaining <= 1.01 * trial
-        if landing or self._radau is None:
-            self._radau = self._new(t0, y0, remaining if landing else trial)
-        radau = self._radau
-        radau.atol = self._tolerance(y0)
-        self._not_finite = None
-        radau.step()
-        if radau.status == "failed":
-            raise self._failure(t0, y0)
-        y1 = np.array(radau.y)
-        f1 = np.array(radau.f)
-        for values in (y1, f1):
-            bad = first_not_finite(values)
-            if bad is not None:
-                self._radau = None
-                raise StepFailure.not_finite(t0, radau.t - t0, bad)
-        dense = radau.dense_output()
-        t1 = float(radau.t)
-        self._h = float(radau.h_abs)
-        if landing and abs(t1 - t_end) <= 4.0 * math.ulp(t_end):
-            h, t1 = t1 - t0, t_end
-            self._radau = None
-            if h < 0.99 * trial and self._h >= h:
-                # Cut short by t_end: its small error says little about the size after it.
-                self._h = max(trial, self._h)
-        y1.flags.writeable = False
-        self._t, self._y, self._f = t1, y1, f1
-        return dense
-
-    def _sliver(self, t_end: float) -> Any:
-        """Advance to an end nearer than the smallest step of SciPy, along the tangent."""
-        t0, y0, f0 = self._t, self._y, self._f
-        change = (t_end - t0) * f0
-        y1 = y0 + change
-        f1 = self._finite_derivative(t_end, y1, h=t_end - t0)
-        y1.flags.writeable = False
-        self._t, self._y, self._f = t_end, y1, f1
-        self._radau = None
-        return Polynomial(t0, t_end, y0, y1, change[None, :])
-
-    def _new(self, t: float, y: FloatArray, h: float) -> Any:
-        from scipy.integrate import Radau
-
-        return Radau(
-            self._watched,
-            t,
-            y,
-            math.inf,
-            max_step=self._max_step * (1.0 + 1e-12),
-            rtol=_NO_RTOL,
-            atol=self._tolerance(y),
-            jac=self._matrix,
-            first_step=h,
+        *_, self._h, memory, self._replay = before
+        self._memory = memory._replace(
+            current=False,
+            coefficients=self._memory.coefficients,
+            span=self._memory.span,
         )
+        interpolant = pieces[0] if len(pieces) == 1 else Joined(pieces)
+        y1 = pieces[-1].y1
+        return Step(t0, t_end, y0, y1, interpolant, largest, self._counted(), rejected)
 
-    def _tolerance(self, y: FloatArray) -> FloatArray:
-        scale = np.asarray(self._scale(y, y), dtype=np.float64)
-        controlled = int(np.count_nonzero(scale < np.inf))
-        share = math.sqrt(controlled / y.size) if controlled else 1.0
-        tolerance: FloatArray = np.maximum(scale * share, np.finfo(np.float64).tiny)
-        return tolerance
+    def _advance(self, t_end: float) -> tuple[Polynomial, float, int]:
+        """Make one step that satisfies the tolerance; return it, its error and rejections."""
+        assert self._field is not None
+        field, chosen, memory = self._field, self._chosen, self._memory
+        t0, y0, f0 = self._t, self._y, self._f
+        remaining = t_end - t0
+        smallest = 10.0 * math.ulp(t0)
+        h = max(min(self._h, self._max_step), smallest)
+        may_land = remaining <= self._max_step * (1.0 + 1e-12)
+        rejected = 0
+        tolerance = self._scale(y0, y0)[chosen]
+        while True:
+            if memory.jacobian is None:
+                memory = memory._replace(jacobian=self._matrix(t0, y0), current=True)
+            trial = h
+            # A little longer rather than a sliver of a step afterwards.
+            t1 = t_end if may_land and remaining <= 1.01 * h else min(t0 + h, t_end)
+            h = t1 - t0
+            shrink, blame = 0.5, f0
+            factors = self._factorised(memory, h)
+            if factors is not None:
+                stages = solve_stages(
+                    field,
+                    t0,
+                    t1,
+                    y0,
+                    z=self._foreseen(memory, h),
+                    chosen=chosen,
+                    factors=factors,
+                    scale=self._scale,
+                    tolerance=tolerance,
+                    enough=self._enough,
+                    left=memory.left,
+                )
+                self._evaluations += 3 * stages.iterations
+                if stages.converged:
+                    error, shrink, blame = self._error(stages, factors, t1, rejected=rejected)
+                    if error <= 1.0:
+                        done = self._finish(stages, t1)
+                        if done is not None:
+                            break
+                        shrink, blame = _SHRINK, self._f
+                elif stages.finite:
+                    blame = np.zeros(y0.size)
+                    blame[chosen] = np.abs(stages.last).max(axis=0, initial=0.0)
+                else:
+                    shrink = _SHRINK
+                    blame = stages.f[~np.isfinite(stages.f).all(axis=1)][0]
+                if not (stages.converged or memory.current):
+                    # The Jacobian may be to blame; where something is not finite, h as well.
+                    memory = memory._replace(jacobian=None)
+                    shrink = 1.0 if stages.finite else shrink
+            rejected += 1
+            if h * shrink < smallest:
+                self._f = f0
+                raise self._failure(h, blame)
+            h *= shrink
+        piece, f1 = done
+        rounds = (2 * ITERATIONS + 1) / (2 * ITERATIONS + stages.iterations)
+        factor = _SAFETY * rounds * max(error, 1e-10) ** -0.25
+        cut = h < 0.99 * trial
+        if memory.h > 0.0 and not cut:
+            # Gustafsson: the error is expected to go on changing as over the last two steps.
+            trend = h / memory.h * (memory.error / max(error, 1e-10)) ** 0.25
+            factor *= min(1.0, trend)
+        factor = min(max(factor, _SHRINK), 1.0 if rejected else _GROW)
+        slow = stages.iterations > 2 and stages.rate > _SLOW
+        self._replay = memory._replace(
+            left=stages.left, coefficients=piece.coefficients, span=h, origin=0.0
+        )
+        if cut and factor >= 1.0:
+            # Cut short by t_end: its small error says little about the size after it.
+            self._h = max(trial, h * factor)
+        else:
+            self._h = h if not slow and 1.0 <= factor < _KEEP else h * factor
+        self._memory = _Memory(
+            None if slow else memory.jacobian,
+            False,
+            stages.left,
+            piece.coefficients,
+            h,
+            1.0,
+            memory.h if cut else h,
+            memory.error if cut else max(error, _SMALLEST_ERROR),
+        )
+        self._t, self._y, self._f = t1, piece.y1, f1
+        return piece, error, rejected
 
-    def _watched(self, t: float, y: FloatArray) -> FloatArray:
-        f = self._derivative(t, y)
-        self._not_finite = first_not_finite(f)
-        return f
+    def _factorised(self, memory: _Memory, h: float) -> Factors | None:
+        """Return factors for a step of size `h`, or None if there are none."""
+        assert memory.jacobian is not None
+        if self._factors is None or not self._factors.serves(memory.jacobian, h):
+            try:
+                self._factors = Factors(memory.jacobian, h)
+            except np.linalg.LinAlgError:
+                self._factors = None
+        return self._factors
+
+    def _foreseen(self, memory: _Memory, h: float) -> FloatArray:
+        """Return the stages to begin the iteration with."""
+        if memory.coefficients is None:
+            return np.zeros((3, self._indices.size))
+        coefficients = memory.coefficients[:, self._chosen]
+        return continued(coefficients, h / memory.span, memory.origin)
+
+    def _error(
+        self, stages: Stages, factors: Factors, t1: float, *, rejected: int
+    ) -> tuple[float, float, FloatArray]:
+        """Return the norm of the error, the factor to shrink a step by, and the error."""
+        chosen, y0 = self._chosen, self._y
+        t0 = self._t
+        h = t1 - t0
+        rows = (collocation().error / h).dot(stages.z)
+        vector = factors.filtered(self._f[chosen] + rows)
+        tolerance = self._scale(y0, stages.y[2])[chosen]
+        error = norm(vector, tolerance)
+        if error > 1.0 and (rejected or self._memory.h == 0.0):
+            # In a fast transient the estimate is too large; filtered twice it is right.
+            shifted = y0.copy()
+            shifted[chosen] += vector
+            again = factors.filtered(self._derivative(t0, shifted)[chosen] + rows)
+            twice = norm(again, tolerance)
+            if twice < error:
+                vector, error = again, twice
+        full = np.zeros(y0.size)
+        full[chosen] = vector
+        if error <= 1.0:
+            return error, 1.0, full
+        rounds = (2 * ITERATIONS + 1) / (2 * ITERATIONS + stages.iterations)
+        return error, min(max(_SAFETY * rounds * error**-0.25, _SHRINK), _SAFETY), full
+
+    def _finish(self, stages: Stages, t1: float) -> tuple[Polynomial, FloatArray] | None:
+        """Return the step and the derivative at its end.
+
+        None, and the values to blame in `_f`, if something at the end is not finite.
+        """
+        assert self._field is not None
+        method = collocation()
+        t0, y0, chosen, quadratures = self._t, self._y, self._chosen, self._quadratures
+        h = t1 - t0
+        y1 = stages.y[2].copy()
+        f1 = self._derivative(t1, y1)
+        z = stages.z
+        if quadratures.size:
+            if stages.size > _ENOUGH:
+                # Powers must be those of the stages as corrected, not as foreseen: nothing
+                # else controls their error.
+                self._evaluations += 2
+                stages.f[0] = self._field(t0 + C1 * h, stages.y[0])
+                stages.f[1] = self._field(t0 + C2 * h, stages.y[1])
+            stages.f[2] = f1
+            z = np.empty((3, y0.size))
+            z[:, chosen] = stages.z
+            z[:, quadratures] = (h * method.a).dot(stages.f[:, quadratures])
+            y1[quadratures] = y0[quadratures] + z[2, quadratures]
+        for values in (f1, y1):
+            if not math.isfinite(values.dot(values)) and not np.isfinite(values).all():
+                self._f = values
+                return None
+        y1.flags.writeable = False
+        return Polynomial(t0, t1, y0, y1, method.polynomial.dot(z)), f1
 
     def _matrix(self, t: float, y: FloatArray) -> FloatArray:
-        """Return the Jacobian, given or by forward differences."""
+        """Return the Jacobian, given or by forward differences, without the quadratures."""
         if self.jacobian is not None:
             matrix = np.array(self.jacobian(t, y), dtype=np.float64)
+            matrix = matrix[self._chosen][:, self._chosen]
         else:
             matrix = self._differences(t, y)
         bad = np.flatnonzero(~np.isfinite(matrix).all(axis=1))
         if bad.size:
-            self._radau = None
-            raise StepFailure.not_finite(t, self._h, int(bad[0]))
+            raise StepFailure.not_finite(t, self._h, int(self._indices[bad[0]]))
         return matrix
 
     def _differences(self, t: float, y: FloatArray) -> FloatArray:
-        f = self._derivative(t, y)
-        size = np.abs(y)
-        scale = self._scale(y, y)
-        known = scale < np.inf
-        size[known] = np.maximum(size[known], scale[known] / self._rtol)
+        """Return forward differences at the start of the step, where the derivative is known."""
+        chosen, f = self._chosen, self._f[self._chosen]
+        tolerance = self._scale(y, y)[chosen]
+        size = np.maximum(np.abs(y[chosen]), tolerance / self._rtol)
         size[size == 0.0] = 1.0
         # In the direction of motion: a state at the edge of where its law is defined is more
         # likely to have come from there than to go there.
-        delta = math.sqrt(np.finfo(np.float64).eps) * np.copysign(size, f)
-        matrix = np.empty((y.size, y.size))
-        for j in range(y.size):
-            for signed in (delta[j], -delta[j]):
+        delta = math.sqrt(_EPS) * np.copysign(size, f)
+        columns = np.empty((f.size, f.size))
+        for k, j in enumerate(self._indices.tolist()):
+            for signed in (delta[k], -delta[k]):
                 shifted = y.copy()
                 shifted[j] += signed
-                column = (self._derivative(t, shifted) - f) / (shifted[j] - y[j])
-                if np.isfinite(column).all():
+                column = (self._derivative(t, shifted)[chosen] - f) / (shifted[j] - y[j])
+                if math.isfinite(column.dot(column)) or np.isfinite(column).all():
                     break
-            matrix[:, j] = column
-        return matrix
+            columns[k] = column
+        return columns.T
 
-    def _failure(self, t: float, y: FloatArray) -> StepFailure:
-        h = 10.0 * math.ulp(t)
-        self._radau = None
-        if self._not_finite is not None:
-            return StepFailure.not_finite(t, h, self._not_finite)
-        return StepFailure.underflow(t, h, worst_component(self._f, self._scale(y, y)))
-
-
-def _nothing(t: float | FloatArray) -> FloatArray:
-    """Return the dense output of a system without states."""
-    return np.empty((0, *np.shape(t)))
-
-
-class _Joined(Interpolant):
-    """Dense outputs of SciPy, one after another, as one."""
-
-    __slots__ = ("_pieces", "_starts")
-
-    def __init__(
-        self, t0: float, t1: float, y0: FloatArray, y1: FloatArray, pieces: list[tuple[float, Any]]
-    ) -> None:
-        super().__init__(t0, t1, y0, y1)
-        self._pieces = [piece for _, piece in pieces]
-        self._starts = [start for start, _ in pieces]
-
-    def _at(self, t: float) -> FloatArray:
-        index = max(bisect_right(self._starts, t) - 1, 0)
-        return np.asarray(self._pieces[index](t), dtype=np.float64)
-
-    def _at_all(self, times: FloatArray) -> FloatArray:
-        if len(self._pieces) == 1:
-            return np.array(self._pieces[0](times), dtype=np.float64)
-        values = np.empty((self.y0.size, times.size))
-        index = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
-        for i in np.unique(index):
-            chosen = index == i
-            values[:, chosen] = self._pieces[i](times[chosen])
-        return values
+    def _failure(self, h: float, blame: FloatArray) -> StepFailure:
+        bad = first_not_finite(blame)
+        if bad is not None:
+            return StepFailure.not_finite(self._t, h, bad)
+        scale = self._scale(self._y, self._y)
+        return StepFailure.underflow(self._t, h, worst_component(blame, scale))

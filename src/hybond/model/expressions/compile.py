@@ -355,7 +355,7 @@ def _most(*args: float) -> float:
 
 
 def _sign(a: float) -> float:
-    return 1.0 if a > 0.0 else -1.0 if a < 0.0 else a * 0.0
+    return 1.0 if a > 0.0 else -1.0 if a < 0.0 else abs(a) * 0.0
 
 
 def _segment(x: Points, at: float, extrapolate: str) -> int:

@@ -1,0 +1,167 @@
+"""The words of the command line: verbs, options, help.
+
+This is `argparse` and not `typer`: a command that runs a small model takes about as long as it
+takes to import what it needs, and typer with rich adds 0.15 s to every command where argparse
+adds 0.01 s.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from typing import Any, NoReturn
+
+from hybond._version import __version__
+from hybond.errors import UsageError
+from hybond.names import did_you_mean
+
+VERBS = {
+    "demo": "draw and run an example, or a folder of them",
+    "new": "write a small model to start from",
+    "check": "say what is wrong with a model, and what to try",
+    "draw": "draw the bond graph with its causal strokes",
+    "run": "simulate a model",
+    "explain": "simulate, and say when and why each switch happened",
+    "convert": "write a model file in the other format (TOML, JSON)",
+}
+
+CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
+
+
+class Parser(ArgumentParser):
+    """A parser that refuses as everything in hybond does."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise the refusal of a command line (argparse would leave the program)."""
+        raise UsageError(message, code="HB-X101", where=self.prog, hint=f"{self.prog} --help")
+
+
+def parse(argv: list[str]) -> Namespace:
+    """Return the options of a command line.
+
+    Raises
+    ------
+    UsageError
+        HB-X101.
+
+    Examples
+    --------
+    >>> parse(["draw", "ball.toml", "--numbers"]).numbers
+    True
+    >>> parse(["rnu", "ball.toml"])
+    Traceback (most recent call last):
+        ...
+    hybond.errors.UsageError: HB-X101 at hybond: there is no verb 'rnu'
+      try: did you mean 'run'?
+    """
+    parser = _parser()
+    if not argv:
+        raise UsageError("no verb is given", code="HB-X101", where="hybond", hint="hybond --help")
+    if not argv[0].startswith("-") and argv[0] not in VERBS:
+        raise UsageError(
+            f"there is no verb {argv[0]!r}",
+            code="HB-X101",
+            where="hybond",
+            hint=did_you_mean(argv[0], VERBS),
+        )
+    return parser.parse_args(argv)
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="hybond",
+        description="Model, analyse and simulate physical systems as hybrid bond graphs.",
+        epilog=f"Begin with: hybond demo\n{CODES}",
+        formatter_class=RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"hybond {__version__}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+
+    demo = _verb(verbs, "demo", "hybond demo", "hybond demo --examples examples --out out")
+    demo.add_argument("--examples", metavar="DIR", help="run every model in this folder")
+    demo.add_argument("--out", metavar="DIR", help="where files go (default: hybond-demo)")
+
+    new = _verb(verbs, "new", "hybond new pump.toml", "hybond new ball.toml --from bouncing_ball")
+    new.add_argument("file", metavar="FILE", help="the file to write")
+    new.add_argument("--from", dest="example", metavar="EXAMPLE", help="start from this example")
+    new.add_argument("--force", action="store_true", help="replace a file that is there")
+
+    check = _verb(verbs, "check", "hybond check ball.toml")
+    check.add_argument("file", metavar="FILE", help="a model file")
+    _settings(check)
+
+    draw = _verb(
+        verbs, "draw", "hybond draw ball.toml", "hybond draw ball.toml --mode floor=touching"
+    )
+    draw.add_argument("file", metavar="FILE", help="a model file")
+    draw.add_argument("--out", metavar="FILE", help="a .svg, .png or .pdf (default: an .svg here)")
+    draw.add_argument("--mode", metavar="MACHINE=STATE,...", help="the mode (default: the start)")
+    draw.add_argument("--numbers", action="store_true", help="number the bonds")
+    _settings(draw)
+
+    run = _verb(
+        verbs,
+        "run",
+        "hybond run ball.toml --set m=2kg --plot ball.png",
+        "hybond run ball.toml --json --at '0.5, 800 ms' --signals height,ball.p",
+    )
+    run.add_argument("file", metavar="FILE", help="a model file")
+    _settings(run)
+    _solver(run)
+    run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
+    run.add_argument(
+        "--signals",
+        metavar="NAME,...",
+        action="append",
+        help="what is sampled, written by --out and plotted by --plot",
+    )
+    run.add_argument("--out", metavar="FILE", help="write the run as .csv, .npz or .json")
+    run.add_argument("--plot", metavar="FILE", help="plot the run as .png, .svg or .pdf")
+    run.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+    explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
+    explain.add_argument("file", metavar="FILE", help="a model file")
+    explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
+    _settings(explain)
+    _solver(explain)
+
+    convert = _verb(verbs, "convert", "hybond convert ball.toml ball.json")
+    convert.add_argument("source", metavar="IN", help="a model file, .toml or .json")
+    convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")
+    convert.add_argument("--force", action="store_true", help="write into a model that is there")
+    return parser
+
+
+def _verb(verbs: Any, name: str, *examples: str) -> ArgumentParser:
+    text = VERBS[name]
+    lines = "\n".join(f"  {e}" for e in examples)
+    plural = "s" if len(examples) > 1 else ""
+    parser: ArgumentParser = verbs.add_parser(
+        name,
+        help=text,
+        description=text[0].upper() + text[1:] + ".",
+        epilog=f"example{plural}:\n{lines}",
+        formatter_class=RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    return parser
+
+
+def _settings(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        metavar="PATH=VALUE",
+        action="append",
+        default=[],
+        help="change a parameter (m=2kg), an element (ball.I=2kg) or a start (ball.f='1 m/s')",
+    )
+
+
+def _solver(parser: ArgumentParser) -> None:
+    parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    parser.add_argument("--solver", metavar="NAME", help="rk45, radau, rk4 or euler")
+    parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
+    parser.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
+    parser.add_argument("--step", metavar="H", help="step of rk4 and euler")
+    parser.add_argument("--max-step", metavar="H", help="longest step")

@@ -1,0 +1,102 @@
+"""``hybond check``: what is wrong with a model, and what is worth knowing about it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from argparse import Namespace
+from collections import Counter
+
+from hybond.causality.assign import assign
+from hybond.causality.explain import conflict_error
+from hybond.causality.record import Causality
+from hybond.cli.running import read_graph
+from hybond.cli.streams import complain, say
+from hybond.model.graph import FlatGraph, Mode
+
+MODES = 64
+"""Other modes are looked at if there are not more than this."""
+
+
+def check(given: Namespace) -> int:
+    """Load, flatten, assign causality in the start mode, and report."""
+    graph = read_graph(given.file, given.settings)
+    say(graph.title or graph.name)
+    _counts(graph)
+    _machines(graph)
+    start = graph.start_mode
+    causality = assign(graph, start)
+    say(f"start mode {_text(graph, start)}")
+    for line in _findings(graph, causality) or ["integral causality throughout"]:
+        say(f"  {line}")
+    _other_modes(graph)
+    for warning in graph.warnings:
+        say(f"warning: {warning}")
+    for conflict in causality.conflicts:
+        complain(str(conflict_error(graph, start, conflict)))
+    if not causality.conflicts:
+        say("fine")
+    return 2 if causality.conflicts else 0
+
+
+def _counts(graph: FlatGraph) -> None:
+    shown = [n for n in graph.nodes if not n.hidden]
+    junctions = sum(n.is_junction for n in shown)
+    kinds = Counter(n.kind for n in shown if not n.is_junction)
+    by_kind = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    say(f"  {len(shown) - junctions} elements ({by_kind or 'none'})")
+    controlled = sum(n.is_junction and n.controlled for n in shown)
+    say(f"  {junctions} junctions, {controlled} of them controlled; {len(graph.bonds)} bonds")
+    integrals = f" and {len(graph.integrals)} integrals" if graph.integrals else ""
+    say(f"  {len(graph.storages)} stored quantities{integrals}")
+
+
+def _machines(graph: FlatGraph) -> None:
+    for machine in graph.machines:
+        states = [
+            ("*" if k == machine.start else "") + state + (" (fieldless)" if fieldless else "")
+            for k, (state, fieldless) in enumerate(
+                itertools.zip_longest(machine.states, machine.fieldless, fillvalue=False)
+            )
+            if isinstance(state, str)
+        ]
+        say(f"  machine {machine.path}: {', '.join(states)}; {len(machine.rules)} rules")
+    if graph.machines:
+        modes = math.prod(len(m.states) for m in graph.machines)
+        say(f"  {modes} modes (* start; a fieldless state lasts an instant only)")
+
+
+def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
+    """Return what an engineer wants to know of the causality of a mode."""
+    lines = []
+    if causality.derivative:
+        paths = ", ".join(graph.storages[k].path for k in causality.derivative)
+        lines.append(f"derivative causality: {paths} (dependent on other storages or sources)")
+    if causality.loops:
+        names = ", ".join(repr(graph.bonds[b].name) for b in causality.loops)
+        lines.append(f"algebraic loop through {names} (solved at each evaluation)")
+    if causality.conflicts:
+        count = len(causality.conflicts)
+        lines.append(f"{count} causal conflict{'s' if count > 1 else ''}")
+    return lines
+
+
+def _other_modes(graph: FlatGraph) -> None:
+    """Report on other modes; not all of them need be reachable, so they are no errors."""
+    if math.prod(len(m.states) for m in graph.machines) > MODES:
+        say(f"other modes: more than {MODES}, not looked at")
+        return
+    for mode in itertools.product(*(range(len(m.states)) for m in graph.machines)):
+        if mode == graph.start_mode:
+            continue
+        causality = assign(graph, mode)
+        lines = _findings(graph, causality)
+        lines += [conflict_error(graph, mode, c).why for c in causality.conflicts]
+        if lines:
+            say(f"mode {_text(graph, mode)}")
+        for line in lines:
+            say(f"  {line}")
+
+
+def _text(graph: FlatGraph, mode: Mode) -> str:
+    return "(" + (", ".join(graph.mode_names(mode).values()) or "the only mode") + ")"

@@ -1,0 +1,174 @@
+"""Lists, times, signals and modes as they are written behind options."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from hybond.errors import HybondError, ModelError, UsageError
+from hybond.model.graph import FlatGraph, Mode
+from hybond.names import did_you_mean
+from hybond.units import parse_unit, try_quantity
+
+
+def split(texts: Iterable[str]) -> list[str]:
+    """Split at commas, but not within parentheses or quotes.
+
+    Examples
+    --------
+    >>> split(["height, max(a.e, b.e)", '"a -> b".f'])
+    ['height', 'max(a.e, b.e)', '"a -> b".f']
+    """
+    found = []
+    for text in texts:
+        word, depth, quoted = "", 0, False
+        for letter in text + ",":
+            quoted ^= letter == '"'
+            if not quoted:
+                depth += (letter == "(") - (letter == ")")
+            if letter == "," and not quoted and depth <= 0:
+                found.append(word.strip())
+                word = ""
+            else:
+                word += letter
+        found.append(word.strip())  # what an open parenthesis or quote has kept
+    return [word for word in found if word]
+
+
+def seconds(value: Any, where: str) -> float:
+    """Return a time as written, s.
+
+    Raises
+    ------
+    UsageError
+        HB-S106.
+
+    Examples
+    --------
+    >>> seconds("50 ms", "--at")
+    0.05
+    """
+    if isinstance(value, int | float):
+        return float(value)
+    quantity = try_quantity(str(value))
+    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
+        raise UsageError(
+            f"{value!r} is not a time", code="HB-S106", where=where, hint="write 0.2 or '200 ms'"
+        )
+    return quantity.value
+
+
+def sample_times(texts: Sequence[str], until: float) -> list[float]:
+    """Return the times of ``--at``, all within the run to come.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 no time, HB-S110 a time outside the run.
+    """
+    times = [seconds(text, "--at") for text in split(texts)]
+    for t in times:
+        if not 0.0 <= t <= until:
+            raise UsageError(
+                f"the run goes from 0 to {until:.9g} s, not to {t:g} s",
+                code="HB-S110",
+                where="--at",
+                hint="ask for a time within it, or give --until",
+            )
+    return times
+
+
+def end_time(graph: FlatGraph, until: str | None) -> float:
+    """Return when the run is to end, s.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 if neither the option nor the file says so, or the option makes no sense.
+    ModelError
+        HB-S106 if what the file says makes no sense.
+    """
+    given = graph.experiment.get("until") if until is None else until
+    if given is None:
+        raise UsageError(
+            "the run has no end time",
+            code="HB-S106",
+            where="--until",
+            hint="give --until 1s, or [experiment] until in the file",
+        )
+    where = "experiment.until" if until is None else "--until"
+    try:
+        end = seconds(given, where)
+        if not 0.0 < end < math.inf:
+            raise UsageError(
+                f"until = {end:g} s", code="HB-S106", where=where, hint="a time after 0"
+            )
+    except UsageError as error:
+        if until is None:
+            raise ModelError(
+                error.why, code=error.code, where=error.where, hint=error.hint
+            ) from None
+        raise
+    return end
+
+
+def check_signals(graph: FlatGraph, names: Iterable[str], where: str) -> list[str]:
+    """Return `names` if the model has them all, before a long run finds out.
+
+    Raises
+    ------
+    UsageError or ModelError
+        HB-S109, by who asked: an option or the file.
+    """
+    assert graph.read is not None
+    known = [*(s.path for s in graph.storages), *(i.path for i in graph.integrals)]
+    for name in (wanted := list(names)):
+        try:
+            graph.read(name)
+        except HybondError as error:
+            refusal = UsageError if where.startswith("--") else ModelError
+            raise refusal(
+                f"there is no signal {name!r}: {error.why}",
+                code="HB-S109",
+                where=where,
+                hint=error.hint or did_you_mean(name, [*known, *graph.signals]),
+            ) from None
+    return wanted
+
+
+def check_experiment(graph: FlatGraph) -> None:
+    """Refuse an experiment that asks for signals the model does not have."""
+    for key in ("plot", "outputs"):
+        check_signals(graph, map(str, graph.experiment.get(key, ())), f"experiment.{key}")
+
+
+def mode_of(graph: FlatGraph, text: str | None) -> Mode:
+    """Return the mode written as ``machine=state,...``; machines not named are in their start.
+
+    Raises
+    ------
+    UsageError
+        HB-X105 with the nearest names.
+    """
+    mode = list(graph.start_mode)
+    machines = {m.path: m for m in graph.machines}
+    for setting in split([text or ""]):
+        name, _, state = (word.strip() for word in setting.partition("="))
+        if name not in machines:
+            raise UsageError(
+                f"there is no machine {name!r}",
+                code="HB-X105",
+                where="--mode",
+                hint=did_you_mean(name, machines) or "the model has no machines",
+            )
+        machine = machines[name]
+        if state not in machine.states:
+            raise UsageError(
+                f"the machine {name!r} has no state {state!r}",
+                code="HB-X105",
+                where="--mode",
+                hint=did_you_mean(state, machine.states),
+            )
+        mode[machine.index] = machine.states.index(state)
+    return tuple(mode)

@@ -1,0 +1,116 @@
+"""`main`: from the words of a command line to an exit code; no traceback leaves it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import traceback
+import warnings
+from argparse import Namespace
+from collections.abc import Sequence
+
+from hybond.cli.arguments import parse
+from hybond.cli.streams import complain, prepare
+
+INTERRUPTED = 130
+"""The exit code of what Ctrl-C ended, as shells have it: 128 + SIGINT."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command line; return its exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str
+        Default ``sys.argv[1:]``.
+
+    Returns
+    -------
+    int
+        0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted.
+
+    Examples
+    --------
+    >>> main(["run"])
+    1
+    """
+    prepare()
+    given = Namespace()
+    try:
+        given = parse(list(sys.argv[1:] if argv is None else argv))
+        with warnings.catch_warnings():
+            if not debugging():
+                # Python's own warnings speak of our source, not of the user's model.
+                warnings.simplefilter("ignore")
+            code = verb(given)
+        sys.stdout.flush()
+        return code
+    except SystemExit as end:  # argparse has shown a help page or the version
+        return int(end.code or 0)
+    except BrokenPipeError:
+        # The reader (head, less) has seen enough; Python must not complain when it flushes.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (Exception, KeyboardInterrupt) as error:
+        if debugging():
+            traceback.print_exc()
+        return refused(given, error)
+
+
+def debugging() -> bool:
+    """Whether tracebacks are wanted: HYBOND_DEBUG is set, and not to 0."""
+    return os.environ.get("HYBOND_DEBUG", "0") not in ("", "0")
+
+
+def verb(given: Namespace) -> int:
+    """Run the verb of a parsed command line; each is imported where it is used."""
+    match given.verb:
+        case "run":
+            from hybond.cli.run import run
+
+            return run(given)
+        case "check":
+            from hybond.cli.check import check
+
+            return check(given)
+        case "draw":
+            from hybond.cli.draw import draw
+
+            return draw(given)
+        case "explain":
+            from hybond.cli.explain import explain
+
+            return explain(given)
+        case "new":
+            from hybond.cli.new import new
+
+            return new(given)
+        case "convert":
+            from hybond.cli.convert import convert
+
+            return convert(given)
+        case _:
+            from hybond.cli.demo import demo
+
+            return demo(given)
+
+
+def refused(given: Namespace, error: BaseException) -> int:
+    """Say what stopped a command, also as the object that ``--json`` promised."""
+    from hybond.cli.refusal import refusal_of
+
+    interrupted = isinstance(error, KeyboardInterrupt)
+    refusal = None if interrupted else refusal_of(error)
+    if getattr(given, "json", False):
+        from hybond.cli.record import failure_record, to_json
+
+        with contextlib.suppress(OSError):
+            sys.stdout.write(to_json(failure_record(given.file, refusal)))
+            sys.stdout.flush()
+    if refusal is None:
+        complain("interrupted")
+        return INTERRUPTED
+    complain(str(refusal))
+    return refusal.exit_code

@@ -1,0 +1,103 @@
+"""``hybond run``: simulate a model and say what happened."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+
+from hybond.cli.lists import check_signals, end_time, sample_times, split
+from hybond.cli.outputs import PICTURES, TABLES, write_all
+from hybond.cli.record import run_record, sampled, to_json, units_of
+from hybond.cli.running import exit_code, read_graph, simulate_with
+from hybond.cli.streams import complain, say
+from hybond.cli.targets import check_target
+from hybond.errors import HybondError
+from hybond.result import Result
+from hybond.units import format_quantity
+
+
+def run(given: Namespace) -> int:
+    """Simulate; print the run, or one JSON object; write the files asked for."""
+    table = check_target(given.out, TABLES, "--out")
+    plot = check_target(given.plot, PICTURES, "--plot")
+    graph = read_graph(given.file, given.settings)
+    until = end_time(graph, given.until)
+    times = sample_times(given.at or [], until)
+    signals = check_signals(graph, split(given.signals or []), "--signals")
+
+    result = simulate_with(graph, until, given)
+
+    problems = write_all(result, table, plot, given.file, signals)
+    names = signals or (default_names(result) if times else [])
+    if given.json:
+        notes = [f"{p.code} at {p.where}: {p.why}" for p in problems]
+        text = to_json(run_record(result, given.file, times, names, notes))
+        given.json = False  # what fails from here on must not put a second object there
+        sys.stdout.write(text)
+    else:
+        _print(result, times, names)
+    for refusal in (result.error, *problems):
+        if refusal is not None:
+            complain(str(refusal))
+    return exit_code(result) or (problems[0].exit_code if problems else 0)
+
+
+def default_names(run: Result) -> list[str]:
+    """Return the signals that the experiment lists, or all that have a name."""
+    listed = [str(n) for key in ("plot", "outputs") for n in run.graph.experiment.get(key, ())]
+    return list(dict.fromkeys(listed)) or run.names
+
+
+def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
+    record = run_record(run, "", times)
+    say(run.title)
+    say()
+    say(str(run.events))
+    if times:
+        say()
+        say(_table(run, times, names))
+    say()
+    say(ending(run))
+    final, units = record["final"], record["units"]
+    width = max(map(len, final), default=0)
+    for name, value in final.items():
+        say(f"  {name:{width}}  {format_quantity(value, units[name] or '1')}")
+    say()
+    for warning in record["warnings"]:
+        say(f"warning: {warning}")
+    say(stats_line(run))
+
+
+def ending(run: Result) -> str:
+    """Return when and how a run ended, in one line."""
+    how = {
+        "ok": "the end",
+        "interrupted": "interrupted",
+        "accumulation": "stopped where events accumulate",
+        "error": "stopped by an error",
+    }[run.status]
+    mode = ", ".join(run.mode.values()) or "the only mode"
+    return f"t = {run.t_end:.9g} s  {how}  ({mode})"
+
+
+def stats_line(run: Result) -> str:
+    """Return how much work a run was, in one line."""
+    count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
+    words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations", "modes") if k in count]
+    return ", ".join([run.solver, *words, f"{len(run.events)} events"])
+
+
+def _table(run: Result, times: Sequence[float], names: Sequence[str]) -> str:
+    try:
+        columns = sampled(run, times, names)
+    except HybondError as error:
+        return f"no samples: {error.why}"
+    units = units_of(run, names)
+    heads = ["t [s]", *(f"{n} [{units[n]}]" if units[n] else n for n in names)]
+    rows = [heads]
+    for k, t in enumerate(times):
+        values = (columns[n][k] for n in names)
+        rows.append([f"{t:.9g}", *("-" if v is None else f"{v:.9g}" for v in values)])
+    widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+    return "\n".join("  ".join(c.rjust(w) for c, w in zip(row, widths)) for row in rows)

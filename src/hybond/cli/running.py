@@ -1,0 +1,64 @@
+"""From a file and options to a run: what `run`, `explain` and `demo` share."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Sequence
+
+from hybond.cli.interrupt import Interruptible
+from hybond.cli.lists import check_experiment
+from hybond.cli.progress import Progress
+from hybond.cli.settings import flatten_with
+from hybond.files import load
+from hybond.model.graph import FlatGraph
+from hybond.result import Result
+from hybond.simulate import simulate
+
+
+def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
+    """Return the flat graph of a model file with the settings of ``--set``.
+
+    Raises
+    ------
+    HybondError
+    """
+    graph = flatten_with(load(file), settings)
+    check_experiment(graph)
+    return graph
+
+
+def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None) -> Result:
+    """Simulate with progress and Ctrl-C; errors of the run are in the result.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+    until : float
+        s.
+    given : Namespace
+        The options of the solver; without it the model's own.
+    """
+    with Interruptible() as interruptible, Progress(until) as bar:
+
+        def progress(t: float, events: int) -> None:
+            bar(t, events)
+            interruptible.check()
+
+        return simulate(
+            graph,
+            until,
+            solver=getattr(given, "solver", None),
+            rtol=getattr(given, "rtol", None),
+            atol=getattr(given, "atol", None),
+            step=getattr(given, "step", None),
+            max_step=getattr(given, "max_step", None),
+            progress=progress,
+            on_error="return",
+        )
+
+
+def exit_code(run: Result) -> int:
+    """Return the exit code of a run: an accumulation point is an answer, not a failure."""
+    if run.status == "interrupted":
+        return 130
+    return run.error.exit_code if run.error is not None else 0

@@ -1,0 +1,57 @@
+"""Files to be written: refused before the work, not after it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hybond.errors import UsageError
+
+
+def check_target(text: str | None, suffixes: Sequence[str], option: str) -> Path | None:
+    """Return the path to write, or None if none is asked for.
+
+    Raises
+    ------
+    UsageError
+        HB-X102 for an ending that is not one of `suffixes`, or a place that is not there.
+
+    Examples
+    --------
+    >>> check_target("ball.gif", (".svg", ".png"), "--out")
+    Traceback (most recent call last):
+        ...
+    hybond.errors.UsageError: HB-X102 at --out: cannot write 'ball.gif': '.gif' is not known
+      try: end the name in .svg or .png
+    """
+    if text is None:
+        return None
+    path = Path(text)
+    why = hint = ""
+    if path.suffix.lower() not in suffixes:
+        why = f"{path.suffix!r} is not known" if path.suffix else "it has no ending"
+        hint = f"end the name in {', '.join(suffixes[:-1])} or {suffixes[-1]}"
+    elif path.is_dir():
+        why, hint = "it is a folder", "name a file in it"
+    elif not path.parent.is_dir():
+        why, hint = f"there is no folder {str(path.parent)!r}", "make it first"
+    if why:
+        raise UsageError(f"cannot write {text!r}: {why}", code="HB-X102", where=option, hint=hint)
+    return path
+
+
+def check_new(path: Path, *, force: bool) -> None:
+    """Refuse to replace a file, unless `force`.
+
+    Raises
+    ------
+    UsageError
+        HB-X104.
+    """
+    if path.exists() and not force:
+        raise UsageError(
+            "the file is there already",
+            code="HB-X104",
+            where=str(path),
+            hint="choose another name, or add --force",
+        )

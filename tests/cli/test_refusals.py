@@ -1,0 +1,126 @@
+"""Exit codes and messages: one clear message, never a traceback."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    "words, code, says",
+    [
+        ([], 1, "no verb"),
+        (["rnu"], 1, "'run'"),
+        (["run"], 1, "FILE"),
+        (["run", "ball.toml", "--unti", "1"], 1, "--unti"),
+        (["run", "ball.toml", "--rtol", "x"], 1, "--rtol"),
+        (["run", "ball.toml", "--rtol", "7"], 1, "HB-S107"),
+        (["run", "ball.toml", "--solver", "rk54"], 1, "'rk45'"),
+        (["run", "ball.toml", "--until", "1 kg"], 1, "HB-S106"),
+        (["run", "ball.toml", "--until", "-1"], 1, "HB-S106"),
+        (["run", "ball.toml", "--until", "nan"], 1, "HB-S106"),
+        (["run", "ball.toml", "--at", "1.6"], 1, "HB-S110"),
+        (["run", "ball.toml", "--at=-1"], 1, "HB-S110"),
+        (["run", "ball.toml", "--at", "1", "--signals", "heigth"], 1, "'height'"),
+        (["run", "ball.toml", "--set", "e"], 1, "HB-X103"),
+        (["run", "ball.toml", "--set", "e=1 ??"], 2, "HB-"),
+        (["run", "ball.toml", "--out", "r.xls"], 1, ".csv"),
+        (["run", "ball.toml", "--plot", "none/r.png"], 1, "no folder"),
+        (["run", "nothing.toml"], 2, "HB-F101"),
+        (["check", "."], 2, "HB-F102"),
+        (["draw", "ball.toml", "--mode", "impact=hit"], 1, "'hits'"),
+        (["draw", "ball.toml", "--out", "ball.toml"], 1, ".svg"),
+        (["convert", "ball.toml", "ball.yaml"], 1, ".json"),
+        (["demo", "--examples", "none"], 1, "no models"),
+    ],
+)
+def test_refusals_have_a_code_and_a_reason(
+    shell: Any, words: list[str], code: int, says: str
+) -> None:
+    done = shell(*words)
+    assert done.code == code, done.err
+    assert done.err.startswith("HB-") and says in done.err
+    assert "Traceback" not in done.err
+    assert done.out == ""
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\xff\xfe\x00\x80",
+        b"hybond = 99\n",
+        b"hybond = 1\nfoo = 1\n",
+        b"hybond = 1\nx = " + b"[" * 100_000,
+        b"hybond = 1\n[elements]\na = { Se = \"__import__('os').getcwd()\" }\n",
+        b'hybond = 1\n[elements]\na = { Se = "9**9**9**9**9" }\nb = { R = 1 }\n'
+        b'[graph]\nbonds = ["a -> b"]\n[experiment]\nuntil = 1\n',
+        b'hybond = 1\n[experiment]\nuntil = "tomorrow"\n',
+        b'hybond = 1\n[experiment]\nuntil = 1\nplot = ["x.e"]\n',
+    ],
+    ids=["empty", "binary", "version", "key", "deep", "code", "power", "until", "plot"],
+)
+def test_hostile_files_are_refused_and_json_stays_one_object(shell: Any, data: bytes) -> None:
+    (shell.folder / "bad.toml").write_bytes(data)
+    done = shell("run", "bad.toml", "--json")
+    assert done.code in (2, 3), done.err
+    assert done.err.startswith("HB-") and "Traceback" not in done.err
+    assert not done.err.startswith("HB-X001")
+    assert done.json["status"] == "error"
+    assert done.json["error"]["code"] in done.err
+
+
+def test_an_unexpected_failure_asks_for_a_report(
+    shell: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*args: Any) -> None:
+        raise ZeroDivisionError("of the developers' own making")
+
+    monkeypatch.setattr("hybond.cli.running.load", broken)
+    done = shell("run", "ball.toml", "--json")
+    assert done.code == 3
+    assert done.err.startswith("HB-X001") and "please report" in done.err
+    assert "Traceback" not in done.err
+    assert done.json["error"]["code"] == "HB-X001"
+    monkeypatch.setenv("HYBOND_DEBUG", "1")
+    assert "Traceback" in shell("run", "ball.toml").err
+
+
+@pytest.mark.skipif(
+    os.name == "nt" or getattr(os, "geteuid", lambda: 1)() == 0,
+    reason="whoever may write everywhere cannot be refused",
+)
+def test_a_folder_one_may_not_write_to(shell: Any) -> None:
+    folder = shell.folder / "locked"
+    folder.mkdir(mode=0o500)
+    done = shell("run", "ball.toml", "--out", "locked/r.csv")
+    assert done.code == 1 and "HB-X002" in done.err
+
+
+def test_help_has_an_example_for_each_verb(shell: Any) -> None:
+    whole = shell("--help")
+    assert whole.code == 0
+    for verb in ("demo", "new", "check", "draw", "run", "explain", "convert"):
+        assert f"    {verb}" in whole.out
+        done = shell(verb, "--help")
+        assert done.code == 0 and f"hybond {verb}" in done.out.split("\nexample")[1]
+
+
+def test_version(shell: Any) -> None:
+    import hybond
+
+    assert shell("--version").out == f"hybond {hybond.__version__}\n"
+
+
+def test_every_verb_is_in_the_page(shell: Any) -> None:
+    page = Path(__file__).parents[2] / "docs" / "cli.md"
+    text = page.read_text(encoding="utf-8")
+    for verb in ("demo", "new", "check", "draw", "run", "explain", "convert"):
+        assert f"`hybond {verb}" in text
+
+
+def test_json_failure_is_plain_ascii(shell: Any) -> None:
+    done = shell("run", "δ.toml", "--json")
+    assert done.out.isascii() and json.loads(done.out)["file"] == "δ.toml"
