@@ -25,7 +25,8 @@ LAYERS = [
     ["trace"],
     ["modes"],
     ["kernel"],
-    ["simulate", "result"],
+    ["report"],
+    ["simulation", "result"],
     ["analysis", "sweep", "export", "draw"],
     ["studio", "cli"],
 ]
@@ -33,7 +34,8 @@ LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 
 # Display methods that import rightwards when they are called: the function, the rooms it may use.
 DISPLAY: dict[str, set[str]] = {
-    "hybond.model.builder.Model._repr_svg_": {"draw"},
+    "hybond.model.builder.Model.draw": {"draw"},
+    "hybond.result.Result.plot": {"draw"},
 }
 
 EXEMPT = {"hybond", "hybond.__main__"}
@@ -125,7 +127,7 @@ def test_listed_display_methods_do_import_rightwards() -> None:
         ("import hybond", "cli/a.py", [""]),
         ("from hybond import Model", "cli/a.py", ["Model"]),
         ("from .names import suggest", "units.py", []),
-        ("from .result import Result", "simulate.py", []),
+        ("from .result import Result", "simulation.py", []),
         ("class M:\n    def plot(self):\n        from ..draw import p", "model/a.py", ["draw"]),
     ],
 )

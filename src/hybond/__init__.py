@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
-    from hybond.simulate import simulate
+    from hybond.simulation import simulate
 
 _HOME = {
     **dict.fromkeys(
@@ -64,7 +64,7 @@ _HOME = {
     "Signal": "hybond.result",
     "draw": "hybond.draw",
     "draw_mode": "hybond.draw",
-    "simulate": "hybond.simulate",
+    "simulate": "hybond.simulation",
 }
 _OTHER_NAME = {"Input": "InputPart"}
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.model.expressions import Expr
+from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.modes.audit import Audit, audit
 from hybond.names import did_you_mean
@@ -171,7 +171,13 @@ class Result:
         """Return the SI unit of a signal, empty if it has none or is not known."""
         from hybond.model.dimensions import infer_dimension
 
-        dimension = infer_dimension(self.expression(name), self.graph.dimensions.get)
+        e = self.expression(name)
+        kind, _, index = e.path.partition(":") if isinstance(e, Name) else ("", "", "")
+        if kind in ("e", "f"):
+            # the domain's own word: a torque is in N*m, not in J
+            domain = self.graph.bonds[int(index)].domain
+            return domain.effort_unit if kind == "e" else domain.flow_unit
+        dimension = infer_dimension(e, self.graph.dimensions.get)
         text = "" if dimension is None else str(dimension)
         return "" if text == "1" else text
 
@@ -298,14 +304,14 @@ class Result:
         """Return a DataFrame over time; at an event two rows, column ``side`` tells them apart."""
         import pandas as pd
 
-        table = self._table(names)
+        table = self.table(names)
         return pd.DataFrame(table).set_index("t")
 
     def to_xarray(self, names: Sequence[str] | None = None) -> Any:
         """Return a Dataset over ``t``, units as attributes, ``side`` as a coordinate."""
         import xarray as xr
 
-        table = self._table(names)
+        table = self.table(names)
         t, side = table.pop("t"), table.pop("side")
         return xr.Dataset(
             {n: ("t", v, {"units": self.unit(n)}) for n, v in table.items()},
@@ -317,7 +323,7 @@ class Result:
         """Write a table: both limits at events, column ``side`` (left, right or empty)."""
         import csv
 
-        table = self._table(names)
+        table = self.table(names)
         with open(path, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(table)
@@ -326,9 +332,10 @@ class Result:
 
     def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
         """Write the same table as NumPy arrays."""
-        np.savez(path, allow_pickle=False, **self._table(names))
+        np.savez(path, allow_pickle=False, **self.table(names))
 
-    def _table(self, names: Sequence[str] | None) -> dict[str, Any]:
+    def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:
+        """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""
         names = list(names) if names is not None else self.names
         columns: dict[str, list[Vector]] = {n: [] for n in ("t", "side", *names)}
         for k, segment in enumerate(self.segments):

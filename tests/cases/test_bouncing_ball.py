@@ -12,9 +12,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 M, G, C, R, H = 1.0, 9.81, 1e-3, 0.1, 3.0
-AWAY = np.array(
-    [[0, 1, 0, 0], [0, 0, 0, -G], [0, 0, -1 / (C * R), 0], [0, 0, 0, 0]], dtype=float
-)
+AWAY = np.array([[0, 1, 0, 0], [0, 0, 0, -G], [0, 0, -1 / (C * R), 0], [0, 0, 0, 0]], dtype=float)
 TOUCHING = np.array(
     [[0, 1, 0, 0], [0, -R / M, 1 / (C * M), -G], [0, -1, 0, 0], [0, 0, 0, 0]], dtype=float
 )

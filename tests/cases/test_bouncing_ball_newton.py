@@ -77,9 +77,7 @@ def test_siconos_ball_accumulates(simulate):
 
 @pytest.mark.parametrize(("e", "until"), [(1.0, 5.0), (0.0, 1.0)])
 def test_elastic_and_dead_ball(e, until, simulate):
-    run = simulate(
-        "bouncing_ball_newton", until=until, parameters={"eps": e}, on_error="return"
-    )
+    run = simulate("bouncing_ball_newton", until=until, parameters={"eps": e}, on_error="return")
     if e == 1.0:
         assert run.status == "ok"
         assert [x.t for x in run.events[1:]] == pytest.approx([FIRST, 3 * FIRST, 5 * FIRST])

@@ -57,7 +57,10 @@ def test_mean_of_the_periodic_motion(simulate):
 @pytest.mark.parametrize(("solver", "order"), [("euler", 1), ("rk4", 4)])
 def test_fixed_steps_converge(solver, order, simulate):
     errors = [
-        abs(simulate("half_bridge", until=1e-3, solver=solver, step=h)["L.f"].at(9.6e-4) - exact(9.6e-4))
+        abs(
+            simulate("half_bridge", until=1e-3, solver=solver, step=h)["L.f"].at(9.6e-4)
+            - exact(9.6e-4)
+        )
         for h in (20e-6, 10e-6)
     ]
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.4)

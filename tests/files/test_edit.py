@@ -227,18 +227,13 @@ def test_sections_within_submodels(tmp_path: Path) -> None:
         m.models["c"] = Model("c")
 
     found = edited(tmp_path, change, text)
-    assert (
-        found
-        == (
-            "hybond = 1\n\n[models.a.elements]\nx = { C = 1 } # x\nz = { C = 2 }\n\n"
-            '[models.a.signals]\ns = "x.e"\n\n'
-            '[models.b]\ntitle = "The b"\n\n'
-            "[models.b.elements]\ny = { C = 1 } # y\n\n"
-            "[models.c]\n\n[layout]\nq = [1, 2]\n"
-        )
-        or load(tmp_path / "ball.toml").models["b"].title == "The b"
+    assert found == (
+        "hybond = 1\n\n[models.a.elements]\nx = { C = 1 } # x\nz = { C = 2 }\n\n"
+        '[models.a.signals]\ns = "x.e"\n\n'
+        '[models.b]\ntitle = "The b"\n\n'
+        "[models.b.elements]\ny = { C = 1 } # y\n\n"
+        "[models.c]\n\n[layout]\nq = [1, 2]\n"
     )
-    assert "# x" in found and "# y" in found and found.endswith("[layout]\nq = [1, 2]\n")
 
 
 @pytest.mark.parametrize(

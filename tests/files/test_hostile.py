@@ -24,6 +24,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "long literal key": ("toml", H + ".".join(["'{'"] * DEEP) + " = 1"),
     "long inline key": ("toml", H + "x = {" + ".".join(["a"] * DEEP) + " = 1}"),
     "long header": ("toml", H + "[" + ".".join(["a"] * DEEP) + "]"),
+    "many long keys": ("toml", H + "".join(f"a{k}{'.b' * 30} = 1\n" for k in range(2000))),
     "deep models": ("toml", H + "[" + ".".join(["models.m"] * 66) + "]"),
     "deep data": ("toml", H + "x = " + "[" * 300 + "]" * 300),
     "digits": ("toml", H + "[parameters]\nm = " + "9" * 10_000),

@@ -197,7 +197,9 @@ CASES: list[tuple[Callable[[hb.Model], None], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("spoil", "code", "where"), CASES, ids=lambda c: getattr(c, "__name__", ""))
+@pytest.mark.parametrize(
+    ("spoil", "code", "where"), CASES, ids=lambda c: getattr(c, "__name__", "")
+)
 def test_refusal(spoil: Callable[[hb.Model], None], code: str, where: str) -> None:
     m = circuit()
     spoil(m)
@@ -216,6 +218,8 @@ def test_the_sound_model_is_accepted() -> None:
 
 def test_did_you_mean_names_the_nearest() -> None:
     m = circuit()
-    m.machine("k", states={"a": [], "b": ["s"]}, start="a", rules=["a -> b when C.q > 1 and Cc.e > 1"])
+    m.machine(
+        "k", states={"a": [], "b": ["s"]}, start="a", rules=["a -> b when C.q > 1 and Cc.e > 1"]
+    )
     with pytest.raises(hb.ModelError, match=r"C\.e"):
         m.flatten()

@@ -56,7 +56,7 @@ def test_product_of_impulses_is_refused_by_name() -> None:
     )
     with pytest.raises(hb.ModelError) as caught:
         hb.simulate(m, 2.0)
-    assert caught.value.code == "HB-D101"
+    assert caught.value.code == "HB-J101"
     assert "s.f*B.f" in caught.value.why
     assert "t = 1" in caught.value.where
 
@@ -74,7 +74,7 @@ def series_switches() -> hb.Model:
 def test_guard_on_a_floating_node_is_refused() -> None:
     with pytest.raises(hb.ModelError) as caught:
         hb.simulate(series_switches(), 1.0)
-    assert caught.value.code == "HB-D102"
+    assert caught.value.code == "HB-J102"
     assert "least leakage" in caught.value.hint
 
 

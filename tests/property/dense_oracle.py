@@ -162,7 +162,7 @@ class Dense:
                     rows.append(row((b1, 1.0), (f2[0], -value * f2[1])))
                     rows.append(row((b2, 1.0), (f1[0], -value * f1[1])))
             elif kind in ("R", "G"):
-                (b, s, _), = ends
+                ((b, s, _),) = ends
                 e, f = row((b, 1.0)), row((nb + b, s))
                 out, arg = (e, f) if kind == "R" else (f, e)
                 if isinstance(value, tuple):
@@ -179,7 +179,7 @@ class Dense:
         z, y, h = [], [], []
         self.cubic = []
         for n in net.of("C", "I"):
-            (b, s, _), = net.ends(n)
+            ((b, s, _),) = net.ends(n)
             kind, value = net.nodes[n]
             e, f = row((b, 1.0)), row((nb + b, s))
             z.append(e if kind == "C" else f)
@@ -201,8 +201,9 @@ class Dense:
         self.gu, self.gz = u[:, :r].T @ self.lu, u[:, :r].T @ self.lz
         agree = u[:, r:].T @ self.lu
         self.agree = agree[np.abs(agree).max(axis=1, initial=0.0) > 1e-9]
-        self.right = null_space(np.vstack([self.m, *(r[None] for p in self.laws for r in p[:2])]),
-                                rcond=RCOND)
+        self.right = null_space(
+            np.vstack([self.m, *(r[None] for p in self.laws for r in p[:2])]), rcond=RCOND
+        )
         self.d = self.y @ self.right
 
     # -- storage
@@ -246,7 +247,7 @@ class Dense:
         imp = self.right @ np.linalg.lstsq(self.d, after - x, rcond=RCOND)[0]
         total = 0.0
         for n, u in zip(self.net.of("Se", "Sf"), self.net.u(t), strict=True):
-            (b, s, _), = self.net.ends(n)
+            ((b, s, _),) = self.net.ends(n)
             other = b + self.nb if self.net.nodes[n][0] == "Se" else b
             total -= s * u * imp[other]
         return total
@@ -266,9 +267,13 @@ class Dense:
             w = self._newton(z, u, du, hess)
         else:
             w = self._solve(z, u, du, hess)
-        a = np.vstack([self.m, self.gz @ hess @ self.y, *(
-            (o - (c1 + 3 * c3 * (g @ w) ** 2) * g)[None] for o, g, c1, c3 in self.laws
-        )])
+        a = np.vstack(
+            [
+                self.m,
+                self.gz @ hess @ self.y,
+                *((o - (c1 + 3 * c3 * (g @ w) ** 2) * g)[None] for o, g, c1, c3 in self.laws),
+            ]
+        )
         free = null_space(a, rcond=RCOND)
         if not free.shape[1]:
             return w
@@ -285,9 +290,15 @@ class Dense:
     def _newton(self, z, u, du, hess) -> np.ndarray:
         a = np.vstack([self.m, self.gz @ hess @ self.y])
         b = np.concatenate([np.zeros(len(self.k)), u, z, -self.gu @ du])
-        w = self.guess if hasattr(self, "guess") else np.linalg.lstsq(
-            np.vstack([a, *((o - c1 * g)[None] for o, g, c1, _ in self.laws)]),
-            np.concatenate([b, np.zeros(len(self.laws))]), rcond=RCOND)[0]
+        w = (
+            self.guess
+            if hasattr(self, "guess")
+            else np.linalg.lstsq(
+                np.vstack([a, *((o - c1 * g)[None] for o, g, c1, _ in self.laws)]),
+                np.concatenate([b, np.zeros(len(self.laws))]),
+                rcond=RCOND,
+            )[0]
+        )
         for _ in range(80):
             law = [o @ w - c1 * (g @ w) - c3 * (g @ w) ** 3 for o, g, c1, c3 in self.laws]
             jac = np.vstack(
@@ -360,8 +371,16 @@ class Dense:
 
 
 def random_net(
-    seed: int, size: int, *, rings: int = 1, controlled: float = 0.3, sources: float = 0.5,
-    nonlinear: float = 0.0, zero: float = 0.0, timed: float = 0.5, resistors: float = 0.8,
+    seed: int,
+    size: int,
+    *,
+    rings: int = 1,
+    controlled: float = 0.3,
+    sources: float = 0.5,
+    nonlinear: float = 0.0,
+    zero: float = 0.0,
+    timed: float = 0.5,
+    resistors: float = 0.8,
 ) -> Net:
     """Return a random connected net: junctions in a tree with rings, elements hung on them."""
     rng = np.random.default_rng([seed, size, rings])

@@ -144,7 +144,9 @@ def check_linear(net: Net) -> None:
             columns.append((f(0.3, y) - base)[order])
         av = np.array(columns).T.reshape(n, v.shape[1])
         reference = dense.matrices()[:n, :n] @ v
-        np.testing.assert_allclose(av, reference, atol=1e-9 * (1 + np.abs(reference).max(initial=0)))
+        np.testing.assert_allclose(
+            av, reference, atol=1e-9 * (1 + np.abs(reference).max(initial=0))
+        )
 
 
 @given(seed=st.integers(0, 10**6), size=st.integers(2, 6))
@@ -167,8 +169,10 @@ def test_order_of_elements_does_not_matter(seed, size) -> None:
     one = hb.simulate(net.model(), until=0.3, rtol=RTOL)
     two = hb.simulate(net.model(seed + 1), until=0.3, rtol=RTOL)
     np.testing.assert_allclose(
-        state(one, net, one.segments[-1].y[-1]), state(two, net, two.segments[-1].y[-1]),
-        rtol=1e-7, atol=1e-8,
+        state(one, net, one.segments[-1].y[-1]),
+        state(two, net, two.segments[-1].y[-1]),
+        rtol=1e-7,
+        atol=1e-8,
     )
     for t in (0.0, 0.3):
         a = bond_values(one, net, one.segments[0], t)
@@ -219,37 +223,78 @@ def named(nodes, bonds, on=(), controlled=(), start=None) -> Net:
 NAMED = {
     "parallel C": named(
         {"c1": ("C", 1.0), "c2": ("C", 2.0), "r": ("R", 1.0), "n": ("0", None)},
-        [("n", "c1"), ("c2", "n"), ("n", "r")], start={"c1": 3.0, "c2": -1.0},
+        [("n", "c1"), ("c2", "n"), ("n", "r")],
+        start={"c1": 3.0, "c2": -1.0},
     ),
     "rigidly joined I": named(
         {"a": ("I", 1.0), "b": ("I", 2.0), "r": ("R", 1.0), "v": ("1", None)},
-        [("a", "v"), ("v", "b"), ("r", "v")], start={"a": 3.0, "b": -1.0},
+        [("a", "v"), ("v", "b"), ("r", "v")],
+        start={"a": 3.0, "b": -1.0},
     ),
     "C across Se": named(
         {"c": ("C", 1.0), "s": ("Se", (1.0, 2.0, 3.0)), "n": ("0", None), "r": ("R", 2.0)},
-        [("c", "n"), ("n", "s"), ("n", "r")], start={"c": 3.0},
+        [("c", "n"), ("n", "s"), ("n", "r")],
+        start={"c": 3.0},
     ),
     "TF-coupled C": named(
-        {"a": ("C", 1.0), "b": ("C", 2.0), "t": ("TF", -1.5), "r": ("R", 1.0), "n": ("0", None),
-         "m": ("0", None)},
+        {
+            "a": ("C", 1.0),
+            "b": ("C", 2.0),
+            "t": ("TF", -1.5),
+            "r": ("R", 1.0),
+            "n": ("0", None),
+            "m": ("0", None),
+        },
         [("n", "a"), ("n", "t.1"), ("m", "t.2"), ("b", "m"), ("m", "r")],
         start={"a": 1.0, "b": 1.0},
     ),
     "GY-coupled C and I": named(
-        {"a": ("C", 1.0), "b": ("I", 2.0), "g": ("GY", 1.5), "r": ("R", 1.0), "n": ("0", None),
-         "m": ("1", None)},
+        {
+            "a": ("C", 1.0),
+            "b": ("I", 2.0),
+            "g": ("GY", 1.5),
+            "r": ("R", 1.0),
+            "n": ("0", None),
+            "m": ("1", None),
+        },
         [("n", "a"), ("n", "g.1"), ("g.2", "m"), ("b", "m"), ("m", "r")],
         start={"a": 1.0, "b": 1.0},
     ),
     "algebraic loop": named(
-        {"r1": ("R", 1.0), "r2": ("R", 2.0), "r3": ("G", 0.7), "r4": ("R", 0.4), "c": ("C", 1.0),
-         "n1": ("0", None), "n2": ("0", None), "v1": ("1", None), "v2": ("1", None)},
-        [("c", "n1"), ("n1", "v1"), ("v1", "r1"), ("v1", "n2"), ("n2", "r2"), ("n1", "v2"),
-         ("v2", "r4"), ("v2", "n2"), ("r3", "n2")], start={"c": 1.0},
+        {
+            "r1": ("R", 1.0),
+            "r2": ("R", 2.0),
+            "r3": ("G", 0.7),
+            "r4": ("R", 0.4),
+            "c": ("C", 1.0),
+            "n1": ("0", None),
+            "n2": ("0", None),
+            "v1": ("1", None),
+            "v2": ("1", None),
+        },
+        [
+            ("c", "n1"),
+            ("n1", "v1"),
+            ("v1", "r1"),
+            ("v1", "n2"),
+            ("n2", "r2"),
+            ("n1", "v2"),
+            ("v2", "r4"),
+            ("v2", "n2"),
+            ("r3", "n2"),
+        ],
+        start={"c": 1.0},
     ),
     "ring 0-1-0-1": named(
-        {"a": ("0", None), "b": ("1", None), "c": ("0", None), "d": ("1", None), "s": ("C", 1.0),
-         "l": ("I", 1.0), "r": ("R", 1.0)},
+        {
+            "a": ("0", None),
+            "b": ("1", None),
+            "c": ("0", None),
+            "d": ("1", None),
+            "s": ("C", 1.0),
+            "l": ("I", 1.0),
+            "r": ("R", 1.0),
+        },
         [("a", "b"), ("b", "c"), ("c", "d"), ("d", "a"), ("a", "s"), ("b", "l"), ("d", "r")],
         start={"s": 1.0, "l": 0.5},
     ),
@@ -259,13 +304,32 @@ NAMED = {
 def bridge(on: str) -> Net:
     """Four switches between a source and a load, the load floating when none conducts."""
     nodes = {
-        "s": ("Se", (10.0, 1.0, 2.0)), "p": ("0", None), "m": ("0", None), "a": ("0", None),
-        "b": ("0", None), "i": ("1", None), "l": ("I", 0.5), "r": ("R", 1.0), "i0": ("1", None),
+        "s": ("Se", (10.0, 1.0, 2.0)),
+        "p": ("0", None),
+        "m": ("0", None),
+        "a": ("0", None),
+        "b": ("0", None),
+        "i": ("1", None),
+        "l": ("I", 0.5),
+        "r": ("R", 1.0),
+        "i0": ("1", None),
         **{f"q{k}": ("1", None) for k in range(1, 5)},
     }
     bonds = [
-        ("s", "i0"), ("i0", "p"), ("m", "i0"), ("p", "q1"), ("q1", "a"), ("p", "q2"), ("q2", "b"),
-        ("a", "q3"), ("q3", "m"), ("b", "q4"), ("q4", "m"), ("a", "i"), ("i", "b"), ("i", "l"),
+        ("s", "i0"),
+        ("i0", "p"),
+        ("m", "i0"),
+        ("p", "q1"),
+        ("q1", "a"),
+        ("p", "q2"),
+        ("q2", "b"),
+        ("a", "q3"),
+        ("q3", "m"),
+        ("b", "q4"),
+        ("q4", "m"),
+        ("a", "i"),
+        ("i", "b"),
+        ("i", "l"),
         ("i", "r"),
     ]
     return Net(nodes, bonds, ["q1", "q2", "q3", "q4"], {f"q{k}" for k in on}, None, {"l": 0.3})
@@ -291,11 +355,27 @@ def test_bridge_shorted(on) -> None:
 @pytest.mark.parametrize("order", range(4))
 def test_closed_switches_share_the_current(order) -> None:
     net = named(
-        {"s": ("Sf", (1.0, 0.0, 1.0)), "a": ("0", None), "b": ("0", None), "r": ("R", 1.0),
-         "q1": ("1", None), "q2": ("1", None), "q3": ("1", None)},
-        [("s", "a"), ("a", "q1"), ("q1", "b"), ("b", "q2"), ("q2", "a"), ("q3", "b"), ("a", "q3"),
-         ("b", "r")],
-        on=["q1", "q2", "q3"], controlled=["q1", "q2", "q3"],
+        {
+            "s": ("Sf", (1.0, 0.0, 1.0)),
+            "a": ("0", None),
+            "b": ("0", None),
+            "r": ("R", 1.0),
+            "q1": ("1", None),
+            "q2": ("1", None),
+            "q3": ("1", None),
+        },
+        [
+            ("s", "a"),
+            ("a", "q1"),
+            ("q1", "b"),
+            ("b", "q2"),
+            ("q2", "a"),
+            ("q3", "b"),
+            ("a", "q3"),
+            ("b", "r"),
+        ],
+        on=["q1", "q2", "q3"],
+        controlled=["q1", "q2", "q3"],
     )
     run = hb.simulate(net.model(order), until=0.1)
     assert abs(run["q1.f"].at(0.05) - 1 / 3) < 1e-12

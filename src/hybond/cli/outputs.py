@@ -29,7 +29,7 @@ def write_table(run: Result, path: Path, file: str, names: Sequence[str]) -> Non
             run.to_npz(path, columns)
         case _:
             record: dict[str, Any] = run_record(run, file)
-            record["table"] = {k: v.tolist() for k, v in run._table(columns).items()}
+            record["table"] = {k: v.tolist() for k, v in run.table(columns).items()}
             path.write_text(to_json(record), encoding="utf-8")
 
 

@@ -12,7 +12,7 @@ from hybond.cli.settings import flatten_with
 from hybond.files import load
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
-from hybond.simulate import simulate
+from hybond.simulation import simulate
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:

@@ -142,8 +142,8 @@ def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tablea
     for node in graph.nodes:
         if node.is_junction or node.kind in STORAGES:
             continue
-        constant = node.law is not None and node.law.matrix is not None and not node.impulsive
-        if constant and node.kind in RESISTORS:
+        plain = node.law is not None and node.law.matrix is not None and not node.impulsive
+        if plain and node.kind in RESISTORS:
             second.extend({column(k): c for k, c in row.items()} for row in _constant(node))
             continue
         laws = [configure(e, values) for e in _localised(node)]

@@ -10,7 +10,6 @@ from hybond.errors import ModelError
 from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
 
 if TYPE_CHECKING:
-    from hybond.draw import Drawing
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
@@ -143,9 +142,7 @@ class Model:
 
         return flatten(self, parameters or {})
 
-    def draw(
-        self, *, mode: Mapping[str, str] | None = None, numbers: bool = False
-    ) -> Drawing:
+    def draw(self, *, mode: Mapping[str, str] | None = None, numbers: bool = False) -> Any:
         """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
 
         Parameters
@@ -180,4 +177,4 @@ class Model:
             )
 
     def _repr_svg_(self) -> str:
-        return self.draw().svg()
+        return str(self.draw().svg())

@@ -82,7 +82,7 @@ def still(value: float) -> Pair:
 def _meaningless(what: str) -> ModelError:
     return ModelError(
         f"{what} has no meaning at a jump",
-        code="HB-D101",
+        code="HB-J101",
         hint="wrap the factor in pre(...), or compare impulses directly",
     )
 

@@ -50,7 +50,8 @@ REMAINING = 1e-10
 
 
 BEYOND = 50
-"""Steps in a row that may touch a place where a law has no value before the law is blamed."""
+"""Steps that may touch a place where a law has no value before the law is blamed: one in ten,
+and this many at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,12 +164,12 @@ class Executive:
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [])
         field = program.field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
-        beyond = 0
+        beyond = 0.0
         while True:
             step = self._guarded(lambda: self.solver.step(end))
             self._steps += 1
             self._rejected += step.rejected
-            beyond = beyond + 1 if program.refused is not None else 0
+            beyond = max(beyond - 0.1, 0.0) if program.refused is None else beyond + 1.0
             if program.refused is not None and beyond > BEYOND:
                 raise program.refused
             at = locator.first(step)

@@ -121,7 +121,7 @@ class Settler:
         NumericsError
             HB-N402 after `max_writes` writes, HB-N403 if the last mode is fieldless.
         ModelError
-            HB-D101 arithmetic on impulses without meaning, HB-D102 a guard on an undetermined
+            HB-J101 arithmetic on impulses without meaning, HB-J102 a guard on an undetermined
             signal.
         """
         steps: list[Step] = []
@@ -353,7 +353,7 @@ class Settler:
             return
         raise ModelError(
             text,
-            code="HB-D102",
+            code="HB-J102",
             where=f"{machine.path} at t = {t:.9g} s",
             hint='add a resistor that decides it, or set indeterminate = "least leakage"',
         )
