@@ -231,10 +231,10 @@ class Locator:
             for j, f in enumerate(self.watched.atoms[k])
             if (f(before) > 0.0) != (f(after) > 0.0) or f(before) * f(after) == 0.0
         ]
-        if len(turned) == 1:
-            a, b = self._root(k, turned[0], step, low, high)
+        if len(turned) == 1 and _crosses(self.watched.atoms[k][turned[0]], before, after):
+            _, b = self._root(k, turned[0], step, low, high)
             # the guard holds a little after the root where it is strict or rounding hides it
-            reach = max(b - a, float(np.spacing(b)))
+            reach = 4.0 * float(np.spacing(b))
             while b < high:
                 if self._test(k, step, b):
                     return b
@@ -245,3 +245,10 @@ class Locator:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self._test(k, step, middle) else (middle, high)
         return high
+
+
+def _crosses(
+    atom: Callable[[Sequence[float]], float], before: Sequence[float], after: Sequence[float]
+) -> bool:
+    """Whether an atom has opposite signs: a restart exactly on its zero has none to begin with."""
+    return atom(before) * atom(after) < 0.0

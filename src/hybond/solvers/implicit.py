@@ -25,7 +25,10 @@ _KEEP = 1.2
 """Growth below which a step of the old size, with its factors, is the cheaper one."""
 
 _ENOUGH = 0.001
-"""Part of the tolerance that Newton's iteration may leave."""
+"""Part of the tolerance that Newton's iteration may leave; what it leaves adds up over steps."""
+
+_FRESH = 0.05
+"""Last correction, in units of the tolerance, up to which quadratures take it for nothing."""
 
 _SLOW = 1e-3
 """Rate of convergence, over more than two iterations, that asks for a new Jacobian."""
@@ -223,10 +226,10 @@ class RadauIIA(Solver):
                 if stages.converged:
                     error, shrink, blame = self._error(stages, factors, t1, rejected=rejected)
                     if error <= 1.0:
-                        done = self._finish(stages, t1)
-                        if done is not None:
+                        piece, f1 = self._finish(stages, t1)
+                        if piece is not None:
                             break
-                        shrink, blame = _SHRINK, self._f
+                        shrink, blame = _SHRINK, f1
                 elif stages.finite:
                     blame = np.zeros(y0.size)
                     blame[chosen] = np.abs(stages.last).max(axis=0, initial=0.0)
@@ -239,10 +242,8 @@ class RadauIIA(Solver):
                     shrink = 1.0 if stages.finite else shrink
             rejected += 1
             if h * shrink < smallest:
-                self._f = f0
                 raise self._failure(h, blame)
             h *= shrink
-        piece, f1 = done
         rounds = (2 * ITERATIONS + 1) / (2 * ITERATIONS + stages.iterations)
         factor = _SAFETY * rounds * max(error, 1e-10) ** -0.25
         cut = h < 0.99 * trial
@@ -316,11 +317,8 @@ class RadauIIA(Solver):
         rounds = (2 * ITERATIONS + 1) / (2 * ITERATIONS + stages.iterations)
         return error, min(max(_SAFETY * rounds * error**-0.25, _SHRINK), _SAFETY), full
 
-    def _finish(self, stages: Stages, t1: float) -> tuple[Polynomial, FloatArray] | None:
-        """Return the step and the derivative at its end.
-
-        None, and the values to blame in `_f`, if something at the end is not finite.
-        """
+    def _finish(self, stages: Stages, t1: float) -> tuple[Polynomial | None, FloatArray]:
+        """Return the step and the derivative at its end; None and what is not finite, if so."""
         assert self._field is not None
         method = collocation()
         t0, y0, chosen, quadratures = self._t, self._y, self._chosen, self._quadratures
@@ -329,7 +327,7 @@ class RadauIIA(Solver):
         f1 = self._derivative(t1, y1)
         z = stages.z
         if quadratures.size:
-            if stages.size > _ENOUGH:
+            if stages.size > _FRESH:
                 # Powers must be those of the stages as corrected, not as foreseen: nothing
                 # else controls their error.
                 self._evaluations += 2
@@ -342,8 +340,7 @@ class RadauIIA(Solver):
             y1[quadratures] = y0[quadratures] + z[2, quadratures]
         for values in (f1, y1):
             if not math.isfinite(values.dot(values)) and not np.isfinite(values).all():
-                self._f = values
-                return None
+                return None, values
         y1.flags.writeable = False
         return Polynomial(t0, t1, y0, y1, method.polynomial.dot(z)), f1
 
