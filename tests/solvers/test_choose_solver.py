@@ -47,11 +47,12 @@ def test_refusals_have_a_code_and_a_remedy(options, code, hint):
     assert caught.value.exit_code == 1
 
 
-def test_importing_and_running_the_default_does_not_import_scipy():
+@pytest.mark.parametrize("name", ["rk45", "radau"])
+def test_importing_and_running_an_adaptive_solver_does_not_import_scipy(name):
     program = (
         "import sys, numpy as np\n"
         "from hybond.solvers import make_solver\n"
-        "s = make_solver('rk45', scale=lambda a, b: 1e-6 + abs(b), rtol=1e-6)\n"
+        f"s = make_solver('{name}', scale=lambda a, b: 1e-6 + abs(b), rtol=1e-6)\n"
         "s.start(lambda t, y: -y, 0.0, np.ones(1), t_bound=1.0, jumped=True)\n"
         "s.step(1.0)\n"
         "assert not any(m.split('.')[0] == 'scipy' for m in sys.modules)\n"

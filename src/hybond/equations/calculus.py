@@ -9,8 +9,10 @@ from hybond.model.graph import FlatGraph, Storage
 
 def rate_name(storage: Storage) -> Expr:
     """Return the rate of a stored quantity: the flow into a C, the effort into an I."""
-    bond = Name(f"{'f' if storage.kind == 'C' else 'e'}:{storage.bond}")
-    return bond if storage.sign > 0 else Neg(bond)
+    if storage.kind == "I":
+        return Name(f"e:{storage.bond}")
+    flow = Name(f"f:{storage.bond}")
+    return flow if storage.sign > 0 else Neg(flow)
 
 
 def partial_time(e: Expr, graph: FlatGraph) -> Expr:

@@ -51,7 +51,11 @@ class StorageLaws:
         slopes: list[tuple[int, int, Closure]] = []
         groups: dict[int, list[int]] = {}
         for s in graph.storages:
-            rates[s.index, s.bond + (bonds if s.kind == "C" else 0)] = s.sign
+            # reversing an arrow reverses the flow into the element, not the effort on it
+            if s.kind == "C":
+                rates[s.index, bonds + s.bond] = s.sign
+            else:
+                rates[s.index, s.bond] = 1.0
             node = graph.nodes[s.node]
             assert node.law is not None
             siblings = [t for t in graph.storages if t.node == s.node]

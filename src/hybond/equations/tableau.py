@@ -340,7 +340,8 @@ def _hidden(
             total = Binary("+", total, Binary("*", Number(c), Binary("*", slope, rate_name(s))))
             if isinstance(slope, Number):
                 at = s.bond + (bonds if s.kind == "C" else 0)
-                constant[at] = constant.get(at, 0.0) + c * slope.value * s.sign
+                way = s.sign if s.kind == "C" else 1.0
+                constant[at] = constant.get(at, 0.0) + c * slope.value * way
             else:
                 linear = False
     return constant, None if linear else simplify(total)

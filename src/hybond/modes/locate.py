@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,11 +121,16 @@ class Locator:
         for j, d in enumerate(atoms):
             candidates.update(self._extrema(k, j, step, t, d))
         if len(atoms) > 1:
-            # a window between two crossings may be narrower than the sampling
-            for j, d in enumerate(atoms):
-                for i in np.flatnonzero(np.sign(d[:-1]) * np.sign(d[1:]) < 0):
-                    low, high = self._root(k, j, step, float(t[i]), float(t[i + 1]))
-                    candidates.update((low, high))
+            # a window between two crossings may be narrower than the sampling: ask halfway
+            # between any two neighbouring roots
+            roots = [
+                self._root(k, j, step, float(t[i]), float(t[i + 1]))[1]
+                for j, d in enumerate(atoms)
+                for i in np.flatnonzero(np.sign(d[:-1]) * np.sign(d[1:]) < 0)
+            ]
+            marks = sorted([*roots, *t.tolist()])
+            candidates.update(roots)
+            candidates.update(0.5 * (x + y) for x, y in pairwise(marks) if y - x > 0.0)
         for c in sorted(candidates):
             if before is not None and c > before:
                 break

@@ -27,7 +27,8 @@ Field: TypeAlias = Callable[[float, FloatArray], FloatArray]
 Scale: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 """``scale(y0, y1)``: per component the error that one step may make; ``inf``: not controlled.
 
-Which components are ``inf`` may change only where a solver starts.
+A component that is not controlled is a quadrature: the field must not depend on it. Which
+components are ``inf`` may change only where a solver starts.
 """
 
 

@@ -241,7 +241,7 @@ class RadauIIA(Solver):
                     memory = memory._replace(jacobian=None)
                     shrink = 1.0 if stages.finite else shrink
             rejected += 1
-            if h * shrink < smallest:
+            if shrink < 1.0 and h * shrink < smallest:
                 raise self._failure(h, blame)
             h *= shrink
         rounds = (2 * ITERATIONS + 1) / (2 * ITERATIONS + stages.iterations)
