@@ -14,6 +14,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.modes.audit import Audit, audit
+from hybond.modes.jump import on_constraints
 from hybond.names import did_you_mean
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -209,7 +210,20 @@ class Result:
         interval = segment.interval
         assert isinstance(interval, Interval)
         equations = self.program.equations(segment.mode, interval, float(segment.t[0]))
-        y = np.array([segment.at(float(a)) for a in t])
+        # between accepted points the interpolant is off the constraints by its own error
+        y = np.array(
+            [
+                on_constraints(
+                    self.program,
+                    equations,
+                    interval,
+                    float(a),
+                    segment.at(float(a)),
+                    energy=self.trace.energy,
+                )
+                for a in t
+            ]
+        )
         columns = list(self.program.evaluate_many(t, y, interval, equations))
         found = {}
         for name in names:

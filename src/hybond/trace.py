@@ -123,6 +123,8 @@ class Trace:
     accumulations: list[Accumulation] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)
+    energy: float = 0.0
+    """The largest energy seen, J: what rounding of stored quantities is measured by."""
 
     def warn(self, text: str) -> None:
         """Note a warning once."""

@@ -32,7 +32,8 @@ def test_higher_breakaway_force_holds_earlier(simulate):
     assert run["spring.q"].at(25.0) == pytest.approx(1.317821, abs=2e-6)
 
 
-@pytest.mark.parametrize(("solver", "order"), [("euler", 1), ("rk4", 4)])
+# the first turning point is an amplitude: on the circle RK4 loses it with h^6 a step, so order 5
+@pytest.mark.parametrize(("solver", "order"), [("euler", 1), ("rk4", 5)])
 def test_fixed_steps_converge(solver, order, simulate):
     exact = math.sqrt(13.0**2 + 6.0**2) - 1.0
     errors = [

@@ -55,6 +55,8 @@ def audit(program: Program, trace: Trace) -> Audit:
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
     largest = 0.0
+    totals: list[Vector] = []
+    sizes: list[Vector] = []
     for segment in trace.segments:
         assert isinstance(segment.interval, Interval)
         equations = program.equations(segment.mode, segment.interval, float(segment.t[0]))
@@ -62,7 +64,8 @@ def audit(program: Program, trace: Trace) -> Audit:
         w = values[program.slots.w]
         flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
-        power = max(power, float((total / np.where(size > 0.0, size, 1.0)).max(initial=0.0)))
+        totals.append(total)
+        sizes.append(size)
         stored = np.array([equations.storage.energy(y[: program.nx]) for y in segment.y])
         supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
         balance = stored + dissipated - supplied
@@ -74,5 +77,11 @@ def audit(program: Program, trace: Trace) -> Audit:
             if step.energy is not None and step.kind != "mythical":
                 created = max(created, -step.energy.lost)
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
+    if sizes:
+        size = np.concatenate(sizes)
+        # a system at rest has no power to be a part of
+        size = np.maximum(size, 1e-9 * size.max(initial=0.0))
+        ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
+        power = float(ratio.max(initial=0.0))
     scale = largest if largest > 0.0 else 1.0
     return Audit(power, energy / scale, created / scale)

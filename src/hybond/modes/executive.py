@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
-from hybond.modes.jump import check_agreement, enter
+from hybond.modes.jump import on_constraints
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settler, event_of
 from hybond.programs.interval import Interval, interval_after
@@ -205,7 +205,14 @@ class Executive:
     def _note(self, step: Step, t: float, y: Vector, equations: ModeEquations) -> Vector:
         """Note a step that ends at `t`, and put the state back on its constraints."""
         assert self._recorder is not None
-        y = self._on_constraints(t, y, equations)
+        y = on_constraints(
+            self.program,
+            equations,
+            self._recorder.interval,
+            t,
+            y,
+            energy=self.trace.energy,
+        )
         self._recorder.t.append(t)
         self._recorder.y.append(y)
         self._recorder.interpolants.append(step.interpolant)
@@ -218,21 +225,6 @@ class Executive:
         """Tell the solver of a state that was put back on its constraints: no jump, no history."""
         if not np.array_equal(y, step.y1):
             self.solver.start(field, self.t, y, t_bound=self.limits.until, jumped=False)
-
-    def _on_constraints(self, t: float, y: Vector, equations: ModeEquations) -> Vector:
-        tableau = equations.tableau
-        if not tableau.constraints and not equations.structure and not tableau.agreements:
-            return y
-        program = self.program
-        nx, ns = program.nx, program.ns
-        assert self._recorder is not None
-        v = program.evaluate(t, y, self._recorder.interval, equations)
-        where = self.settler.text(self.mode)
-        check_agreement(equations, v, y[:nx], where)
-        jump = enter(equations, v, y[:nx], where=where)
-        if not jump.happened:
-            return y
-        return np.concatenate([jump.x, y[nx : nx + ns], y[nx + ns :]])
 
     def _guarded(self, action: Callable[[], object]) -> Step:
         self.program.refused = None

@@ -22,7 +22,10 @@ from hybond.causality.explain import describe_conflict
 from hybond.equations.elimination import Row
 from hybond.equations.leakage import least_leakage, null_space
 from hybond.equations.mode import ModeEquations, undetermined_names
+from hybond.equations.storage import StorageLaws
 from hybond.errors import CausalityError, NumericsError
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -54,7 +57,9 @@ class Jump:
     happened: bool
 
 
-def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) -> Jump:
+def enter(
+    equations: ModeEquations, v: list[float], x: Vector, *, where: str, energy: float = 0.0
+) -> Jump:
     """Return the jump on entering a configuration with the a priori state `x`.
 
     Parameters
@@ -65,6 +70,10 @@ def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) ->
     x : array, shape (storages,)
     where : str
         The mode, for messages.
+    energy : float
+        The largest energy that the run has seen, J. What a storage would hold with all of it is
+        what its rounding is measured by: a momentum that must become zero need not do so to the
+        last 1e-30.
 
     Raises
     ------
@@ -75,11 +84,11 @@ def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) ->
     """
     check_agreement(equations, v, x, where)
     nothing = np.zeros(equations.tableau.unknowns)
-    problem = _Constraints(equations, v)
+    problem = _Constraints(equations, v, x, energy)
     if problem.count == 0:
         return Jump(x, nothing, (), happened=False)
     residual, size = problem.residual(x)
-    if (np.abs(residual) <= CONSISTENT * size).all():
+    if not residual.any():
         return Jump(x, nothing, (), happened=False)
 
     directions = impulse_directions(equations, v)
@@ -87,6 +96,9 @@ def enter(equations: ModeEquations, v: list[float], x: Vector, *, where: str) ->
     moving, shares = _split(rates)
     d = rates @ moving
     nu = _newton(problem, x, d, where)
+    if (np.abs(residual) <= CONSISTENT * size).all():
+        # rounding, not a jump: dust is swept up without an impulse
+        return Jump(x + d @ nu, nothing, (), happened=False)
     impulses = directions @ (moving @ nu)
     free = directions @ shares
     if free.shape[1]:
@@ -136,7 +148,7 @@ def contradiction(
 class _Constraints:
     """``G z(x) - c``: the constraints of one configuration as a function of the state."""
 
-    def __init__(self, equations: ModeEquations, v: list[float]) -> None:
+    def __init__(self, equations: ModeEquations, v: list[float], x: Vector, energy: float) -> None:
         self.e = equations
         self.v = list(v)
         nk = equations.x1.shape[1]
@@ -157,6 +169,10 @@ class _Constraints:
                 if equations.graph.nodes[equations.rows[k].node].kind in ("Se", "Sf")
             ]
         self.count = len(rows) + self.left.shape[1]
+        self.reach = np.zeros(nk)
+        self.reach[: len(x)] = reach_of(equations.storage, x, energy) * stiffness_of(
+            equations.storage, x
+        )
 
     def residual(self, x: Vector) -> tuple[Vector, Vector]:
         """Return residuals and the size of their terms, each of shape (count,)."""
@@ -164,11 +180,12 @@ class _Constraints:
         v = self.v
         v[e.slots.x] = x.tolist()
         xi = e.knowns(v, x, rates=False)
-        value, size = self.rows @ xi, np.abs(self.rows) @ np.abs(xi)
+        known = np.abs(xi) + self.reach
+        value, size = self.rows @ xi, np.abs(self.rows) @ known
         if self.left.shape[1]:
             w = e.x1 @ xi
             f = self.two_port @ w
-            terms = np.abs(self.two_port) @ (np.abs(e.x1) @ np.abs(xi))
+            terms = np.abs(self.two_port) @ (np.abs(e.x1) @ known)
             if self.sourced:
                 # a controlled source is read at the state tried; two-ports keep their moduli
                 v[e.slots.w] = w.tolist()
@@ -197,6 +214,18 @@ class _Constraints:
             ahead, _ = self.residual(x + step * d[:, j])
             columns.append((ahead - base) / step)
         return np.array(columns).reshape(d.shape[1], len(base)).T
+
+
+def stiffness_of(storage: StorageLaws, x: Vector) -> Vector:
+    """Return each storage's own stiffness, positive, shape (storages,)."""
+    return np.abs(np.diagonal(storage.stiffness(x)))
+
+
+def reach_of(storage: StorageLaws, x: Vector, energy: float) -> Vector:
+    """Return what each storage would hold with all of `energy`, shape (storages,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = np.sqrt(2.0 * energy / stiffness_of(storage, x))
+    return np.where(np.isfinite(reach), reach, 0.0)
 
 
 def impulse_directions(equations: ModeEquations, v: list[float]) -> Matrix:
@@ -242,7 +271,8 @@ def _newton(problem: _Constraints, x: Vector, d: Matrix, where: str) -> Vector:
         )
         step, *_ = np.linalg.lstsq(slope, residual, rcond=1e-12)
         worst = float((np.abs(residual) / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
-        if worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best):
+        converged = worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best)
+        if converged and best < np.inf:
             return nu
         if rank < problem.count and float(
             np.abs(residual - slope @ step).max(initial=0.0)
@@ -264,3 +294,26 @@ def _newton(problem: _Constraints, x: Vector, d: Matrix, where: str) -> Vector:
         where=where,
         hint="check the nonlinear storage laws for jumps or flat parts",
     )
+
+
+def on_constraints(
+    program: Program,
+    equations: ModeEquations,
+    interval: Interval,
+    t: float,
+    y: Vector,
+    *,
+    energy: float,
+) -> Vector:
+    """Return the state put back on its mode's constraints, off which integration drifts.
+
+    The same projection as a jump, but within a mode: what it moves is less than the tolerance.
+    """
+    tableau = equations.tableau
+    if not tableau.constraints and not equations.structure and not tableau.agreements:
+        return y
+    where = program.graph.mode_text(equations.mode)
+    v = program.evaluate(t, y, interval, equations)
+    x = y[: program.nx]
+    jump = enter(equations, v, x, where=where, energy=energy)
+    return y if jump.x is x else np.concatenate([jump.x, y[program.nx :]])

@@ -35,7 +35,7 @@ from hybond.model.expressions import compile_expression
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
 from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair
-from hybond.modes.jump import Jump, enter
+from hybond.modes.jump import Jump, enter, reach_of
 from hybond.modes.signals import impulse_floor, named_rows
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -88,7 +88,6 @@ class Settler:
         self.trace = trace
         self.max_writes = max_writes
         self.named = named_rows(self.graph)
-        self.energy = 0.0
         slots = program.slots
         self._guards: dict[Rule, Guard] = {}
         self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
@@ -209,7 +208,8 @@ class Settler:
         nothing = np.zeros(equations.tableau.unknowns)
         done = Jump(x, nothing, (), happened=False)
         if jump:
-            done = enter(equations, v, x, where=self.text(mode))
+            self.trace.energy = max(self.trace.energy, abs(equations.storage.energy(x)))
+            done = enter(equations, v, x, where=self.text(mode), energy=self.trace.energy)
         floor = impulse_floor(
             self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
         )
@@ -227,11 +227,10 @@ class Settler:
     def _reach(self, equations: ModeEquations, x: Vector, after: Vector) -> Vector:
         """Return what each storage would hold with all the energy seen so far in the run."""
         storage = equations.storage
-        self.energy = max(self.energy, abs(storage.energy(x)), abs(storage.energy(after)))
-        stiffness = np.abs(np.diagonal(storage.stiffness(x)))
-        with np.errstate(divide="ignore"):
-            reach = np.sqrt(2.0 * self.energy / stiffness)
-        return np.where(np.isfinite(reach), reach, 0.0)
+        self.trace.energy = max(
+            self.trace.energy, abs(storage.energy(x)), abs(storage.energy(after))
+        )
+        return reach_of(storage, x, self.trace.energy)
 
     def _area(self, rate: Callable[[Sequence[Pair]], object], pairs: list[Pair]) -> float:
         value = rate(pairs)
