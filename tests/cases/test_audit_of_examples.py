@@ -111,7 +111,9 @@ def test_energy_balances_over_each_jump(name):
         for one, two in zip(writes, writes[1:], strict=False):
             assert two.energy.before == pytest.approx(one.energy.after, abs=1e-12 * scale)
         if not any(s.impulses for s in writes):
-            assert np.array_equal(event.before[:nx], event.after[:nx])
+            # what is left of a velocity at rest is rounding, and is swept up without an impulse
+            dust = 1e-12 * np.abs(event.before[:nx]).max()
+            assert event.after[:nx] == pytest.approx(event.before[:nx], abs=dust, rel=0.0)
 
 
 @every_example

@@ -54,9 +54,14 @@ def test_a_python_block_of_the_pages_runs(page: str, k: int, body: str, tmp_path
         [sys.executable, "-c", body],
         cwd=tmp_path,
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         timeout=120,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "Agg"},
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT / "src"),
+            "MPLBACKEND": "Agg",
+            "PYTHONUTF8": "1",
+        },
     )
     assert done.returncode == 0, done.stderr
 
@@ -75,3 +80,23 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\((?!https?:)([^)#]+)", text):
         assert (page.parent / target).exists(), target
+
+
+def test_the_readme_shows_what_its_script_prints(tmp_path: Path) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    parts = re.search(r"^```python\n(.*?)^```\n.*?^```text\n(.*?)^```$", text, re.M | re.S)
+    assert parts is not None
+    done = subprocess.run(
+        [sys.executable, "-c", parts[1]],
+        cwd=tmp_path,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT / "src"),
+            "MPLBACKEND": "Agg",
+            "PYTHONUTF8": "1",
+        },
+    )
+    assert done.stdout == parts[2]
