@@ -120,7 +120,8 @@ def simulate(
         name,
         scale=scale,
         rtol=rtol,
-        step=given_step if fixed else None,
+        # a step written in the experiment for a fixed-step solver may stand there unused
+        step=given_step if fixed or step is not None else None,
         max_step=math.inf if longest is None else longest,
     )
     executive = Executive(

@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 import json
 from pathlib import Path
 
@@ -108,7 +109,7 @@ def test_energy_balances_over_each_jump(name):
             e = step.energy
             assert e.after == pytest.approx(e.before + e.source - e.lost, abs=1e-12 * scale)
             assert e.lost >= -1e-12 * scale
-        for one, two in zip(writes, writes[1:], strict=False):
+        for one, two in itertools.pairwise(writes):
             assert two.energy.before == pytest.approx(one.energy.after, abs=1e-12 * scale)
         if not any(s.impulses for s in writes):
             # what is left of a velocity at rest is rounding, and is swept up without an impulse

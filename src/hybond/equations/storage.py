@@ -139,7 +139,8 @@ class StorageLaws:
                 # flat at this point (a cubic spring at rest): look aside
                 step = -np.sign(error) * 1e-3
             x[ports] -= step
-            if (np.abs(step) <= 1e-14 * np.abs(x[ports])).all():
+            met = np.abs((self.co_energy(x) - z)[ports]) <= 1e-9 * np.abs(z[ports]).max()
+            if met.all() and (np.abs(step) <= 1e-12 * np.abs(x[ports]).max()).all():
                 return float(x[k])
         raise ModelError(
             f"no stored quantity gives the start value {z[k]:g}",
