@@ -104,10 +104,12 @@ class Locator:
         y = np.array([step.y0, *(step.interpolant(a) for a in t[1:-1]), step.y1])
         values = list(self.program.evaluate_many(t, y, self.interval, self.equations))
         found: float | None = None
-        for k in range(len(self.watched.rules)):
-            at = self._of_rule(k, step, t, values, found)
-            if at is not None and (found is None or at < found):
-                found = at
+        # a guard may divide by what is zero at a sample; settling refuses it by name if it must
+        with np.errstate(all="ignore"):
+            for k in range(len(self.watched.rules)):
+                at = self._of_rule(k, step, t, values, found)
+                if at is not None and (found is None or at < found):
+                    found = at
         return found
 
     def _of_rule(

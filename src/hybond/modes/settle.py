@@ -29,35 +29,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
-from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
-from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair
-from hybond.modes.jump import Jump, enter, reach_of
-from hybond.modes.signals import impulse_floor, named_rows
+from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.record import Recorder
+from hybond.modes.trial import Trial, Trials
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
-from hybond.trace import Energy, Event, Fired, Step, Trace
+from hybond.trace import Event, Fired, Step, Trace
 
 Vector = NDArray[np.float64]
 Guard = Callable[[Sequence[Pair]], object]
-
-
-@dataclass(slots=True)
-class _Trial:
-    """A mode being tried: its equations, its jump, and the signals that follow."""
-
-    mode: Mode
-    equations: ModeEquations
-    jump: Jump
-    s: Vector
-    v: list[float]
-    pairs: list[Pair]
-    floor: Vector
-    freedom: Vector
-    undetermined: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,16 +70,10 @@ class Settler:
         self.graph: FlatGraph = program.graph
         self.trace = trace
         self.max_writes = max_writes
-        self.named = named_rows(self.graph)
-        slots = program.slots
+        self.trials = Trials(program, trace)
+        self.records = Recorder(program)
+        self._offset = program.slots.size
         self._guards: dict[Rule, Guard] = {}
-        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
-        self._offset = slots.size
-        self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
-        self._rates = [
-            compile_expression(i.rate, slots.index, DIRAC, pre_offset=slots.size)
-            for i in self.graph.integrals
-        ]
 
     # -- the algorithm
 
@@ -125,8 +102,8 @@ class Settler:
         """
         steps: list[Step] = []
         entered: tuple[Fired, ...] = ()
-        pre = self._a_priori(t, x, s, mode, before)
-        trial = self._try(t, x, s, mode, after, pre, jump=True)
+        pre = self.trials.a_priori(t, x, s, mode, before)
+        trial = self.trials.enter(t, x, s, mode, after, pre, jump=True)
         seen: dict[tuple[object, ...], int] = {}
         history: list[tuple[Mode, tuple[Fired, ...]]] = []
         written = -1  # index in steps of the last written mode
@@ -139,10 +116,10 @@ class Settler:
                 if not fired:
                     break
                 if fired_any or trial.jump.happened or (start and not steps):
-                    steps.append(self._record(trial, x, entered, "mythical"))
+                    steps.append(self.records.step(trial, x, entered, "mythical"))
                 elif written >= 0:
                     steps[written] = replace(steps[written], kind="pinnacle")
-                trial = self._try(t, x, s, target, after, pre, jump=True)
+                trial = self.trials.enter(t, x, s, target, after, pre, jump=True)
                 entered, fired_any = fired, True
             moved = trial.jump.happened
             if not fired_any and not moved:
@@ -150,112 +127,23 @@ class Settler:
             writes += 1
             if writes > self.max_writes:
                 raise self._collapse(t, trial)
-            steps.append(self._record(trial, x, entered, "continuous"))
+            steps.append(self.records.step(trial, x, entered, "continuous"))
             written = len(steps) - 1
             entered = ()
             x, s, mode = trial.jump.x, trial.s, trial.mode
-            trial = self._try(t, x, s, mode, after, pre, jump=False)
+            trial = self.trials.enter(t, x, s, mode, after, pre, jump=False)
             pre = trial.v[: self._offset]
-            trial = self._try(t, x, s, mode, after, pre, jump=False)
+            trial = self.trials.enter(t, x, s, mode, after, pre, jump=False)
         if self.program.fieldless(trial.mode):
             raise self._ends_fieldless(t, trial.mode)
         if not steps and start:
-            steps.append(self._record(trial, x, (), "continuous"))
+            steps.append(self.records.step(trial, x, (), "continuous"))
         if trial.undetermined:
             self.trace.warn(
                 f"in mode ({self.text(trial.mode)}) the equations leave "
                 f"{', '.join(trial.undetermined)} open; least leakage decides"
             )
         return Settled(x, s, trial.mode, tuple(steps))
-
-    # -- signals
-
-    def _a_priori(
-        self, t: float, x: Vector, s: Vector, mode: Mode, before: Interval
-    ) -> list[float]:
-        equations = self.program.equations(mode, before, t)
-        v = self.program.values(t, before, mode, x, s)
-        equations.solve(v, x)
-        self._store(v, equations, x)
-        return v[: self._offset]
-
-    def _store(self, v: list[float], equations: ModeEquations, x: Vector) -> None:
-        """Let storages read what they store, even if the state is not consistent yet."""
-        z = equations.storage.co_energy(x)
-        start = self.program.slots.w.start
-        bonds = len(self.graph.bonds)
-        for k in self.graph.storages:
-            at = k.bond if k.kind == "C" else bonds + k.bond
-            v[start + at] = float(z[k.index]) * (1 if k.kind == "C" else k.sign)
-
-    def _try(
-        self,
-        t: float,
-        x: Vector,
-        s: Vector,
-        mode: Mode,
-        after: Interval,
-        pre: list[float],
-        *,
-        jump: bool,
-    ) -> _Trial:
-        """Enter `mode` from the state x; without `jump`, stay on x."""
-        program = self.program
-        equations = program.equations(mode, after, t)
-        v = program.values(t, after, mode, x, s)
-        v[self._offset :] = pre
-        v[program.slots.w] = pre[program.slots.w]
-        nothing = np.zeros(equations.tableau.unknowns)
-        done = Jump(x, nothing, (), happened=False)
-        if jump:
-            self.trace.energy = max(self.trace.energy, abs(equations.storage.energy(x)))
-            done = enter(equations, v, x, where=self.text(mode), energy=self.trace.energy)
-        floor = impulse_floor(
-            self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
-        )
-        pairs = self._pairs(equations, v, done, s, pre, floor)
-        landed = s
-        if done.happened and self._rates:
-            areas = np.array([self._area(f, pairs) for f in self._rates])
-            if areas.any():
-                landed = s + areas
-                pairs = self._pairs(equations, v, done, landed, pre, floor)
-        solution = equations.solution(v, done.x)
-        names = tuple(undetermined_names(self.graph, solution.freedom))
-        return _Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
-
-    def _reach(self, equations: ModeEquations, x: Vector, after: Vector) -> Vector:
-        """Return what each storage would hold with all the energy seen so far in the run."""
-        storage = equations.storage
-        self.trace.energy = max(
-            self.trace.energy, abs(storage.energy(x)), abs(storage.energy(after))
-        )
-        return reach_of(storage, x, self.trace.energy)
-
-    def _area(self, rate: Callable[[Sequence[Pair]], object], pairs: list[Pair]) -> float:
-        value = rate(pairs)
-        return value.impulse if isinstance(value, Pair) and value.impulsive else 0.0
-
-    def _pairs(
-        self,
-        equations: ModeEquations,
-        v: list[float],
-        jump: Jump,
-        s: Vector,
-        pre: list[float],
-        floor: Vector,
-    ) -> list[Pair]:
-        slots = self.program.slots
-        v[slots.x] = jump.x.tolist()
-        v[slots.s] = s.tolist()
-        solution = equations.solution(v, jump.x)
-        size = [abs(a) for a in v[: self._offset]]
-        size[slots.w] = solution.size.tolist()
-        impulse = [0.0] * self._offset
-        if jump.happened:
-            impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()
-        now = [Pair(a, p, b, c, abs(p)) for a, p, b, c in zip(v, impulse, pre, size, strict=False)]
-        return now + [Pair(b, 0.0, b, max(abs(b), c), 0.0) for b, c in zip(pre, size, strict=True)]
 
     # -- transitions
 
@@ -276,7 +164,7 @@ class Settler:
             error.why = f"{error.why} (in the guard {rule.text!r})"
             raise
 
-    def _enabled(self, trial: _Trial, t: float) -> tuple[tuple[Fired, ...], Mode]:
+    def _enabled(self, trial: Trial, t: float) -> tuple[tuple[Fired, ...], Mode]:
         target = list(trial.mode)
         fired: list[Fired] = []
         for machine in self.graph.machines:
@@ -295,38 +183,10 @@ class Settler:
                         others.append(rule.text)
             if chosen is not None:
                 target[machine.index] = chosen.target
-                fired.append(self._fired(machine, chosen, trial.pairs, tuple(others)))
+                fired.append(self.records.fired(machine, chosen, trial.pairs, tuple(others)))
         return tuple(fired), tuple(target)
 
-    def _fired(
-        self, machine: Machine, rule: Rule, pairs: Sequence[Pair], others: tuple[str, ...]
-    ) -> Fired:
-        if rule not in self._reads:
-            slots = self.program.slots
-            self._reads[rule] = [
-                (name, compile_expression(e, slots.index, DIRAC, pre_offset=slots.size))
-                for name, e in rule.reads
-            ]
-        values, impulses = {}, {}
-        for name, f in self._reads[rule]:
-            pair = f(pairs)
-            if isinstance(pair, Pair):
-                values[name] = pair.finite
-                if pair.impulsive:
-                    impulses[name] = pair.impulse
-            else:
-                values[name] = float(bool(pair))
-        return Fired(
-            machine.path,
-            machine.states[rule.source],
-            machine.states[rule.target],
-            rule.text,
-            values,
-            impulses,
-            others,
-        )
-
-    def _refuse_indeterminate(self, rule: Rule, machine: Machine, trial: _Trial, t: float) -> None:
+    def _refuse_indeterminate(self, rule: Rule, machine: Machine, trial: Trial, t: float) -> None:
         """Refuse a guard whose truth depends on what the equations leave open."""
         slots = self.program.slots
         guard = self.program.compile(rule.guard)
@@ -357,67 +217,6 @@ class Settler:
             hint='add a resistor that decides it, or set indeterminate = "least leakage"',
         )
 
-    # -- records
-
-    def _record(self, trial: _Trial, x: Vector, fired: tuple[Fired, ...], kind: str) -> Step:
-        jump = trial.jump
-        energy: Energy | None = None
-        exchanged: dict[str, float] = {}
-        impulses: dict[str, float] = {}
-        storage = trial.equations.storage
-        if jump.happened:
-            impulses = self.named.of(
-                np.where(np.abs(jump.impulses) > trial.floor, jump.impulses, 0.0), trial.floor
-            )
-            before, after = storage.energy(x), storage.energy(jump.x)
-            source = self._source_work(trial)
-            energy = Energy(before, after, source, before + source - after)
-            exchanged = self._exchanged(trial)
-        elif kind == "continuous":
-            stored = storage.energy(x)
-            energy = Energy(stored, stored, 0.0, 0.0)
-        return Step(
-            trial.mode,
-            "mythical" if kind == "mythical" else "continuous",
-            fired,
-            impulses,
-            energy,
-            tuple(dict.fromkeys((*trial.undetermined, *jump.undetermined))),
-            exchanged,
-        )
-
-    def _source_work(self, trial: _Trial) -> float:
-        """Impulse times the source's own value at the right limit; impact rows are no source."""
-        slots = self.program.slots
-        w = np.array(trial.v[slots.w])
-        bonds = len(self.graph.bonds)
-        total = 0.0
-        for node in self.graph.nodes:
-            if node.kind not in ("Se", "Sf") or node.index in self._impact or node.domain.pseudo:
-                continue
-            end = node.ends[0]
-            own, other = (0, bonds) if node.kind == "Se" else (bonds, 0)
-            total -= end.sign * float(w[own + end.bond] * trial.jump.impulses[other + end.bond])
-        return total
-
-    def _exchanged(self, trial: _Trial) -> dict[str, float]:
-        """Return what passed through source bonds and bonds of OFF junctions."""
-        bonds = len(self.graph.bonds)
-        off = self.graph.off_nodes(trial.mode)
-        found = {}
-        for node in self.graph.nodes:
-            if node.kind == "Se" or (node.kind == "0" and node.index in off):
-                shift, variable = bonds, "f"
-            elif node.kind == "Sf" or (node.kind == "1" and node.index in off):
-                shift, variable = 0, "e"
-            else:
-                continue
-            for end in node.ends:
-                area = float(trial.jump.impulses[shift + end.bond])
-                if abs(area) > trial.floor[shift + end.bond]:
-                    found[f'"{self.graph.bonds[end.bond].name}".{variable}'] = area
-        return found
-
     # -- refusals
 
     def _look_for_cycle(
@@ -425,7 +224,7 @@ class Settler:
         t: float,
         x: Vector,
         s: Vector,
-        trial: _Trial,
+        trial: Trial,
         pre: list[float],
         seen: dict[tuple[object, ...], int],
         history: list[tuple[Mode, tuple[Fired, ...]]],
@@ -460,7 +259,7 @@ class Settler:
             "with a threshold on pre() of a stored quantity",
         )
 
-    def _collapse(self, t: float, trial: _Trial) -> HybondError:
+    def _collapse(self, t: float, trial: Trial) -> HybondError:
         return NumericsError(
             f"{self.max_writes} state writes at t = {t:.9g} s and still no mode to stay in",
             code="HB-N402",

@@ -1,0 +1,119 @@
+"""Writing down what a settled instant did: transitions, impulses, energy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.model.expressions import compile_expression
+from hybond.model.fieldless import reads_pre
+from hybond.model.graph import Machine, Rule
+from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.signals import named_rows
+from hybond.modes.trial import Trial
+from hybond.programs.program import Program
+from hybond.trace import Energy, Fired, Step, StepKind
+
+Vector = NDArray[np.float64]
+
+
+class Recorder:
+    """Makes the records of one program's events."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.graph = program.graph
+        self.named = named_rows(self.graph)
+        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
+        self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
+
+    def fired(
+        self, machine: Machine, rule: Rule, pairs: Sequence[Pair], others: tuple[str, ...]
+    ) -> Fired:
+        """Return the record of a transition, with the values that its guard read."""
+        if rule not in self._reads:
+            slots = self.program.slots
+            self._reads[rule] = [
+                (name, compile_expression(e, slots.index, DIRAC, pre_offset=slots.size))
+                for name, e in rule.reads
+            ]
+        values, impulses = {}, {}
+        for name, f in self._reads[rule]:
+            pair = f(pairs)
+            if isinstance(pair, Pair):
+                values[name] = pair.finite
+                if pair.impulsive:
+                    impulses[name] = pair.impulse
+            else:
+                values[name] = float(bool(pair))
+        return Fired(
+            machine.path,
+            machine.states[rule.source],
+            machine.states[rule.target],
+            rule.text,
+            values,
+            impulses,
+            others,
+        )
+
+    def step(self, trial: Trial, x: Vector, fired: tuple[Fired, ...], kind: StepKind) -> Step:
+        """Return the record of a mode entered from `x`; a mythical step's values are trials."""
+        jump = trial.jump
+        energy: Energy | None = None
+        exchanged: dict[str, float] = {}
+        impulses: dict[str, float] = {}
+        storage = trial.equations.storage
+        if jump.happened:
+            impulses = self.named.of(
+                np.where(np.abs(jump.impulses) > trial.floor, jump.impulses, 0.0), trial.floor
+            )
+            before, after = storage.energy(x), storage.energy(jump.x)
+            source = self._source_work(trial)
+            energy = Energy(before, after, source, before + source - after)
+            exchanged = self._exchanged(trial)
+        elif kind == "continuous":
+            stored = storage.energy(x)
+            energy = Energy(stored, stored, 0.0, 0.0)
+        return Step(
+            trial.mode,
+            kind,
+            fired,
+            impulses,
+            energy,
+            tuple(dict.fromkeys((*trial.undetermined, *jump.undetermined))),
+            exchanged,
+        )
+
+    def _source_work(self, trial: Trial) -> float:
+        """Impulse times the source's own value at the right limit; impact rows are no source."""
+        slots = self.program.slots
+        w = np.array(trial.v[slots.w])
+        bonds = len(self.graph.bonds)
+        total = 0.0
+        for node in self.graph.nodes:
+            if node.kind not in ("Se", "Sf") or node.index in self._impact or node.domain.pseudo:
+                continue
+            end = node.ends[0]
+            own, other = (0, bonds) if node.kind == "Se" else (bonds, 0)
+            total -= end.sign * float(w[own + end.bond] * trial.jump.impulses[other + end.bond])
+        return total
+
+    def _exchanged(self, trial: Trial) -> dict[str, float]:
+        """Return what passed through source bonds and bonds of OFF junctions."""
+        bonds = len(self.graph.bonds)
+        off = self.graph.off_nodes(trial.mode)
+        found = {}
+        for node in self.graph.nodes:
+            if node.kind == "Se" or (node.kind == "0" and node.index in off):
+                shift, variable = bonds, "f"
+            elif node.kind == "Sf" or (node.kind == "1" and node.index in off):
+                shift, variable = 0, "e"
+            else:
+                continue
+            for end in node.ends:
+                area = float(trial.jump.impulses[shift + end.bond])
+                if abs(area) > trial.floor[shift + end.bond]:
+                    found[f'"{self.graph.bonds[end.bond].name}".{variable}'] = area
+        return found
