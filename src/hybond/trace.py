@@ -107,10 +107,13 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class Accumulation:
-    """Events that follow one another ever faster, towards the time `t`."""
+    """Events that follow one another ever faster, towards the time `t`.
+
+    `ratio` is that of successive intervals, None if the events were too close to tell.
+    """
 
     t: float
-    ratio: float
+    ratio: float | None
     events: int
 
 

@@ -22,7 +22,6 @@ Nothing else changes the state: a jump is made by `settle` alone.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -284,7 +283,7 @@ class Executive:
         gaps = np.diff(t)
         room = REMAINING * max(abs(float(t[-1])), 1e-6 * self.limits.until)
         if gaps.sum() <= room:
-            self.trace.accumulations.append(Accumulation(float(t[-1]), math.nan, len(events)))
+            self.trace.accumulations.append(Accumulation(float(t[-1]), None, len(events)))
             self.trace.warn(
                 f"{SHRINKING} events within {gaps.sum():.3g} s at t = {t[-1]:.9g} s: the run stops"
             )
