@@ -29,8 +29,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.leakage import undetermined
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
-from hybond.model.expressions import compile_expression
+from hybond.model.expressions import compile_expression, names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
 from hybond.modes.dirac import DIRAC, Pair
 from hybond.modes.record import Recorder
@@ -202,10 +203,12 @@ class Settler:
                 truths.add(bool(guard(v)))
         if len(truths) < 2:
             return
-        names = ", ".join(trial.undetermined)
+        bonds = len(self.graph.bonds)
+        free = {f"{'e' if k < bonds else 'f'}:{k % bonds}" for k in undetermined(trial.freedom)}
+        open_ones = [text for text, e in rule.reads if names(e) & free]
         text = (
-            f"the guard {rule.text!r} depends on what the equations leave open in mode "
-            f"({self.text(trial.mode)}): {names}"
+            f"the guard {rule.text!r} reads {', '.join(open_ones)}, which the equations leave open "
+            f"in mode ({self.text(trial.mode)})"
         )
         if self.graph.indeterminate == "least leakage":
             self.trace.warn(f"{text}; least leakage decides, as the model asks")
