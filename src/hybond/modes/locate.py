@@ -37,8 +37,22 @@ from hybond.solvers import Step
 Vector = NDArray[np.float64]
 Sampler = Callable[[float], Vector]
 
-SAMPLES = 8
-"""Points per step at which guards are sampled."""
+FRACTIONS = np.array([0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0])
+"""Where in a step guards are sampled: unevenly, so that no periodic signal looks constant."""
+_POWERS = np.vander(2.0 * FRACTIONS - 1.0, 6)
+LEFT_OVER = np.eye(len(FRACTIONS)) - _POWERS @ np.linalg.pinv(_POWERS)
+"""Samples to what a polynomial of degree 5 does not explain of them."""
+GRID = np.linspace(0.0, 1.0, 65)
+FINE = np.vander(2.0 * GRID - 1.0, 6) @ np.linalg.pinv(_POWERS)
+"""Samples to that polynomial on a fine grid."""
+UNRESOLVED = 0.02
+"""A block whose samples leave more than this part of their spread unexplained is halved."""
+DEEPEST = 14
+"""Halvings of one step; a jump of a guard's signal is closed in on no further."""
+AROUND = 6
+"""Grid points on either side of an extremum of the polynomial where the true one is sought."""
+NEAR = 0.05
+"""An extremum is searched if the polynomial comes this near to zero, as a part of the spread."""
 _STILL = ("in:", "on:", "at:")
 """What is constant while time passes: a guard of these alone changes only at an event."""
 SEARCH = 40
@@ -99,26 +113,50 @@ class Locator:
         """Return the first instant in ``(t0, t1]`` at which a guard holds, or None."""
         if not self.watched.rules:
             return None
-        t = step.t0 + (step.t1 - step.t0) * np.arange(SAMPLES + 1) / SAMPLES
-        t[-1] = step.t1
-        y = np.array([step.y0, *(step.interpolant(a) for a in t[1:-1]), step.y1])
-        values = list(self.program.evaluate_many(t, y, self.interval, self.equations))
-        found: float | None = None
+        blocks = [(step.t0, step.t1, 0)]
         # a guard may divide by what is zero at a sample; settling refuses it by name if it must
         with np.errstate(all="ignore"):
-            for k in range(len(self.watched.rules)):
-                at = self._of_rule(k, step, t, values, found)
-                if at is not None and (found is None or at < found):
-                    found = at
-        return found
+            while blocks:
+                low, high, depth = blocks.pop()
+                t = low + (high - low) * FRACTIONS
+                t[-1] = high
+                values = self._sample(step, t)
+                atoms = [
+                    [np.broadcast_to(f(values), t.shape) for f in fs] for fs in self.watched.arrays
+                ]
+                if depth < DEEPEST and not all(_resolved(d) for ds in atoms for d in ds):
+                    middle = 0.5 * (low + high)
+                    blocks += [(middle, high, depth + 1), (low, middle, depth + 1)]
+                    continue
+                found: float | None = None
+                for k, ds in enumerate(atoms):
+                    at = self._of_rule(k, step, t, values, ds, found)
+                    if at is not None and (found is None or at < found):
+                        found = at
+                if found is not None:
+                    return found
+        return None
+
+    def _sample(self, step: Step, t: Vector) -> list[Vector]:
+        rows = [
+            step.y0 if a == step.t0 else step.y1 if a == step.t1 else step.interpolant(a)
+            for a in t.tolist()
+        ]
+        y = np.array(rows)
+        return list(self.program.evaluate_many(t, y, self.interval, self.equations))
 
     def _of_rule(
-        self, k: int, step: Step, t: Vector, values: list[Vector], before: float | None
+        self,
+        k: int,
+        step: Step,
+        t: Vector,
+        values: list[Vector],
+        atoms: list[Vector],
+        before: float | None,
     ) -> float | None:
         truth = np.broadcast_to(
             np.asarray(self.watched.array_tests[k](values), dtype=bool), t.shape
         )
-        atoms = [np.broadcast_to(f(values), t.shape) for f in self.watched.arrays[k]]
         candidates = set(t[1:][truth[1:]].tolist())
         for j, d in enumerate(atoms):
             candidates.update(self._extrema(k, j, step, t, d))
@@ -137,7 +175,7 @@ class Locator:
             if before is not None and c > before:
                 break
             if c > step.t0 and self._test(k, step, c):
-                low = max([step.t0, *(a for a in (*t.tolist(), *candidates) if a < c)])
+                low = max([float(t[0]), *(a for a in (*t.tolist(), *candidates) if a < c)])
                 return self._bracket(k, step, low, c)
         return None
 
@@ -170,21 +208,32 @@ class Locator:
         return now + now
 
     def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector) -> list[float]:
-        """Return extrema of an atom that reach, or nearly reach, zero between samples."""
+        """Return extrema of an atom that reach, or nearly reach, zero between samples.
+
+        The samples' polynomial shows where they are, also next to the ends of a block.
+        """
+        if not ((d > 0.0).all() or (d < 0.0).all()):
+            return []
+        sign = math.copysign(1.0, float(d[0]))
+        fine = sign * (FINE @ d)
+        near = NEAR * float(np.ptp(d)) + 3.0 * float(np.abs(LEFT_OVER @ d).max())
+        span = float(t[-1] - t[0])
         found = []
-        size = np.abs(d)
-        for i in range(1, len(t) - 1):
-            toward = size[i] <= size[i - 1] and size[i] <= size[i + 1]
-            same = d[i - 1] * d[i] > 0 and d[i] * d[i + 1] > 0
-            if not (toward and same):
-                continue
-            spread = max(size[i - 1], size[i + 1]) - size[i]
-            # a parabola through the samples cannot dip by more than this
-            if size[i] > 2.0 * spread:
-                continue
-            found += self._dip(
-                k, j, step, float(t[i - 1]), float(t[i + 1]), math.copysign(1.0, d[i])
-            )
+        for i in range(1, len(fine) - 1):
+            if fine[i] <= fine[i - 1] and fine[i] <= fine[i + 1] and fine[i] <= near:
+                low, high = (
+                    float(t[0]) + span * GRID[min(max(i + m, 0), len(GRID) - 1)]
+                    for m in (-AROUND, AROUND)
+                )
+                found += self._dip(k, j, step, float(low), float(high), sign)
+        # the polynomials of two neighbouring blocks may each place an extremum in the other
+        for end, inner in ((0, AROUND), (len(fine) - 1, len(fine) - 1 - AROUND)):
+            if fine[end] <= fine[inner] and fine[end] <= near:
+                edge, away = (float(t[0] + span * GRID[m]) for m in (end, inner))
+                inside = sign * self._atom(k, j, step, edge + 1e-3 * (away - edge))
+                if inside < sign * float(d[0 if end == 0 else -1]):
+                    low, high = sorted((edge, away))
+                    found += self._dip(k, j, step, low, high, sign)
         return found
 
     def _dip(self, k: int, j: int, step: Step, low: float, high: float, sign: float) -> list[float]:
@@ -260,3 +309,11 @@ def _crosses(
 ) -> bool:
     """Whether an atom has opposite signs: a restart exactly on its zero has none to begin with."""
     return atom(before) * atom(after) < 0.0
+
+
+def _resolved(d: Vector) -> bool:
+    """Whether a polynomial explains the samples of an atom, so that they show all there is."""
+    rest = float(np.abs(LEFT_OVER @ d).max())
+    if not math.isfinite(rest):
+        return True
+    return rest <= UNRESOLVED * float(np.ptp(d)) or rest <= 1e-9 * float(np.abs(d).max())
