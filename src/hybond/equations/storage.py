@@ -37,6 +37,8 @@ class StorageLaws:
     slopes: list[tuple[int, int, Closure]]
     groups: list[tuple[int, ...]]
     """The ports of each nonlinear storage."""
+    pseudo: NDArray[np.bool_]
+    """Storage ports on pseudo bonds."""
     offset: int
     size: int
 
@@ -76,6 +78,7 @@ class StorageLaws:
             laws,
             slopes,
             [tuple(g) for g in groups.values()],
+            np.array([graph.bonds[s.bond].domain.pseudo for s in graph.storages], dtype=bool),
             slots.x.start,
             2 * slots.size,
         )
@@ -110,10 +113,15 @@ class StorageLaws:
         return m
 
     def energy(self, x: Vector) -> float:
-        """Return the stored energy, J; that of a nonlinear storage is counted from x = 0."""
-        total = 0.5 * float(x @ self.matrix @ x)
+        """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
+
+        Storage on pseudo bonds has none: effort times flow is no power there.
+        """
+        true = np.where(self.pseudo, 0.0, x)
+        total = 0.5 * float(true @ self.matrix @ true)
         for group in self.groups:
-            total += self._along(x, group)
+            if not self.pseudo[list(group)].any():
+                total += self._along(x, group)
         return total
 
     def stored(self, z: Vector, k: int, graph: FlatGraph) -> float:

@@ -285,7 +285,8 @@ class Executive:
         if gaps.sum() <= room:
             self.trace.accumulations.append(Accumulation(float(t[-1]), None, len(events)))
             self.trace.warn(
-                f"{SHRINKING} events within {gaps.sum():.3g} s at t = {t[-1]:.9g} s: the run stops"
+                f"{SHRINKING} events within {gaps.sum():.3g} s at t = {t[-1]:.9g} s: "
+                "the run stops; if the guards chatter, give them a hysteresis"
             )
             return True
         if not (gaps[1:] < gaps[:-1]).all():

@@ -212,28 +212,38 @@ class Locator:
 
         The samples' polynomial shows where they are, also next to the ends of a block.
         """
-        if not ((d > 0.0).all() or (d < 0.0).all()):
-            return []
-        sign = math.copysign(1.0, float(d[0]))
-        fine = sign * (FINE @ d)
         near = NEAR * float(np.ptp(d)) + 3.0 * float(np.abs(LEFT_OVER @ d).max())
-        span = float(t[-1] - t[0])
-        found = []
-        for i in range(1, len(fine) - 1):
-            if fine[i] <= fine[i - 1] and fine[i] <= fine[i + 1] and fine[i] <= near:
-                low, high = (
-                    float(t[0]) + span * GRID[min(max(i + m, 0), len(GRID) - 1)]
-                    for m in (-AROUND, AROUND)
-                )
-                found += self._dip(k, j, step, float(low), float(high), sign)
+        found: list[float] = []
+        for sign in (1.0, -1.0):
+            if (sign * d > 0.0).any():
+                found += self._dips(k, j, step, t, sign * d, sign, near)
+        return found
+
+    def _dips(
+        self, k: int, j: int, step: Step, t: Vector, d: Vector, sign: float, near: float
+    ) -> list[float]:
+        """Return minima of ``d = sign * atom`` near zero, between samples where it is positive."""
+        fine = FINE @ d
+        last = len(fine) - 1
+        after = np.searchsorted(FRACTIONS, GRID[1:-1], side="right")
+        inner = 1 + np.flatnonzero(
+            (fine[1:-1] <= fine[:-2])
+            & (fine[1:-1] <= fine[2:])
+            & (fine[1:-1] <= near)
+            & (d[after - 1] > 0.0)
+            & (d[after] > 0.0)
+        )
+        brackets = [(max(i - AROUND, 0), min(i + AROUND, last)) for i in inner.tolist()]
         # the polynomials of two neighbouring blocks may each place an extremum in the other
-        for end, inner in ((0, AROUND), (len(fine) - 1, len(fine) - 1 - AROUND)):
-            if fine[end] <= fine[inner] and fine[end] <= near:
-                edge, away = (float(t[0] + span * GRID[m]) for m in (end, inner))
-                inside = sign * self._atom(k, j, step, edge + 1e-3 * (away - edge))
-                if inside < sign * float(d[0 if end == 0 else -1]):
-                    low, high = sorted((edge, away))
-                    found += self._dip(k, j, step, low, high, sign)
+        for edge, away, at in ((0, AROUND, 0), (last, last - AROUND, -1)):
+            if 0.0 < d[at] <= near and fine[edge] <= fine[away]:
+                begin, end = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (edge, away))
+                if sign * self._atom(k, j, step, begin + 1e-3 * (end - begin)) < d[at]:
+                    brackets.append((min(edge, away), max(edge, away)))
+        found: list[float] = []
+        for low, high in brackets:
+            begin, end = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (low, high))
+            found += self._dip(k, j, step, begin, end, sign)
         return found
 
     def _dip(self, k: int, j: int, step: Step, low: float, high: float, sign: float) -> list[float]:

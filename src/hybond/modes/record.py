@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hybond.model.expressions import compile_expression
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import Machine, Rule
+from hybond.model.kinds import TWO_PORTS
 from hybond.modes.dirac import DIRAC, Pair
 from hybond.modes.signals import named_rows
 from hybond.modes.trial import Trial
@@ -101,19 +102,23 @@ class Recorder:
         return total
 
     def _exchanged(self, trial: Trial) -> dict[str, float]:
-        """Return what passed through source bonds and bonds of OFF junctions."""
+        """Return what passed through source bonds and bonds of what is OFF."""
         bonds = len(self.graph.bonds)
         off = self.graph.off_nodes(trial.mode)
         found = {}
         for node in self.graph.nodes:
             if node.kind == "Se" or (node.kind == "0" and node.index in off):
-                shift, variable = bonds, "f"
+                passing = ["f"] * len(node.ends)
             elif node.kind == "Sf" or (node.kind == "1" and node.index in off):
-                shift, variable = 0, "e"
+                passing = ["e"] * len(node.ends)
+            elif node.kind in TWO_PORTS and node.index in off:
+                # a zero modulus shorts side 1 and opens (TF) or shorts (GY) side 2
+                passing = ["f", "e" if node.kind == "TF" else "f"]
             else:
                 continue
-            for end in node.ends:
-                area = float(trial.jump.impulses[shift + end.bond])
-                if abs(area) > trial.floor[shift + end.bond]:
+            for end, variable in zip(node.ends, passing, strict=True):
+                at = end.bond + (bonds if variable == "f" else 0)
+                area = float(trial.jump.impulses[at])
+                if abs(area) > trial.floor[at]:
                     found[f'"{self.graph.bonds[end.bond].name}".{variable}'] = area
         return found

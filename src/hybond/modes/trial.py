@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations, undetermined_names
+from hybond.errors import ModelError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Mode
 from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair
@@ -108,11 +109,12 @@ class Trials:
         v[program.slots.w] = pre[program.slots.w]
         nothing = np.zeros(equations.tableau.unknowns)
         done = Jump(x, nothing, (), happened=False)
+        factors: Vector | None = None
         if jump:
             self.trace.energy = max(self.trace.energy, abs(equations.storage.energy(x)))
-            done = enter(
-                equations, v, x, where=self.graph.mode_text(mode), energy=self.trace.energy
-            )
+            factors = self._impulsive_factors(equations, v)
+            where = self.graph.mode_text(mode)
+            done = enter(equations, v, x, where=where, energy=self.trace.energy)
         floor = impulse_floor(
             self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
         )
@@ -124,8 +126,41 @@ class Trials:
                 landed = s + areas
                 pairs = self._pairs(equations, v, done, landed, pre, floor)
         solution = equations.solution(v, done.x)
+        if done.happened and factors is not None:
+            self._check_factors(equations, v, factors, done, t)
         names = tuple(undetermined_names(self.graph, solution.freedom))
         return Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
+
+    def _impulsive_factors(self, equations: ModeEquations, v: Sequence[float]) -> Vector | None:
+        """Return what multiplies impulses in laws declared impulsive, None if there are none."""
+        rows = [
+            k
+            for k, row in enumerate(equations.rows)
+            if row.node >= 0 and self.graph.nodes[row.node].impulsive
+        ]
+        return equations.frozen.at(v)[rows] if rows else None
+
+    def _check_factors(
+        self, equations: ModeEquations, v: Sequence[float], before: Vector, jump: Jump, t: float
+    ) -> None:
+        """Refuse a factor that jumps: friction that would turn the slip round creates energy."""
+        after = self._impulsive_factors(equations, v)
+        assert after is not None
+        nodes = [self.graph.nodes[r.node] for r in equations.rows if r.node >= 0]
+        impulsive = [n for n in nodes if n.impulsive]
+        change = np.abs(after - before) > 1e-9 * (np.abs(after) + np.abs(before))
+        for node, moved in zip(impulsive, change, strict=True):
+            if (moved & (jump.impulses != 0.0)).any():
+                raise ModelError(
+                    f"the impulsive law of {node.kind} {node.path} multiplies an impulse by a "
+                    f"factor that the jump at t = {t:.9g} s changes",
+                    code="HB-J103",
+                    where=node.path,
+                    hint="the slip would stop or turn round during the impact: add a state that "
+                    "sticks",
+                )
+        names = ", ".join(n.path for n in impulsive)
+        self.trace.warn(f"impulsive laws enter the jump equations: {names}")
 
     def _reach(self, equations: ModeEquations, x: Vector, after: Vector) -> Vector:
         """Return what each storage would hold with all the energy seen so far in the run."""

@@ -1,0 +1,52 @@
+"""Guards on signals that no state drives: the step size knows nothing of them."""
+
+import math
+
+import pytest
+
+import hybond as hb
+
+
+def test_every_crossing_of_a_fast_signal_without_storage_is_found() -> None:
+    """i = 2 sin(2 pi 50 t) passes 1.99 and -1.99 once a period: 50 periods, 100 events."""
+    m = hb.Model()
+    m.add(V=hb.Se("10*sin(2*pi*50*time)"), R=hb.R(5), i=hb.One())
+    m.bond("V -> i -> R")
+    rules = ["a -> b when i.f > 1.99", "b -> a when i.f < -1.99"]
+    m.machine("A", states={"a": [], "b": []}, start="a", rules=rules)
+    run = hb.simulate(m, 1.0)
+    first = math.asin(0.995) / (2 * math.pi * 50)
+    expected = [k * 0.02 + first + half for k in range(50) for half in (0.0, 0.01)]
+    assert [e.t for e in run.events[1:]] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_fast_signal_beside_a_slow_state() -> None:
+    m = hb.Model()
+    m.add(V=hb.Se(1), L=hb.I(1), s=hb.One())
+    m.bond("V -> s -> L")
+    m.signal(x="sin(2*pi*50*time)")
+    rules = ["a -> b when x > 0.9", "b -> a when x < -0.9"]
+    m.machine("A", states={"a": [], "b": []}, start="a", rules=rules)
+    assert len(hb.simulate(m, 2.0).events) == 1 + 200
+
+
+@pytest.mark.parametrize("phase", [k / 17 for k in range(17)])
+def test_a_shallow_dip_is_found_wherever_it_lies_in_a_step(phase: float) -> None:
+    """L.f = sin(t + phase) falls below -0.9999999 for 0.9 ms around its minimum."""
+    m = hb.Model()
+    m.add(V=hb.Se(f"cos(1*time + {phase})"), L=hb.I(1.0, f=math.sin(phase)), s=hb.One())
+    m.bond("V -> s -> L")
+    m.machine("A", states={"a": [], "b": []}, start="a", rules=["a -> b when L.f < -0.9999999"])
+    run = hb.simulate(m, 6.0, rtol=1e-10)
+    bottom = 1.5 * math.pi - phase
+    assert run.events[1].t == pytest.approx(bottom - math.acos(0.9999999), abs=1e-6)
+
+
+def test_a_jumping_signal_is_closed_in_on() -> None:
+    m = hb.Model()
+    m.add(V=hb.Se(1), L=hb.I(1), s=hb.One())
+    m.bond("V -> s -> L")
+    rules = ["low -> high when mod(L.f, 1) > 0.5", "high -> low when mod(L.f, 1) < 0.5"]
+    m.machine("A", states={"low": [], "high": []}, start="low", rules=rules)
+    run = hb.simulate(m, 3.2)
+    assert [e.t for e in run.events[1:]] == pytest.approx([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], rel=1e-9)
