@@ -88,8 +88,11 @@ def area_text(area: float, unit: str) -> str:
     >>> area_text(-0.0993262, "V"), area_text(2.0, "")
     ('-0.0993 V·s', '2')
     """
+    if "/" not in unit:
+        # in the domain's own words: the impulse of a torque is in N·m·s, not in J·s
+        return format_quantity(area, f"{unit}*s" if unit else "", 3)
     try:
-        dimension = parse_unit(unit)[1] * parse_unit("s")[1] if unit else ""
+        dimension = parse_unit(unit)[1] * parse_unit("s")[1]
     except UnitError:
         return f"{area:.3g}"
     return format_quantity(area, dimension, 3)
