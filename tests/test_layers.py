@@ -34,6 +34,7 @@ LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 
 # Display methods that import rightwards when they are called: the function, the rooms it may use.
 DISPLAY: dict[str, set[str]] = {
+    "hybond.causality.report.CausalityReport._repr_svg_": {"draw"},
     "hybond.model.builder.Model.draw": {"draw"},
     "hybond.result.Result.plot": {"draw"},
 }

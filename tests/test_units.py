@@ -203,3 +203,8 @@ def test_effort_times_flow_is_power_in_every_true_domain():
         assert (domain.effort * domain.flow == watt) is not domain.pseudo
         assert parse_unit(domain.effort_unit)[1] == domain.effort
         assert parse_unit(domain.flow_unit)[1] == domain.flow
+
+
+def test_power_written_as_a_decimal() -> None:
+    assert try_quantity("1e5 N/m^1.5") == try_quantity("1e5 N/m^(3/2)")
+    assert try_quantity("2 m^2.0") == try_quantity("2 m^2")

@@ -19,10 +19,18 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
-    from hybond.draw import draw, draw_mode
+    from hybond.analysis.newton_law import newton_law_model
+    from hybond.analysis.residuals import residuals
+    from hybond.analysis.restitution import restitution
+    from hybond.analysis.structure import structure
+    from hybond.causality.report import causality
+    from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
+    from hybond.equations.junction_matrix import junction_matrix
+    from hybond.equations.state_form import state_equations
     from hybond.errors import (
         CausalityError,
         DivergenceOfTime,
+        EquationError,
         ExpressionError,
         FileError,
         HybondError,
@@ -32,6 +40,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from hybond.files import dumps, load, loads, save
+    from hybond.model import switching
     from hybond.model.builder import Model
     from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
     from hybond.model.parts import InputPart as Input
@@ -43,6 +52,7 @@ _HOME = {
         (
             "CausalityError",
             "DivergenceOfTime",
+            "EquationError",
             "ExpressionError",
             "FileError",
             "HybondError",
@@ -62,21 +72,32 @@ _HOME = {
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
     "Signal": "hybond.result",
-    "draw": "hybond.draw",
-    "draw_mode": "hybond.draw",
+    **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
+    "junction_matrix": "hybond.equations.junction_matrix",
+    "newton_law_model": "hybond.analysis.newton_law",
+    "residuals": "hybond.analysis.residuals",
+    "restitution": "hybond.analysis.restitution",
+    "structure": "hybond.analysis.structure",
     "simulate": "hybond.simulation",
+    "state_equations": "hybond.equations.state_form",
 }
 _OTHER_NAME = {"Input": "InputPart"}
+_ROOMS = {
+    "causality": "hybond.causality",
+    "draw": "hybond.draw",
+    "switching": "hybond.model.switching",
+}
+"""Rooms that are public as such; the first two can be called."""
 
 __all__ = [
-    "GY",
-    "TF",
     "C",
     "CausalityError",
     "DivergenceOfTime",
+    "EquationError",
     "ExpressionError",
     "FileError",
     "G",
+    "GY",
     "HybondError",
     "I",
     "Input",
@@ -91,21 +112,34 @@ __all__ = [
     "Sf",
     "Signal",
     "Submodel",
+    "TF",
     "UnitError",
     "UsageError",
     "Zero",
     "__version__",
+    "causality",
     "draw",
+    "draw_hybrid",
     "draw_mode",
+    "draw_modes",
     "dumps",
+    "junction_matrix",
     "load",
     "loads",
+    "newton_law_model",
+    "residuals",
+    "restitution",
     "save",
     "simulate",
+    "state_equations",
+    "structure",
+    "switching",
 ]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _ROOMS:
+        return import_module(_ROOMS[name])
     if name not in _HOME:
         raise AttributeError(f"module 'hybond' has no attribute {name!r}")
     value = getattr(import_module(_HOME[name]), _OTHER_NAME.get(name, name))

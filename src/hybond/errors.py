@@ -80,6 +80,10 @@ class CausalityError(ModelError):
     """Two causes for one variable, or none."""
 
 
+class EquationError(ModelError):
+    """The model has no equations of the form that was asked for."""
+
+
 class NumericsError(HybondError):
     """The model means something, but the computation cannot go on."""
 

@@ -89,7 +89,7 @@ _POWERS |= {"c": -2, "d": -1, "f": -15, "a": -18, "z": -21, "y": -24, "P": 15, "
 _PREFIX = {p: Fraction(10) ** n for p, n in (_POWERS | {"Z": 21, "Y": 24}).items()}
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)", re.ASCII)
-_POWER = r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}(?!\d)|\(-?\d/[1-9]\)))?"
+_POWER = r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}(?:\.[05]0*)?(?![\d.])|\(-?\d/[1-9]\)))?"
 _TOKEN = re.compile(rf"\s*(?:(?P<symbol>°?[^\W\d_]+|[%°℃]|1(?![\w.])){_POWER}|(?P<mark>[*·/()]))")
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 

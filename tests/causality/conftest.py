@@ -1,6 +1,8 @@
 """Flat graphs written by hand, record by record: no builder in between."""
 
+import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,6 +11,8 @@ from hybond.model.expressions import Number
 from hybond.model.graph import Bond, End, FlatGraph, Machine, Node, Storage
 from hybond.model.laws import Law
 from hybond.units import DOMAINS
+
+sys.path.insert(0, str(Path(__file__).parent))  # for written_graphs
 
 OUTPUT = {"R": "e", "G": "f", "Se": "e", "Sf": "f", "C": "e", "I": "f", "TF": "e", "GY": "e"}
 

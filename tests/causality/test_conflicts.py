@@ -122,6 +122,38 @@ def test_node_between_open_switches_floats(build) -> None:
         assert conflict_error(graph, (0, 0), conflict).code == "HB-C102"
 
 
+def test_parallel_closed_switches_are_named_and_no_others(build) -> None:
+    """Three bare switches between two nodes: a flow each, and two nodes to give them."""
+    kinds = {"a": "0", "b": "0", "p": "C", "q": "C", "x": "1", "y": "1", "z": "1"}
+    kinds |= {"far": "1", "w": "0", "c": "C", "r": "R"}
+    bonds = ["a -> p", "b -> q", "b -> far", "far -> w", "w -> c", "far -> r"]
+    for name in "xyz":
+        bonds += [f"a -> {name}", f"{name} -> b"]
+    graph = build(kinds, bonds, switches=["x", "y", "z", "far"])
+    conflict = only(graph, (1, 1, 1, 1))
+    assert conflict.kind == "under"
+    assert conflict.switches == (("x", True), ("y", True), ("z", True))
+    for k in range(3):
+        assert assign(graph, tuple(int(i != k) for i in range(4))).conflicts == ()
+
+
+def test_conflict_in_a_long_ladder_is_told_by_its_own_chain(build) -> None:
+    kinds, bonds = {"V": "Se"}, []
+    for k in range(1000):
+        kinds |= {f"j{k}": "1", f"r{k}": "R", f"n{k}": "0", f"c{k}": "C"}
+        bonds += [f"n{k - 1} -> j{k}" if k else "V -> j0", f"j{k} -> r{k}", f"j{k} -> n{k}"]
+        bonds.append(f"n{k} -> c{k}")
+    kinds |= {"W": "Se", "sw": "1", "U": "Se"}
+    bonds += ["W -> n500", "sw -> n500", "U -> sw"]
+    graph = build(kinds, bonds, switches=["sw"])
+    assert assign(graph, (0,)).conflicts == ()
+    conflict = only(graph, (1,))
+    assert describe_conflict(graph, (1,), conflict) == (
+        "No bond gives 1-junction sw its flow: Se W imposes effort on 1-junction sw through "
+        "'W -> n500', 'sw -> n500', and so does Se U through 'U -> sw'; switches: m_sw = closed."
+    )
+
+
 def test_gyrator_between_an_effort_and_a_flow_source(build) -> None:
     kinds = {"V": "Se", "g": "GY", "J": "Sf"}
     for graph in each_way(build, kinds, ["V -> g", "g -> J"]):

@@ -48,7 +48,7 @@ def test_stroke_is_across_the_end_for_both_directions(backwards: bool, end: int)
     left, right = (0.0, 0.0), (100.0, 0.0)
     tail, head = (right, left) if backwards else (left, right)
     shape = shape_of(tail, head)
-    at = 12.0 if (end == 0) != backwards else 88.0
+    at = 13.5 if (end == 0) != backwards else 86.5
     (x1, y1), (x2, y2) = stroke(shape, end)
     assert (x1, x2) == pytest.approx((at, at))
     assert sorted([y1, y2]) == pytest.approx([-STROKE_LENGTH / 2, STROKE_LENGTH / 2])

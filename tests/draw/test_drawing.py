@@ -107,13 +107,21 @@ def test_derivative_and_conflict_and_dynamic_have_their_roles(build: Any, stroke
     graph = build({"S": "Se", "j": "1", "m": "I", "r": "R"}, ["S -> j -> m", "j -> r"])
     given = strokes(graph, derivative=(0,), conflicts=(SimpleNamespace(bonds=(0,)),))
     drawing = draw(graph, causality=given, dynamic_bonds=(2,))
+    crosses = ["cross conflict"] * 2
     roles = {k: [m.role for m in group(drawing, k).marks] for k in ("S -> j", "j -> m", "j -> r")}
     assert roles["j -> m"] == ["bond", "barb", "stroke derivative"]
-    assert roles["S -> j"] == ["bond conflict", "barb conflict", "stroke conflict"]
-    assert roles["j -> r"] == ["bond", "barb", "stroke dynamic", "stroke dynamic"]
+    assert roles["S -> j"] == ["bond conflict", "barb conflict", "stroke conflict", *crosses]
+    assert roles["j -> r"] == ["bond", "barb", "stroke", "stroke dynamic"]
+    assert next(m.role for m in group(drawing, "m").marks) == "node derivative"
 
 
-def test_dynamic_stroke_is_at_one_end_if_a_mode_is_shown(examples: Any, strokes: Any) -> None:
+def test_without_causality_a_dynamic_bond_has_dashed_strokes_at_both_ends(examples: Any) -> None:
+    drawing = draw(examples["ball"](), dynamic_bonds=(2,))
+    found = [m.role for m in group(drawing, "contact -> v").marks]
+    assert found == ["bond", "barb", "stroke dynamic", "stroke dynamic"]
+
+
+def test_dynamic_bond_has_a_dashed_stroke_beside_the_solid_one(examples: Any, strokes: Any) -> None:
     graph = examples["ball"]()
     drawing = draw(graph, mode=(1,), causality=strokes(graph), dynamic_bonds=(2,))
     assert len([m for m in marks(drawing, "stroke") if "dynamic" in m.role]) == 2  # and the legend

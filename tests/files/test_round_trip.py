@@ -104,6 +104,10 @@ experiment = some(
     event_tol=scalars,
     points=st.integers(2, 1000),
 )
+causality = some(
+    pins=st.dictionaries(texts, texts, min_size=1, max_size=3),
+    reference=st.dictionaries(texts, texts, min_size=1, max_size=3),
+)
 NAMED = ("parameters", "elements", "signals", "inputs", "machines")
 
 
@@ -120,6 +124,7 @@ def sections(draw: Any, depth: int = 2) -> dict[str, Any]:
             signals=tables(signal),
             inputs=tables(waveform),
             machines=tables(machine),
+            causality=causality,
             ports=tables(texts),
             experiment=experiment,
             layout=st.dictionaries(texts, st.lists(numbers, min_size=2, max_size=2), max_size=3),

@@ -29,12 +29,14 @@ def chain(graph: FlatGraph, causality: Causality, bond: int) -> list[str]:
     'j -> r': propagated from 1:j
     """
     return [
-        f"{graph.bonds[b].name!r}: {_reason(graph, causality, b)}" for b in causality.chain(bond)
+        f"{graph.bonds[b].name!r}: {reason(graph, causality, b)}" for b in causality.chain(bond)
     ]
 
 
-def describe_conflict(graph: FlatGraph, mode: Mode, conflict: Conflict) -> str:
+def describe_conflict(graph: FlatGraph, mode: Mode | None, conflict: Conflict) -> str:
     """Return one paragraph: both forcing elements, their chains of bonds, the switches.
+
+    Without a mode it says nothing of switches.
 
     Examples
     --------
@@ -58,7 +60,13 @@ def describe_conflict(graph: FlatGraph, mode: Mode, conflict: Conflict) -> str:
         text = f"No bond gives {place} its {lacks}: "
     else:
         text = ""
-    if len(conflict.bonds) == 1 and conflict.kind == "over":
+    if len(conflict.bonds) == 1 and conflict.origin_b.rule == "pin":
+        bond = graph.bonds[conflict.bonds[0]]
+        other = graph.nodes[bond.tail + bond.head - conflict.node]
+        text += f"{a} puts the stroke of {bond.name!r} at {_title(other)}"
+        text += _through(graph, conflict.chain_a) if len(conflict.chain_a) > 1 else ""
+        text += f", and it is pinned at {place}"
+    elif len(conflict.bonds) == 1 and conflict.kind == "over":
         name = graph.bonds[conflict.bonds[0]].name
         along = _through(graph, conflict.chain_a) if len(conflict.chain_a) > 1 else ""
         text += f"{a} imposes {gives_a} on the bond {name!r}{along}, and so does {b}"
@@ -69,7 +77,8 @@ def describe_conflict(graph: FlatGraph, mode: Mode, conflict: Conflict) -> str:
             text += f", and {verb.format(b)}{_through(graph, conflict.chain_b)}"
         if gives_a != gives_b:
             text += ", which the gyrator makes the same"
-    switches = ", ".join(f"{k} = {v}" for k, v in _settings(graph, mode, conflict).items())
+    settings = {} if mode is None else _settings(graph, mode, conflict)
+    switches = ", ".join(f"{k} = {v}" for k, v in settings.items())
     return text + (f"; switches: {switches}." if switches else ".")
 
 
@@ -80,7 +89,17 @@ def conflict_error(graph: FlatGraph, mode: Mode, conflict: Conflict) -> Causalit
     named = graph.mode_names(mode)
     states = named if len(named) <= _MANY else {**involved, "...": "..."}
     setting = ", ".join(f"{k} = {v}" if k != v else k for k, v in states.items())
-    if conflict.kind == "over":
+    pinned = [
+        graph.bonds[chain[0]].name
+        for origin, chain in (
+            (conflict.origin_b, conflict.chain_b),
+            (conflict.origin_a, conflict.chain_a),
+        )
+        if origin.rule == "pin"
+    ]
+    if pinned:
+        hint = f"take the pin of {pinned[0]!r} away"
+    elif conflict.kind == "over":
         ends = (graph.nodes[origin.node] for origin in (conflict.origin_a, conflict.origin_b))
         hint = "put a resistor between " + " and ".join(_title(end) for end in ends)
     else:
@@ -95,15 +114,28 @@ def conflict_error(graph: FlatGraph, mode: Mode, conflict: Conflict) -> Causalit
     )
 
 
-def _reason(graph: FlatGraph, causality: Causality, bond: int) -> str:
-    reason = causality.reasons[bond]
-    if reason.via >= 0:
-        return f"propagated from {_short(graph.nodes[reason.via])}"
-    node = graph.nodes[reason.origin.node]
+def reason(graph: FlatGraph, causality: Causality, bond: int) -> str:
+    """Say why `bond` has its stroke, in a few words: its own step, not the chain before it.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> from hybond.causality.assign import assign
+    >>> m = hb.Model("rl")
+    >>> m.add(V=hb.Se(10), j=hb.One(), r=hb.R(2), l=hb.I(1))
+    >>> m.bond("V -> j -> l", "j -> r")
+    >>> graph = m.flatten()
+    >>> [reason(graph, assign(graph, graph.start_mode), bond) for bond in range(3)]
+    ['fixed by Se:V', 'preferred by I:l', 'propagated from 1:j']
+    """
+    why = causality.reasons[bond]
+    if why.via >= 0:
+        return f"propagated from {_short(graph.nodes[why.via])}"
+    node = graph.nodes[why.origin.node]
     short = _short(node)
-    chosen = ", ".join(repr(graph.bonds[b].name) for b in reason.ruled_out)
+    chosen = ", ".join(repr(graph.bonds[b].name) for b in why.ruled_out)
     against = f"conflicts with {chosen or 'what is fixed'}"
-    match reason.origin.rule:
+    match why.origin.rule:
         case "source":
             return f"fixed by {short}"
         case "off":
@@ -114,16 +146,16 @@ def _reason(graph: FlatGraph, causality: Causality, bond: int) -> str:
             return f"fixed by {short}, whose value is zero"
         case "pin":
             return "pinned"
-        case "storage" if reason.refused:
+        case "storage" if why.refused:
             return f"derivative for {short}, since integral causality {against}"
         case "storage":
             return f"preferred by {short}"
-        case "resistor" if reason.refused:
+        case "resistor" if why.refused:
             return f"against the law of {short}, whose direction {against}"
         case "resistor":
             return f"chosen in the direction of the law of {short}"
         case _:
-            return f"chosen at {short}" + (f"; the other {against}" if reason.refused else "")
+            return f"chosen at {short}" + (f"; the other {against}" if why.refused else "")
 
 
 def _short(node: Node) -> str:

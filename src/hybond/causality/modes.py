@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hybond.causality.assign import assign
 from hybond.causality.record import Causality
+from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
 
 
@@ -18,7 +18,8 @@ def mode_dependent(graph: FlatGraph, modes: Iterable[Mode]) -> dict[int, tuple[i
     """Return the bonds whose stroke differs among `modes`, with their stroke in each.
 
     These are the bonds of dynamic causality, drawn with a dashed stroke (R. Margetts and
-    R. F. Ngwompo).
+    R. F. Ngwompo). Each mode is compared with the first, and differs from it only where that is
+    needed. For all modes of a graph with many switches see `hybond.causality.dynamics`.
 
     Examples
     --------
@@ -30,9 +31,18 @@ def mode_dependent(graph: FlatGraph, modes: Iterable[Mode]) -> dict[int, tuple[i
     >>> mode_dependent(m.flatten(), [(0,), (1,)])
     {3: (1, 0)}
     """
-    strokes = [assign(graph, mode).strokes for mode in modes]
+    every = list(modes)
+    if not every:
+        return {}
+    live = Strokes(graph, every[0])
+    seen: list[tuple[int, ...]] = []
+    for mode in every:
+        live.switch(mode)
+        # A mode without a causality shows the strokes that its conflicts are told with.
+        seen.append(live.record().strokes if live.conflict else tuple(live.strokes))
+        live.undo()
     return {
-        bond: seen
-        for bond, seen in enumerate(zip(*strokes, strict=True))
-        if any(stroke != seen[0] for stroke in seen)
+        bond: strokes
+        for bond, strokes in enumerate(zip(*seen, strict=True))
+        if any(stroke != strokes[0] for stroke in strokes)
     }

@@ -2,13 +2,11 @@
 
 A stroke that is set joins the queue. Taking a bond from the queue tells both its nodes; a node
 then closes its other ends (it has its cause) or opens the last one left (which must be the
-cause). The queue is also the trail: `undo` walks it backwards, so that a choice which leads to a
-conflict costs what it touched.
+cause). Which stroke to choose where nothing is forced is not decided here.
 """
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
@@ -50,7 +48,12 @@ class Propagation:
         count = len(graph.bonds)
         self.ends = [(b.tail, b.head) for b in graph.bonds]
         self.demand = [demand_of(n, off) for n in graph.nodes]
-        self.at = [[(e.bond, HEAD if e.inward else TAIL) for e in n.ends] for n in graph.nodes]
+        self.kinds = list(self.demand)
+        """The demands that `demand` starts with: some nodes may be let go later."""
+        self.at = [
+            [(e.bond, HEAD if e.inward else TAIL) for e in n.ends] if self.demand[n.index] else []
+            for n in graph.nodes
+        ]
         self.strokes = [UNSET] * count
         self.parent = [-1] * count
         self.via = [-1] * count
@@ -59,10 +62,11 @@ class Propagation:
         self.done = 0
         self.open = [len(at) for at in self.at]
         self.cause = [-1] * len(self.at)
-        # Nodes are told in the order of their index, whichever way the arrow points.
-        self.sides = [tuple(sorted(((b.tail, TAIL), (b.head, HEAD)))) for b in graph.bonds]
-        self.tight = [n for n in range(len(self.at)) if self.is_tight(n)]
-        """A heap with (among others) each junction that has no cause and two ends left."""
+
+    def forget(self, nodes: Iterable[int]) -> None:
+        """Let `nodes` join nothing; before the first stroke is set."""
+        for node in nodes:
+            self.demand[node] = Demand.NONE
 
     def set(self, bond: int, stroke: int, node: int, rule: Because) -> None:
         """Give `bond` a stroke that starts a chain at `node`, and queue it."""
@@ -84,41 +88,21 @@ class Propagation:
             found.append(bond)
         return tuple(reversed(found))
 
-    def run(self, *, stop: bool) -> list[Clash]:
-        """Propagate all that is queued; `stop` at the first bond that clashes."""
+    def run(self) -> list[Clash]:
+        """Propagate all that is queued; list the clashes, at which the first cause stays."""
         clashes: list[Clash] = []
-        while self.done < len(self.trail) and not (stop and clashes):
+        while self.done < len(self.trail):
             bond = self.trail[self.done]
             self.done += 1
-            for node, side in self.sides[bond]:
-                clash = self._tell(node, bond, side)
-                if clash is not None:
-                    clashes.append(clash)
+            tail, head = self.ends[bond]
+            # Nodes are told in the order of their index, whichever way the arrow points.
+            sides = ((tail, TAIL), (head, HEAD)) if tail < head else ((head, HEAD), (tail, TAIL))
+            for node, side in sides:
+                if self.demand[node]:
+                    clash = self._tell(node, bond, side)
+                    if clash is not None:
+                        clashes.append(clash)
         return clashes
-
-    def undo(self, length: int) -> int:
-        """Take back all but the first `length` strokes; return how many were taken back."""
-        count = len(self.trail) - length
-        while len(self.trail) > length:
-            told = len(self.trail) <= self.done
-            bond = self.trail.pop()
-            if told:
-                for node, _ in self.sides[bond]:
-                    if self.demand[node] is Demand.NONE:
-                        continue
-                    self.open[node] += 1
-                    if self.cause[node] == bond:
-                        self.cause[node] = -1
-                    if self.is_tight(node):
-                        heapq.heappush(self.tight, node)
-            self.strokes[bond] = UNSET
-        self.done = min(self.done, length)
-        return count
-
-    def is_tight(self, node: int) -> bool:
-        """Whether `node` has no cause and two ends left: one choice settles it."""
-        wants_one = self.demand[node] in (Demand.ONE_EFFORT, Demand.ONE_FLOW)
-        return wants_one and self.open[node] == 2 and self.cause[node] < 0
 
     def causing(self, node: int, side: int) -> int:
         """Return the stroke that makes a bond, at `side` of which `node` is, its cause."""
@@ -152,8 +136,6 @@ class Propagation:
 
     def _tell(self, node: int, bond: int, side: int) -> Clash | None:
         demand = self.demand[node]
-        if demand is Demand.NONE:
-            return None
         self.open[node] -= 1
         left = self.open[node]
         if demand is Demand.ALIKE:
@@ -174,8 +156,6 @@ class Propagation:
                 for other, at in self.at[node]:
                     if self.strokes[other] == UNSET:
                         self._pass(other, self.causing(node, at), parent=bond, via=node)
-            elif left == 2:
-                heapq.heappush(self.tight, node)
         return None
 
     def _tell_gyrator(self, node: int, bond: int, *, receives: bool) -> Clash | None:

@@ -114,9 +114,6 @@ class Causality:
         Empty if the mode has a causality. If not, the first of two causes has the stroke.
     ends : tuple of (int, int)
         Tail and head per bond.
-    gave_up : bool
-        Whether the search for a causality stopped at its limit: conflicts at choices (not those
-        between two fixed strokes) might then be avoidable.
     """
 
     strokes: tuple[int, ...]
@@ -126,7 +123,6 @@ class Causality:
     loops: tuple[int, ...]
     conflicts: tuple[Conflict, ...]
     ends: tuple[tuple[int, int], ...]
-    gave_up: bool = False
 
     def stroke_at(self, bond: int) -> int:
         """Return the node at the stroke: the one that receives the effort of `bond`."""

@@ -7,10 +7,16 @@ adds 0.01 s.
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import (
+    ArgumentParser,
+    BooleanOptionalAction,
+    Namespace,
+    RawDescriptionHelpFormatter,
+)
 from typing import Any, NoReturn
 
 from hybond._version import __version__
+from hybond.cli.analysis_words import analyse_words, equations_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -19,6 +25,9 @@ VERBS = {
     "new": "write a small model to start from",
     "check": "say what is wrong with a model, and what to try",
     "draw": "draw the bond graph with its causal strokes",
+    "causality": "say which strokes depend on the mode, and why",
+    "equations": "print the equations of all modes, or of one",
+    "analyse": "analyse the structure of each mode, a contact, what sensors can tell",
     "run": "simulate a model",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format (TOML, JSON)",
@@ -91,13 +100,79 @@ def _parser() -> Parser:
     _settings(check)
 
     draw = _verb(
-        verbs, "draw", "hybond draw ball.toml", "hybond draw ball.toml --mode floor=touching"
+        verbs,
+        "draw",
+        "hybond draw ball.toml",
+        "hybond draw ball.toml --mode floor=touching",
+        "hybond draw ball.toml --panels --out ball.tex",
     )
     draw.add_argument("file", metavar="FILE", help="a model file")
-    draw.add_argument("--out", metavar="FILE", help="a .svg, .png or .pdf (default: an .svg here)")
-    draw.add_argument("--mode", metavar="MACHINE=STATE,...", help="the mode (default: the start)")
+    draw.add_argument(
+        "--out", metavar="FILE", help="a .svg, .png, .pdf or .tex (default: an .svg here)"
+    )
+    draw.add_argument(
+        "--mode",
+        metavar="MACHINE=STATE,...",
+        action="append",
+        default=[],
+        help="draw this mode; machines not named are in their start state",
+    )
+    kinds = draw.add_mutually_exclusive_group()
+    kinds.add_argument(
+        "--hybrid",
+        action="store_true",
+        help="all modes in one picture, with dashed strokes (default if there are machines); "
+        "--mode is its reference mode",
+    )
+    kinds.add_argument(
+        "--panels",
+        action="store_true",
+        help="modes side by side: all, or those given by several --mode",
+    )
+    draw.add_argument("--columns", metavar="N", type=int, help="panels in a row")
+    draw.add_argument(
+        "--legend",
+        action=BooleanOptionalAction,
+        default=True,
+        help="explain the signs that occur (default: yes)",
+    )
     draw.add_argument("--numbers", action="store_true", help="number the bonds")
     _settings(draw)
+
+    causality = _verb(
+        verbs,
+        "causality",
+        "hybond causality ball.toml --mode floor=touching",
+        "hybond causality circuit.toml --diagnostic --sensors n1,n2 --advice",
+    )
+    causality.add_argument("file", metavar="FILE", help="a model file")
+    causality.add_argument(
+        "--mode", metavar="MACHINE=STATE,...", help="the mode (default: the reference mode)"
+    )
+    causality.add_argument("--all", action="store_true", help="list all bonds of a big model")
+    causality.add_argument(
+        "--why",
+        metavar="BOND",
+        action="append",
+        default=[],
+        help="only why this bond ('contact -> v') has its stroke",
+    )
+    causality.add_argument(
+        "--advice", action="store_true", help="where a resistor makes strokes the same in all modes"
+    )
+    causality.add_argument(
+        "--diagnostic", action="store_true", help="look for one causality for all modes"
+    )
+    causality.add_argument(
+        "--sensors", metavar="JUNCTION,...", help="for --diagnostic: what is measured"
+    )
+    causality.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
+    _settings(causality)
+
+    _settings(equations_words(_verb, verbs))
+    _settings(analyse_words(_verb, verbs))
 
     run = _verb(
         verbs,

@@ -7,12 +7,18 @@ import math
 from argparse import Namespace
 from collections import Counter
 
-from hybond.causality.assign import assign
+from hybond.causality.dynamics import causality_of
 from hybond.causality.explain import conflict_error
 from hybond.causality.record import Causality
+from hybond.causality.reference import Reference, reference_mode
+from hybond.causality.report import ahead_lines
+from hybond.causality.report import causality as modes_report
 from hybond.cli.running import read_graph
 from hybond.cli.streams import complain, say
 from hybond.model.graph import FlatGraph, Mode
+
+BONDS = 5000
+"""Conflicts ahead are looked for in models of up to this many bonds: in a second or so."""
 
 MODES = 64
 """Other modes are looked at if there are not more than this."""
@@ -25,17 +31,25 @@ def check(given: Namespace) -> int:
     _counts(graph)
     _machines(graph)
     start = graph.start_mode
-    causality = assign(graph, start)
+    reference = reference_mode(graph)
+    causality = causality_of(graph, start, reference=reference)
     say(f"start mode {_text(graph, start)}")
     for line in _findings(graph, causality) or ["integral causality throughout"]:
         say(f"  {line}")
-    _other_modes(graph)
+    _other_modes(graph, reference)
+    ahead: list[str] = []
+    if graph.machines and len(graph.bonds) <= BONDS:
+        ahead = list(ahead_lines(graph, modes_report(graph).ahead))
+    for line in ahead:
+        say(f"warning: {line}" if not line.startswith(" ") else line)
+    warnings = sum(not line.startswith(" ") for line in ahead) + len(graph.warnings)
     for warning in graph.warnings:
         say(f"warning: {warning}")
     for conflict in causality.conflicts:
         complain(str(conflict_error(graph, start, conflict)))
     if not causality.conflicts:
-        say("fine")
+        plural = "s" if warnings > 1 else ""
+        say(f"fine, with {warnings} warning{plural}" if warnings else "fine")
     return 2 if causality.conflicts else 0
 
 
@@ -81,7 +95,7 @@ def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
     return lines
 
 
-def _other_modes(graph: FlatGraph) -> None:
+def _other_modes(graph: FlatGraph, reference: Reference) -> None:
     """Report on other modes; not all of them need be reachable, so they are no errors."""
     if math.prod(len(m.states) for m in graph.machines) > MODES:
         say(f"other modes: more than {MODES}, not looked at")
@@ -89,9 +103,8 @@ def _other_modes(graph: FlatGraph) -> None:
     for mode in itertools.product(*(range(len(m.states)) for m in graph.machines)):
         if mode == graph.start_mode:
             continue
-        causality = assign(graph, mode)
+        causality = causality_of(graph, mode, reference=reference)
         lines = _findings(graph, causality)
-        lines += [conflict_error(graph, mode, c).why for c in causality.conflicts]
         if lines:
             say(f"mode {_text(graph, mode)}")
         for line in lines:

@@ -4,22 +4,66 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hybond.cli.lists import mode_of
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
 from hybond.cli.targets import check_target
+from hybond.errors import UsageError
+
+if TYPE_CHECKING:
+    from hybond.draw import Drawing
+    from hybond.model.graph import FlatGraph
+
+ENDINGS = (".svg", ".png", ".pdf", ".tex")
 
 
 def draw(given: Namespace) -> int:
-    """Draw one mode of a model; print where the picture is."""
+    """Draw a model; print where the picture is.
+
+    Raises
+    ------
+    UsageError
+        HB-X101 for options that do not go together.
+    """
     name = given.out or Path(given.file).stem + ".svg"
-    target = check_target(name, (".svg", ".png", ".pdf"), "--out")
+    target = check_target(name, ENDINGS, "--out")
     graph = read_graph(given.file, given.settings)
-    mode = mode_of(graph, given.mode)
-
-    from hybond.draw import draw_mode
-
-    draw_mode(graph, mode, numbers=given.numbers).save(target or name)
+    _picture(graph, given).save(target or name)
     say(name)
     return 0
+
+
+def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
+    """Return the drawing asked for: one mode, the hybrid overview, or panels."""
+    from hybond.draw import draw_hybrid, draw_mode, draw_modes
+
+    modes = [mode_of(graph, text) for text in given.mode]
+    if given.panels or (len(modes) > 1 and not given.hybrid):
+        return draw_modes(
+            graph,
+            modes or None,
+            columns=given.columns,
+            numbers=given.numbers,
+            legend=given.legend,
+        )
+    if given.columns is not None:
+        raise UsageError(
+            "there are columns only with --panels",
+            code="HB-X101",
+            where="--columns",
+            hint="add --panels",
+        )
+    if len(modes) > 1:
+        raise UsageError(
+            "the overview has one reference mode",
+            code="HB-X101",
+            where="--hybrid",
+            hint="give --mode once, or --panels for several modes",
+        )
+    if given.hybrid or (graph.machines and not modes):
+        reference = modes[0] if modes else None
+        return draw_hybrid(graph, reference, numbers=given.numbers, legend=given.legend)
+    mode = modes[0] if modes else graph.start_mode
+    return draw_mode(graph, mode, numbers=given.numbers, legend=given.legend)

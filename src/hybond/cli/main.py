@@ -79,6 +79,18 @@ def verb(given: Namespace) -> int:
             from hybond.cli.draw import draw
 
             return draw(given)
+        case "causality":
+            from hybond.cli.causality import show_causality
+
+            return show_causality(given)
+        case "equations":
+            from hybond.cli.equations import show_equations
+
+            return show_equations(given)
+        case "analyse":
+            from hybond.cli.analyse import analyse
+
+            return analyse(given)
         case "explain":
             from hybond.cli.explain import explain
 

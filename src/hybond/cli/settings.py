@@ -42,6 +42,40 @@ def flatten_with(model: Model, settings: Sequence[str]) -> FlatGraph:
     >>> graph.parameters["b"], graph.storages[0].start
     (3.0, 2.0)
     """
+    changed, parameters = _read(model, settings)
+    try:
+        return changed.flatten(parameters=parameters)
+    except ModelError as error:
+        if error.code == "HB-M107" and error.where in parameters:
+            error.hint = did_you_mean(error.where, _paths(model, "", {}))
+        raise
+
+
+def model_with(model: Model, settings: Sequence[str]) -> Model:
+    """Return a copy of `model` with settings applied, those of its own parameters included.
+
+    Raises
+    ------
+    UsageError
+        HB-X103 for a setting without ``=``, or of a parameter inside a submodel.
+    """
+    changed, parameters = _read(model, settings)
+    own = {k: v for k, v in parameters.items() if k in model.parameters}
+    for path in parameters.keys() - own.keys():
+        raise UsageError(
+            f"{path!r} is no parameter of the model itself, so it cannot be written into it",
+            code="HB-X103",
+            where="--set",
+            hint=did_you_mean(path, model.parameters),
+        )
+    if own:
+        changed = copy.copy(changed)
+        changed.parameters = {**changed.parameters, **own}
+    return changed
+
+
+def _read(model: Model, settings: Sequence[str]) -> tuple[Model, dict[str, str]]:
+    """Return a copy with parts changed, and what is set that is no part."""
     parameters: dict[str, str] = {}
     changed = model
     for setting in settings:
@@ -58,12 +92,7 @@ def flatten_with(model: Model, settings: Sequence[str]) -> FlatGraph:
             parameters[path] = value
         else:
             changed = found
-    try:
-        return changed.flatten(parameters=parameters)
-    except ModelError as error:
-        if error.code == "HB-M107" and error.where in parameters:
-            error.hint = did_you_mean(error.where, _paths(model, "", {}))
-        raise
+    return changed, parameters
 
 
 def _set(model: Model, names: list[str], value: str, known: Mapping[str, Model]) -> Model | None:

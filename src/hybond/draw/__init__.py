@@ -1,6 +1,30 @@
-"""Bond graphs and results as pictures: layout, SVG, plots."""
+"""Bond graphs and results as pictures: layout, SVG, TikZ, plots.
 
+The room itself can be called: ``hybond.draw(graph)`` is `drawing.draw`. A room and a function of
+one name would hide each other, whichever is imported later.
+"""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from hybond.draw.badges import Badge
 from hybond.draw.drawing import Drawing, draw, draw_mode
+from hybond.draw.hybrid import draw_hybrid, draw_modes
 from hybond.draw.layout import layout
 
-__all__ = ["Drawing", "draw", "draw_mode", "layout"]
+if TYPE_CHECKING:
+    from hybond.model.graph import FlatGraph
+
+__all__ = ["Badge", "Drawing", "draw", "draw_hybrid", "draw_mode", "draw_modes", "layout"]
+
+
+class _Room(ModuleType):
+    def __call__(self, graph: FlatGraph, **options: Any) -> Drawing:
+        """Draw a bond graph; see `hybond.draw.drawing.draw`."""
+        return draw(graph, **options)
+
+
+sys.modules[__name__].__class__ = _Room

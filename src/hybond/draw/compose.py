@@ -1,4 +1,4 @@
-"""From a sketch and grid positions to a scene."""
+"""From a sketch and grid positions to marks with their places."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from hybond.draw.geometry import (
     BondShape,
     Box,
     Point,
+    Segment,
     barb_side,
     bond_shape,
     stroke,
@@ -24,10 +25,9 @@ from hybond.draw.labels import (
     best,
 )
 from hybond.draw.measure import shorten, width
-from hybond.draw.scene import Frame, Group, Line, Mark, Scene, Text
+from hybond.draw.scene import Band, Frame, Group, Line, Mark, Text
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.draw.style import look
-from hybond.draw.words import with_words
 
 _CAP = 0.73
 """Height of a capital letter per font size."""
@@ -35,6 +35,13 @@ _LEADING = 1.22
 """Distance of lines of text per font size."""
 _ROOM = 130.0
 """Widest small text before it is cut."""
+_REGION = 24.0
+"""Breadth of the ground under a bond of dynamic causality and the nodes that it joins."""
+_EMPHASIS = 17.0
+_SHORTER = 6.0
+"""By which that ground ends before the bond, so that its round end touches no letters."""
+_CROSS = 4.5
+"""Half the size of the cross on a bond in conflict."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +57,23 @@ class _Words:
 
     @property
     def width(self) -> float:
-        return width(self.text, self.size)
+        return width(self.text, self.size) + (8.0 if self.in_frame else 0.0)
+
+    @property
+    def height(self) -> float:
+        return self.size * (1.75 if self.in_frame else _LEADING)
+
+    @property
+    def in_frame(self) -> bool:
+        return self.role.startswith("badge")
 
 
-def compose(sketch: Sketch, positions: Sequence[Point]) -> Scene:
-    """Return the scene of a sketch whose symbols stand at `positions` (grid cells)."""
+def compose(sketch: Sketch, positions: Sequence[Point]) -> tuple[Group, ...]:
+    """Return the marks of a sketch whose symbols stand at `positions` (grid cells).
+
+    Where letters and texts stand does not depend on the strokes, so that the pictures of two
+    modes lie exactly on each other.
+    """
     words = [_words(s, _ROOM) for s in sketch.symbols]
     centres = pixels(
         positions,
@@ -73,8 +92,14 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> Scene:
     groups = []
     for arrow, shape in zip(sketch.arrows, shapes, strict=True):
         marks = _bond_marks(arrow, shape)
-        for mark in marks:
-            clutter.add_line((mark.points[0], mark.points[1]))
+        for line in (
+            (shape.tail, shape.head),
+            shape.barb,
+            stroke(shape, 0),
+            stroke(shape, 1),
+            *_cross(shape),
+        ):
+            clutter.add_line(line)
         groups.append((arrow, shape, marks))
 
     nodes = []
@@ -92,7 +117,31 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> Scene:
     for arrow, shape, marks in groups:
         number = _number(arrow, shape, clutter)
         bonds.append(Group("bond", arrow.name, arrow.name, (*marks, *number)))
-    return with_words((*bonds, *nodes), sketch)
+    return (*_grounds(sketch, shapes, centres, framed), *bonds, *nodes)
+
+
+def _grounds(
+    sketch: Sketch, shapes: Sequence[BondShape], centres: Sequence[Point], framed: Sequence[Box]
+) -> tuple[Group, ...]:
+    """Return what lies under the graph: regions of dynamic causality, bonds pointed out."""
+    bands: list[Mark] = [
+        Band("region", (centres[a.tail], centres[a.head]), _REGION)
+        for a in sketch.arrows
+        if a.region
+    ]
+    bands += [
+        Band("emphasis", shape.shortened(_SHORTER), _EMPHASIS)
+        for a, shape in zip(sketch.arrows, shapes, strict=True)
+        if a.emphasis
+    ]
+    within = {node for a in sketch.arrows if a.region for node in (a.tail, a.head)}
+    # The frame of a switch is larger than the ends of the bands.
+    bands += [
+        Frame("ground", framed[node].grown(2.0))
+        for node in sorted(within)
+        if sketch.symbols[node].controlled
+    ]
+    return (Group("region", "", "", tuple(bands)),) if bands else ()
 
 
 def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
@@ -102,6 +151,8 @@ def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
     lines = [(role + state, symbol.path, True), ("parameter" + state, symbol.parameter, False)]
     if symbol.machine:
         lines.append(("machine" + state, f"[{symbol.machine}]", False))
+    if symbol.badge is not None:
+        lines.append((f"badge {symbol.badge.tone}", symbol.badge.text, False))
     return tuple(
         _Words(role, shorten(text, look(role).size or 10.0, room, keep_end=keep_end))
         for role, text, keep_end in lines
@@ -141,12 +192,26 @@ def _shapes(
 
 def _bond_marks(arrow: Arrow, shape: BondShape) -> list[Line]:
     state = (" off" if arrow.off else "") + (" conflict" if arrow.conflict else "")
-    kind = (" dynamic" if arrow.dynamic else "") + (" derivative" if arrow.derivative else "")
     marks = [
         Line("bond" + state, (shape.tail, shape.head)),
         Line("barb" + state, shape.barb),
     ]
-    return marks + [Line("stroke" + kind + state, stroke(shape, end)) for end in arrow.strokes]
+    for end in arrow.strokes:
+        late = " derivative" if end in arrow.late else ""
+        marks.append(Line("stroke" + late + state, stroke(shape, end)))
+    for end in arrow.dashed:
+        # What is OFF in the reference mode is ON where a dashed stroke counts: no grey.
+        late = " derivative" if end in arrow.late else ""
+        marks.append(Line("stroke dynamic" + late, stroke(shape, end)))
+    if arrow.conflict:
+        marks += [Line("cross conflict", line) for line in _cross(shape)]
+    return marks
+
+
+def _cross(shape: BondShape) -> tuple[Segment, Segment]:
+    """Return the cross that strikes out the middle of a bond."""
+    (x, y), c = shape.middle, _CROSS
+    return ((x - c, y - c), (x + c, y + c)), ((x - c, y + c), (x + c, y - c))
 
 
 def _node_marks(symbol: Symbol, box: Box, centre: Point) -> list[Mark]:
@@ -154,6 +219,8 @@ def _node_marks(symbol: Symbol, box: Box, centre: Point) -> list[Mark]:
     role = "node junction" if symbol.is_junction else "node"
     if symbol.controlled:
         role += " controlled " + ("off" if symbol.off else "on")
+    if symbol.derivative:
+        role += " derivative"
     baseline = centre[1] + _CAP * size / 2
     marks: list[Mark] = []
     if symbol.controlled:
@@ -194,7 +261,7 @@ def _label(
         lines = words if room == _ROOM else _words(symbol, room)
         if not lines:
             return ()
-        size = (max(w.width for w in lines), sum(w.size * _LEADING for w in lines))
+        size = (max(w.width for w in lines), sum(w.height for w in lines))
         options = (beside_junction if symbol.is_junction else beside_element)(box, size, taken)
         place, hits = best(options, clutter)
         if found is None or hits < found[1]:
@@ -207,8 +274,15 @@ def _label(
     marks: list[Mark] = []
     y = place.box.y0
     for w in lines:
-        y += w.size * _LEADING
-        marks.append(Text(w.role, w.text, place.x, y - 0.27 * w.size, place.anchor))
+        y += w.height
+        if not w.in_frame:
+            marks.append(Text(w.role, w.text, place.x, y - 0.27 * w.size, place.anchor))
+            continue
+        left = place.x - {"start": 0.0, "middle": w.width / 2, "end": w.width}[place.anchor]
+        frame = Box(left, y - w.height + 2.5, left + w.width, y - 0.5)
+        marks.append(Frame(w.role, frame, radius=4.0))
+        middle = (frame.y0 + frame.y1) / 2
+        marks.append(Text(w.role, w.text, left + w.width / 2, middle + 0.35 * w.size))
     return tuple(marks)
 
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
 from hybond.draw.layout import layout
+from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, write_figure
 from hybond.draw.scene import Scene
-from hybond.draw.sketch import Causality, sketch
+from hybond.draw.sketch import Causality, Sketch, sketch
 from hybond.draw.svg import write_svg
+from hybond.draw.tikz import write_tikz
+from hybond.draw.words import with_words
 from hybond.errors import UsageError
 
 if TYPE_CHECKING:
@@ -42,11 +46,15 @@ class Drawing:
         """Return the picture as one self-contained SVG text."""
         return write_svg(self.scene)
 
+    def tikz(self, *, document: bool = False) -> str:
+        r"""Return the picture as TikZ: an environment for ``\input``, or a whole document."""
+        return write_tikz(self.scene, document=document)
+
     def _repr_svg_(self) -> str:
         return self.svg()
 
     def save(self, path: str | Path) -> Path:
-        """Write the picture to a file: ``.svg``, ``.png`` or ``.pdf``.
+        """Write the picture to a file: ``.svg``, ``.png``, ``.pdf`` or ``.tex`` (TikZ).
 
         Raises
         ------
@@ -57,6 +65,8 @@ class Drawing:
         form = target.suffix.lower().lstrip(".")
         if form == "svg":
             target.write_text(self.svg(), encoding="utf-8")
+        elif form == "tex":
+            target.write_text(self.tikz(), encoding="utf-8")
         elif form in ("png", "pdf"):
             write_figure(self.scene, target, form=form)
         else:
@@ -64,7 +74,7 @@ class Drawing:
                 f"cannot draw a {target.suffix or 'nameless'!r} file",
                 code="HB-D101",
                 where=str(target),
-                hint="end the name in .svg, .png or .pdf",
+                hint="end the name in .svg, .png, .pdf or .tex",
             )
         return target
 
@@ -80,8 +90,10 @@ def draw(
     mode: Mode | None = None,
     causality: Causality | None = None,
     dynamic_bonds: Collection[int] = (),
+    marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
     title: bool = True,
+    legend: bool = True,
 ) -> Drawing:
     """Draw a bond graph.
 
@@ -94,16 +106,32 @@ def draw(
     causality : object, optional
         An assignment with `strokes`, `derivative` and `conflicts`; without it no strokes.
     dynamic_bonds : collection of int
-        Bonds whose stroke depends on the mode: drawn dashed, at both ends if no mode is shown.
+        Bonds whose stroke depends on the mode. The stroke of `causality` is solid, and a dashed
+        one stands at the other end; without `causality` both are dashed. The region is shaded.
+    marks : mapping of path to str, (text, tone) or Badge
+        Badges beside elements: ``{"pad": "derivative", "i": ("12 kHz", "purple")}``.
     numbers : bool
         Number the bonds, from 1.
     title : bool
         Write the model's title above.
+    legend : bool
+        Explain the signs that occur.
 
     Returns
     -------
     Drawing
         Shows itself in a notebook; `Drawing.save` writes it.
+
+    Raises
+    ------
+    UsageError
+        HB-D102 for a mode of another length, HB-D106 for a mark on a node that does not exist,
+        HB-D107 for a tone that does not exist.
+
+    References
+    ----------
+    R. Margetts and R. F. Ngwompo, on the dashed stroke for dynamic causality in hybrid bond
+    graphs with controlled junctions.
 
     Examples
     --------
@@ -116,27 +144,55 @@ def draw(
     >>> drawing.positions["v"], drawing.svg().startswith("<svg")
     ((0.0, 1.0), True)
     """
-    if mode is not None and len(mode) != len(graph.machines):
-        raise UsageError(
-            f"the mode {tuple(mode)} has {len(mode)} states for {len(graph.machines)} machines",
-            code="HB-D102",
-            hint="one state per machine, in the graph's order",
-        )
+    if mode is not None:
+        check_mode(graph, mode)
     shown = sketch(
         graph,
         mode=mode,
         causality=causality,
         dynamic_bonds=dynamic_bonds,
+        marks=badges(marks or {}),
         numbers=numbers,
         title=title,
     )
-    positions = _positions(
+    return finished(shown, legend=legend)
+
+
+def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
+    """Return the drawing of a sketch: laid out, composed, with its words."""
+    positions = positions_of(shown)
+    scene = with_words(
+        compose(shown, positions),
+        title=shown.title,
+        caption=shown.caption,
+        legend=entries([shown]) if legend else [],
+    )
+    return Drawing(scene, dict(zip((s.path for s in shown.symbols), positions, strict=True)))
+
+
+def check_mode(graph: FlatGraph, mode: Mode) -> None:
+    """Refuse a mode that is not one of `graph`.
+
+    Raises
+    ------
+    UsageError
+        HB-D102.
+    """
+    if len(mode) != len(graph.machines):
+        raise UsageError(
+            f"the mode {tuple(mode)} has {len(mode)} states for {len(graph.machines)} machines",
+            code="HB-D102",
+            hint="one state per machine, in the graph's order",
+        )
+
+
+def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
+    """Return where the symbols of a sketch stand, in grid cells: the same for every mode."""
+    return _positions(
         tuple(s.kind for s in shown.symbols),
         tuple((a.tail, a.head) for a in shown.arrows),
         tuple(shown.pins.items()),
     )
-    places = dict(zip((s.path for s in shown.symbols), positions, strict=True))
-    return Drawing(compose(shown, positions), places)
 
 
 @lru_cache(maxsize=32)
@@ -150,7 +206,13 @@ def _positions(
 
 
 def draw_mode(
-    graph: FlatGraph, mode: Mode, *, numbers: bool = False, title: bool = True
+    graph: FlatGraph,
+    mode: Mode,
+    *,
+    marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
+    numbers: bool = False,
+    title: bool = True,
+    legend: bool = True,
 ) -> Drawing:
     """Draw a bond graph with the causal strokes of one mode.
 
@@ -165,6 +227,15 @@ def draw_mode(
     >>> 'class="stroke"' in draw_mode(graph, graph.start_mode).svg()
     True
     """
-    from hybond.causality.assign import assign
+    from hybond.causality.dynamics import causality_of
 
-    return draw(graph, mode=mode, causality=assign(graph, mode), numbers=numbers, title=title)
+    check_mode(graph, mode)
+    return draw(
+        graph,
+        mode=mode,
+        causality=causality_of(graph, mode),
+        marks=marks,
+        numbers=numbers,
+        title=title,
+        legend=legend,
+    )

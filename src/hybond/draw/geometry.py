@@ -13,7 +13,7 @@ from dataclasses import dataclass
 Point = tuple[float, float]
 Segment = tuple[Point, Point]
 
-CLEARANCE = 4.0
+CLEARANCE = 5.5
 """Between a node's letters and the end of a bond."""
 BARB_LENGTH = 11.0
 BARB_ANGLE = math.radians(35.0)
@@ -85,6 +85,14 @@ class BondShape:
         """The point halfway."""
         return ((self.tail[0] + self.head[0]) / 2, (self.tail[1] + self.head[1]) / 2)
 
+    def shortened(self, by: float) -> Segment:
+        """Return the line less `by` at each end, or its middle if it is not that long."""
+        (ax, ay), (bx, by_) = self.tail, self.head
+        long = math.hypot(bx - ax, by_ - ay)
+        part = min(by / long, 0.5) if long else 0.5
+        dx, dy = part * (bx - ax), part * (by_ - ay)
+        return ((ax + dx, ay + dy), (bx - dx, by_ - dy))
+
 
 def barb_side(dx: float, dy: float) -> Point:
     """Return the unit normal on the barb's side of a line that runs along (dx, dy).
@@ -118,7 +126,7 @@ def bond_shape(tail: Box, head: Box, a: Point, b: Point, *, shift: float = 0.0) 
     --------
     >>> shape = bond_shape(Box(-5, -5, 5, 5), Box(95, -5, 105, 5), (0, 0), (100, 0))
     >>> shape.tail, shape.head
-    ((9.0, 0.0), (91.0, 0.0))
+    ((10.5, 0.0), (89.5, 0.0))
     >>> shape.barb[1][1] > 0  # below
     True
     """

@@ -108,7 +108,7 @@ def beside_bond(line: Segment, normal: Point, size: Point) -> list[Place]:
     for sign in (-1.0, 1.0):
         for along in (0.5, 0.36, 0.64, 0.24):
             # The block's half size along the normal keeps its nearest corner off the line.
-            reach = 3.0 + abs(normal[0]) * size[0] / 2 + abs(normal[1]) * size[1] / 2
+            reach = 4.2 + abs(normal[0]) * size[0] / 2 + abs(normal[1]) * size[1] / 2
             x = ax + along * (bx - ax) + sign * reach * normal[0]
             y = ay + along * (by - ay) + sign * reach * normal[1]
             box = Box(x - size[0] / 2, y - size[1] / 2, x + size[0] / 2, y + size[1] / 2)

@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hybond.draw.scene import Frame, Line, Scene, printable
+from hybond.draw.scene import Band, Frame, Line, Scene, printable
 from hybond.draw.style import look
 
 if TYPE_CHECKING:
@@ -32,16 +32,30 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
     dots = (figure.dpi if figure is not None else 72.0) / 72.0
     # Pixels of the scene that the axes have room for, in points: the tighter direction counts.
     points = min(window.width / dots / scene.width, window.height / dots / scene.height)
+    order = 1.0  # what comes later lies above, be it a line, a frame or a text
     for group in scene.groups:
         for mark in group.marks:
+            order += 1e-4
             style = look(mark.role)
             colour = (style.ink or ("black", "white"))[0]
             thick = (style.width or 1.5) * points
             # matplotlib counts dashes in line widths.
             dash = (0, tuple(d * points / thick for d in style.dash)) if style.dash else "solid"
-            if isinstance(mark, Line):
+            if isinstance(mark, Band):
+                ax.plot(
+                    [p[0] for p in mark.points],
+                    [p[1] for p in mark.points],
+                    color=colour,
+                    linewidth=mark.breadth * points,
+                    solid_capstyle="round",
+                    scalex=False,
+                    scaley=False,
+                    clip_on=False,
+                    zorder=order,
+                )
+            elif isinstance(mark, Line):
                 words = mark.role.split()
-                cap = "round" if "bond" in words or "barb" in words else "butt"
+                cap = "round" if {"bond", "barb", "cross"} & set(words) else "butt"
                 ax.plot(
                     [p[0] for p in mark.points],
                     [p[1] for p in mark.points],
@@ -53,19 +67,21 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
                     scalex=False,
                     scaley=False,
                     clip_on=False,
+                    zorder=order,
                 )
             elif isinstance(mark, Frame):
-                b, round_ = mark.box, 6.0
+                b = mark.box
                 ax.add_patch(
                     FancyBboxPatch(
                         (b.x0, b.y0),
                         b.x1 - b.x0,
                         b.y1 - b.y0,
-                        boxstyle=f"round,pad=0,rounding_size={round_}",
-                        facecolor="none",
+                        boxstyle=f"round,pad=0,rounding_size={mark.radius}",
+                        facecolor=style.fill[0] if style.fill else "none",
                         edgecolor=colour,
                         linewidth=thick,
                         linestyle=dash,
+                        zorder=order,
                     )
                 )
             else:
@@ -80,6 +96,7 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
                     fontfamily="DejaVu Sans",
                     ha={"start": "left", "middle": "center", "end": "right"}[mark.anchor],
                     va="baseline",
+                    zorder=order,
                     parse_math=False,  # a $ in a name is a letter
                 )
 

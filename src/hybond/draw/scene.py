@@ -51,9 +51,19 @@ class Frame:
 
     role: str
     box: Box
+    radius: float = 6.0
 
 
-Mark = Line | Text | Frame
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A broad pale line with round ends that lies under everything else."""
+
+    role: str
+    points: tuple[Point, ...]
+    breadth: float
+
+
+Mark = Line | Text | Frame | Band
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +72,7 @@ class Group:
 
     Parameters
     ----------
-    name : {"node", "bond", "words"}
+    name : {"node", "bond", "region", "words"}
     key : str
         Path of the node or name of the bond.
     about : str

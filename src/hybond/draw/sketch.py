@@ -6,11 +6,15 @@ the bond between the two, are merged into it.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from hybond.draw.badges import Badge
+from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.names import did_you_mean
 
 
 class Causality(Protocol):
@@ -42,6 +46,9 @@ class Symbol:
     controlled: bool = False
     machine: str = ""
     off: bool = False
+    derivative: bool = False
+    """A storage in derivative causality."""
+    badge: Badge | None = None
 
     @property
     def is_junction(self) -> bool:
@@ -51,17 +58,34 @@ class Symbol:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """A bond as drawn, between two symbols; `strokes` are ends (0 tail, 1 head)."""
+    """A bond as drawn, between two symbols.
+
+    Parameters
+    ----------
+    tail, head : int
+        Indices of symbols.
+    strokes, dashed : tuple of int
+        The ends (0 tail, 1 head) with a solid and with a dashed stroke.
+    late : tuple of int
+        The ends at which a stroke means derivative causality of a storage.
+    region : bool
+        It lies in a region of dynamic causality, which is shaded.
+    emphasis : bool
+        It is pointed out: its stroke differs from that of the reference mode.
+    """
 
     tail: int
     head: int
     name: str
     number: str = ""
     strokes: tuple[int, ...] = ()
-    dynamic: bool = False
-    derivative: bool = False
+    dashed: tuple[int, ...] = ()
+    late: tuple[int, ...] = ()
+    integral: bool = False
     conflict: bool = False
     off: bool = False
+    region: bool = False
+    emphasis: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +105,16 @@ def sketch(
     mode: Mode | None = None,
     causality: Causality | None = None,
     dynamic_bonds: Collection[int] = (),
+    emphasis: Collection[int] = (),
+    marks: Mapping[str, Badge] | None = None,
     numbers: bool = False,
     title: bool = True,
+    caption: str | None = None,
 ) -> Sketch:
-    """Return what a drawing of `graph` shows; the parameters are those of `draw`."""
+    """Return what a drawing of `graph` shows; the parameters are those of `draw`.
+
+    `emphasis` are bonds to point out; `caption` replaces the names of the states of `mode`.
+    """
     off = graph.off_nodes(mode) if mode is not None else frozenset()
     inner = _inner_bonds(graph)
     element_of = {s: e for s, (e, _) in inner.items()}
@@ -93,23 +123,41 @@ def sketch(
     place = {n.index: k for k, n in enumerate(shown)}
     switch_of = {e: s for s, e in element_of.items()}
 
+    derivative = {graph.storages[k].node for k in (causality.derivative if causality else ())}
+    badges = _badges(graph, marks or {}, element_of)
     symbols = []
     for node in shown:
         switch = graph.nodes[switch_of.get(node.index, node.index)]
-        symbols.append(_symbol(graph, node, switch, off=switch.index in off))
+        symbols.append(
+            _symbol(
+                graph,
+                node,
+                switch,
+                off=switch.index in off,
+                derivative=node.index in derivative,
+                badge=badges.get(node.index),
+            )
+        )
 
     red = _conflict_bonds(causality)
-    late = _derivative_bonds(graph, causality, inner)
+    derived = _derivative_bonds(graph, causality, inner)
+    preferred = _integral_ends(graph, inner)
     dynamic = set(dynamic_bonds)
     arrows = []
     for bond in graph.bonds:
         if bond.index in hidden_bonds:
             continue
         strokes: tuple[int, ...] = ()
-        if bond.index in dynamic and mode is None:
-            strokes = (0, 1)  # Margetts: both ends that the stroke may take
-        elif causality is not None:
+        dashed: tuple[int, ...] = ()
+        if causality is not None:
             strokes = (causality.strokes[bond.index],)
+        if bond.index in dynamic:
+            dashed = tuple(end for end in (0, 1) if end not in strokes)
+        late: tuple[int, ...] = ()
+        if bond.index in derived:
+            late = strokes
+        elif bond.index in preferred:
+            late = tuple(end for end in dashed if end != preferred[bond.index])
         ends = (element_of.get(bond.tail, bond.tail), element_of.get(bond.head, bond.head))
         behind = [b for s, (_, b) in inner.items() if s in (bond.tail, bond.head)]
         arrows.append(
@@ -119,21 +167,30 @@ def sketch(
                 name=bond.name,
                 number=str(bond.index + 1) if numbers else "",
                 strokes=strokes,
-                dynamic=bond.index in dynamic,
-                derivative=bond.index in late,
+                dashed=dashed,
+                late=late,
+                integral=bond.index in preferred and bool(strokes) and strokes[0] not in late,
                 conflict=not red.isdisjoint([bond.index, *behind]),
                 off=bond.tail in off or bond.head in off,
+                region=bond.index in dynamic,
+                emphasis=bond.index in emphasis,
             )
         )
-    names = graph.mode_names(mode) if mode is not None else {}
+    if caption is None:
+        caption = mode_caption(graph, mode) if mode is not None else ""
     paths = {s.path: k for k, s in enumerate(symbols)}
     return Sketch(
         tuple(symbols),
         tuple(arrows),
         title=(graph.title or graph.name) if title else "",
-        caption=", ".join(f"{machine} = {state}" for machine, state in names.items()),
+        caption=caption,
         pins={paths[p]: (float(x), float(y)) for p, (x, y) in graph.layout.items() if p in paths},
     )
+
+
+def mode_caption(graph: FlatGraph, mode: Mode) -> str:
+    """Return a mode as it is written on the command line: ``S1 = on, S2 = off``."""
+    return ", ".join(f"{m} = {state}" for m, state in graph.mode_names(mode).items())
 
 
 def _inner_bonds(graph: FlatGraph) -> dict[int, tuple[int, int]]:
@@ -151,7 +208,15 @@ def _inner_bonds(graph: FlatGraph) -> dict[int, tuple[int, int]]:
     return found
 
 
-def _symbol(graph: FlatGraph, node: Node, switch: Node, *, off: bool) -> Symbol:
+def _symbol(
+    graph: FlatGraph,
+    node: Node,
+    switch: Node,
+    *,
+    off: bool,
+    derivative: bool,
+    badge: Badge | None,
+) -> Symbol:
     parameter = _typeset(node.label)
     if node.kind == "G" and parameter:
         # Drawn as R like in the textbooks: the value must say that it is a conductance.
@@ -162,6 +227,10 @@ def _symbol(graph: FlatGraph, node: Node, switch: Node, *, off: bool) -> Symbol:
         about += f", {node.label}"
     if machine:
         about += f"; switched by {machine}"
+    if derivative:
+        about += "; in derivative causality"
+    if badge is not None:
+        about += f"; {badge.text}"
     return Symbol(
         path=node.path,
         kind=node.kind,
@@ -171,7 +240,13 @@ def _symbol(graph: FlatGraph, node: Node, switch: Node, *, off: bool) -> Symbol:
         controlled=switch.controlled,
         machine=machine,
         off=off,
+        derivative=derivative,
+        badge=badge,
     )
+
+
+_POWER = re.compile(r"\^(\(-?\d+\)|-?\d+)(?![\d.])")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _typeset(text: str) -> str:
@@ -179,12 +254,36 @@ def _typeset(text: str) -> str:
 
     Examples
     --------
-    >>> _typeset("10 m/(N*s^2)")
-    '10 m/(N·s²)'
+    >>> _typeset("10 m/(N*s^2)"), _typeset("3 kg*m**-1"), _typeset("x^2.5")
+    ('10 m/(N·s²)', '3 kg·m⁻¹', 'x^2.5')
     """
-    for plain, printed in (("**", "^"), ("^2", "²"), ("^3", "³"), ("*", "·")):
-        text = text.replace(plain, printed)
+    text = text.replace("**", "^")
+    text = _POWER.sub(lambda found: found[1].strip("()").translate(_RAISED), text).replace("*", "·")
     return " ".join(text.split())
+
+
+def _badges(
+    graph: FlatGraph, marks: Mapping[str, Badge], element_of: Mapping[int, int]
+) -> dict[int, Badge]:
+    """Return the badges by node; one on a hidden switch goes to its element.
+
+    Raises
+    ------
+    UsageError
+        HB-D106.
+    """
+    by_path = {node.path: node.index for node in graph.nodes}
+    found = {}
+    for path, badge in marks.items():
+        if path not in by_path:
+            raise UsageError(
+                f"there is no element or junction {path!r} to mark",
+                code="HB-D106",
+                where=path,
+                hint=did_you_mean(path, by_path) or "name a node of the graph",
+            )
+        found[element_of.get(by_path[path], by_path[path])] = badge
+    return found
 
 
 def _conflict_bonds(causality: Causality | None) -> set[int]:
@@ -200,9 +299,28 @@ def _conflict_bonds(causality: Causality | None) -> set[int]:
 def _derivative_bonds(
     graph: FlatGraph, causality: Causality | None, inner: dict[int, tuple[int, int]]
 ) -> set[int]:
-    """Return the bonds of storages in derivative causality, outside a switch."""
+    """Return the bonds of storages in derivative causality, within and outside a switch."""
     late = {graph.storages[k].bond for k in (causality.derivative if causality else ())}
     for switch, (_, bond) in inner.items():
         if bond in late:
             late.update(e.bond for e in graph.nodes[switch].ends)
     return late
+
+
+def _integral_ends(graph: FlatGraph, inner: dict[int, tuple[int, int]]) -> dict[int, int]:
+    """Return the bonds of storages, with the end at which a stroke means integral causality."""
+    found = {}
+    for storage in graph.storages:
+        bond = graph.bonds[storage.bond]
+        at_storage = 0 if bond.tail == storage.node else 1
+        # An I receives effort, a C gives it.
+        found[bond.index] = at_storage if storage.kind == "I" else 1 - at_storage
+    for switch, (element, inside) in inner.items():
+        if inside in found:
+            wants_effort = graph.bonds[inside].tail == element
+            wants_effort = (found[inside] == 0) == wants_effort
+            for end in graph.nodes[switch].ends:
+                if end.bond != inside:
+                    near = 0 if graph.bonds[end.bond].tail == switch else 1
+                    found[end.bond] = near if wants_effort else 1 - near
+    return found

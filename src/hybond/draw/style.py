@@ -25,6 +25,8 @@ class Style:
         Lengths of dash and gap, in pixels.
     size : float
         Of letters, in pixels.
+    fill : tuple of str
+        What a frame is filled with, on white and on dark paper; without it it is empty.
     """
 
     ink: tuple[str, str] | None = None
@@ -33,23 +35,35 @@ class Style:
     size: float | None = None
     bold: bool | None = None
     italic: bool | None = None
+    fill: tuple[str, str] | None = None
 
 
 _INK = ("#161616", "#ececec")
 _SOFT = ("#555555", "#b4b4b4")
-_OFF = ("#adadad", "#6c6c72")
+_OFF = ("#a6a6a6", "#6c6c72")
+# The hues of M. Okabe and K. Ito (2008), which stay apart for colour-blind readers; what they
+# mean is said by a dash, a breadth, a cross or a word as well, for print in black and white.
 _BLUE = ("#1f5fa8", "#82b6f2")
 _ORANGE = ("#d96b00", "#ffa040")
-_RED = ("#cc1f1f", "#ff6e6e")
+_RED = ("#b3003c", "#ff6f91")
+_PURPLE = ("#7b3294", "#d3a4e6")
+_GREEN = ("#00734f", "#5fd0a8")
 
 STYLES: dict[str, Style] = {
     # lines
     "bond": Style(_INK, 1.5),
     "barb": Style(_INK, 1.5),
     "stroke": Style(_INK, 1.9),
+    "cross": Style(_INK, 1.9),
     "switch": Style(_SOFT, 1.2, (1.5, 2.5)),
+    "panel": Style(("#d4d4d4", "#44444c"), 0.8),
+    # pale grounds
+    "region": Style(("#dfebf7", "#243447")),
+    "ground": Style(("#dfebf7", "#243447"), 0.5, fill=("#dfebf7", "#243447")),
+    "emphasis": Style(("#ffedab", "#453b14")),
     # texts
     "node": Style(_INK, size=19.0, bold=True),
+    "sample": Style(_INK, size=13.0, bold=True),
     "junction": Style(bold=False),
     "subscript": Style(_INK, size=11.0, italic=True),
     "name": Style(_INK, size=10.5),
@@ -60,8 +74,14 @@ STYLES: dict[str, Style] = {
     "title": Style(_INK, size=13.0, bold=True),
     "caption": Style(_SOFT, size=11.5),
     "legend": Style(_SOFT, size=10.5),
+    "badge": Style(_SOFT, 0.9, size=9.0, fill=("#f3f3f3", "#2b2b30")),
+    "blue": Style(_BLUE, fill=("#e6f0fa", "#1d2c3e")),
+    "orange": Style(("#9a4a00", "#ffa040"), fill=("#fdeeda", "#3f2a10")),
+    "red": Style(_RED, fill=("#fbe3ea", "#46141f")),
+    "purple": Style(_PURPLE, fill=("#f1e4f5", "#37223f")),
+    "green": Style(_GREEN, fill=("#dcf3ea", "#12382b")),
     # states
-    "dynamic": Style(dash=(3.2, 2.7)),
+    "dynamic": Style(_BLUE, 1.9, (3.8, 1.8)),
     "derivative": Style(_ORANGE, 3.2),
     "off": Style(_OFF),
     "conflict": Style(_RED, 2.4),
@@ -74,10 +94,10 @@ def look(role: str) -> Style:
     Examples
     --------
     >>> look("stroke derivative").width, look("stroke dynamic").dash
-    (3.2, (3.2, 2.7))
+    (3.2, (3.8, 1.8))
     """
     words = set(role.split())
-    ink, width, dash, size, bold, italic = _INK, 1.5, None, 11.0, False, False
+    ink, width, dash, size, bold, italic, fill = _INK, 1.5, None, 11.0, False, False, None
     for word, style in STYLES.items():
         if word in words:
             ink = style.ink or ink
@@ -86,4 +106,5 @@ def look(role: str) -> Style:
             size = style.size or size
             bold = style.bold if style.bold is not None else bold
             italic = style.italic if style.italic is not None else italic
-    return Style(ink, width, dash, size, bold, italic)
+            fill = style.fill or fill
+    return Style(ink, width, dash, size, bold, italic, fill)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from html import escape
 
-from hybond.draw.scene import Frame, Line, Mark, Scene, printable
+from hybond.draw.scene import Band, Frame, Line, Mark, Scene, printable
 from hybond.draw.style import FONT, PAPER, STYLES, Style
 
 
@@ -50,9 +50,10 @@ def style_sheet() -> str:
         "@media screen{.hybond-graph{max-width:100%;height:auto}}",
         f".hybond-graph{{font-family:{FONT}}}",
         f".hybond-graph .paper{{fill:{PAPER[0]}}}",
-        ".hybond-graph path,.hybond-graph rect.switch{fill:none}",
+        ".hybond-graph path,.hybond-graph rect{fill:none}",
         ".hybond-graph path{stroke-linecap:butt}",
-        ".hybond-graph .bond,.hybond-graph .barb{stroke-linecap:round}",
+        ".hybond-graph .bond,.hybond-graph .barb,.hybond-graph .cross,"
+        ".hybond-graph .region,.hybond-graph .emphasis{stroke-linecap:round}",
     ]
     dark = [f".hybond-graph .paper{{fill:{PAPER[1]}}}"]
     for word, style in STYLES.items():
@@ -63,11 +64,12 @@ def style_sheet() -> str:
             continue
         # A word's colour is the stroke of its lines and the fill of its texts.
         for sheet, ink in zip((rules, dark), style.ink, strict=True):
-            if style.size is None:
+            if style.size is None or style.width is not None:
                 lines = f".hybond-graph path.{word},.hybond-graph rect.{word}"
                 sheet.append(f"{lines}{{stroke:{ink}}}")
-            if style.width is None or word == "conflict":
-                sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
+            sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
+        for sheet, fill in zip((rules, dark), style.fill or (), strict=False):
+            sheet.append(f".hybond-graph rect.{word}{{fill:{fill}}}")
     return "\n".join(rules) + "\n@media (prefers-color-scheme:dark){\n" + "\n".join(dark) + "\n}"
 
 
@@ -87,14 +89,16 @@ def _declarations(style: Style) -> str:
 
 
 def _mark(mark: Mark) -> str:
-    if isinstance(mark, Line):
+    if isinstance(mark, Line | Band):
         points = "L".join(f"{_number(x)} {_number(y)}" for x, y in mark.points)
-        return f'<path class="{mark.role}" d="M{points}"/>'
+        broad = f' stroke-width="{_number(mark.breadth)}"' if isinstance(mark, Band) else ""
+        return f'<path class="{mark.role}"{broad} d="M{points}"/>'
     if isinstance(mark, Frame):
         b = mark.box
         return (
-            f'<rect class="{mark.role}" x="{_number(b.x0)}" y="{_number(b.y0)}" rx="6" '
-            f'width="{_number(b.x1 - b.x0)}" height="{_number(b.y1 - b.y0)}"/>'
+            f'<rect class="{mark.role}" x="{_number(b.x0)}" y="{_number(b.y0)}" '
+            f'width="{_number(b.x1 - b.x0)}" height="{_number(b.y1 - b.y0)}" '
+            f'rx="{_number(mark.radius)}"/>'
         )
     anchor = "" if mark.anchor == "start" else f' text-anchor="{mark.anchor}"'
     return (

@@ -2,58 +2,94 @@
 
 from __future__ import annotations
 
-from hybond.draw.geometry import STROKE_LENGTH, Box
+from collections.abc import Iterable, Sequence
+
+from hybond.draw.geometry import Box
+from hybond.draw.legend import Entry, moved, rows, width_of
 from hybond.draw.measure import shorten, width
-from hybond.draw.scene import Frame, Group, Line, Mark, Scene, Text
-from hybond.draw.sketch import Sketch
+from hybond.draw.scene import Band, Frame, Group, Line, Mark, Scene, Text
 from hybond.draw.style import look
 
-_MARGIN = 14.0
+MARGIN = 14.0
 _LEAST = 260.0
 _MOST = 520.0
 """How far a title may widen the page."""
-_LEGEND = (
-    ("dynamic", "stroke dynamic", "depends on the mode"),
-    ("derivative", "stroke derivative", "derivative causality"),
-    ("conflict", "stroke conflict", "causal conflict"),
-    ("off", "bond off", "off"),
-)
 
 
-def with_words(groups: tuple[Group, ...], sketch: Sketch) -> Scene:
-    """Return the scene of `groups` with its words, moved to the page's origin."""
-    extent = [box for g in groups for m in g.marks for box in [extent_of(m)]]
-    x0, y0 = min((b.x0 for b in extent), default=0.0), min((b.y0 for b in extent), default=0.0)
-    x1, y1 = max((b.x1 for b in extent), default=0.0), max((b.y1 for b in extent), default=0.0)
-    legend = _legend(sketch)
+def with_words(
+    groups: tuple[Group, ...], *, title: str = "", caption: str = "", legend: Sequence[Entry] = ()
+) -> Scene:
+    """Return the scene of `groups` with its words, moved to the page's origin.
+
+    Examples
+    --------
+    >>> bond = Group("bond", "a -> b", "", (Line("bond", ((0.0, 0.0), (300.0, 0.0))),))
+    >>> scene = with_words((bond,), title="A bond")
+    >>> scene.width, [group.name for group in scene.groups]
+    (328.0, ['bond', 'words'])
+    """
+    extent = extent_of_groups(groups)
     size = look("title").size or 13.0
-    wide = max(x1 - x0, min(width(sketch.title, size, bold=True), _MOST), _LEAST, legend[1])
-
+    wide = max(
+        extent.x1 - extent.x0,
+        min(width(title, size, bold=True), _MOST),
+        _LEAST,
+        width_of(legend),
+    )
     head: list[Mark] = []
-    y = _MARGIN
-    if sketch.title:
-        title = shorten(sketch.title, 1.1 * size, wide)
+    y = MARGIN
+    if title:
         y += size
-        head.append(Text("title", title, _MARGIN, y, "start"))
+        head.append(Text("title", shorten(title, 1.1 * size, wide), MARGIN, y, "start"))
         y += 6.0
-    for line in _wrapped(sketch.caption, wide):
-        size = look("caption").size or 11.0
-        y += size
-        head.append(Text("caption", line, _MARGIN, y, "start"))
-        y += 4.0
+    lines, y = caption_lines(caption, wide, MARGIN, y)
+    head += lines
     y += 8.0 if head else 0.0
 
-    page = wide + 2 * _MARGIN
-    dx, dy = _MARGIN - x0 + (wide - (x1 - x0)) / 2, y - y0
-    moved = tuple(
-        Group(g.name, g.key, g.about, tuple(_moved(m, dx, dy) for m in g.marks)) for g in groups
+    dx, dy = MARGIN - extent.x0 + (wide - (extent.x1 - extent.x0)) / 2, y - extent.y0
+    bottom = extent.y1 + dy + MARGIN
+    marks, height = rows(legend, wide)
+    if marks:
+        head += [moved(m, MARGIN, bottom) for m in marks]
+        bottom += height + MARGIN - 4.0
+    all_groups = shifted(groups, dx, dy)
+    if head:
+        all_groups = (*all_groups, Group("words", "", "", tuple(head)))
+    return Scene(round(wide + 2 * MARGIN, 1), round(bottom, 1), all_groups, title=title)
+
+
+def caption_lines(
+    caption: str, room: float, x: float, y: float, *, most: int = 4
+) -> tuple[list[Mark], float]:
+    """Return the lines of a caption below `y`, and where the last one ends."""
+    size = look("caption").size or 11.0
+    marks: list[Mark] = []
+    for line in _wrapped(caption, room, most):
+        y += size
+        marks.append(Text("caption", line, x, y, "start"))
+        y += 4.0
+    return marks, y
+
+
+def shifted(groups: Iterable[Group], dx: float, dy: float) -> tuple[Group, ...]:
+    """Return groups moved to the right and down."""
+    return tuple(
+        Group(g.name, g.key, g.about, tuple(moved(m, dx, dy) for m in g.marks)) for g in groups
     )
-    bottom = y1 + dy + _MARGIN
-    if legend[0]:
-        head += [_moved(m, _MARGIN, bottom + 8.0) for m in legend[0]]
-        bottom += 16.0 + _MARGIN
-    all_groups = (*moved, Group("words", "", "", tuple(head))) if head else moved
-    return Scene(round(page, 1), round(bottom, 1), all_groups, title=sketch.title)
+
+
+def extent_of_groups(groups: Iterable[Group]) -> Box:
+    """Return a box around groups; an empty one at the origin if there are none.
+
+    Strokes do not count: they stand at one end or the other, and no picture moves for that.
+    """
+    extent = [extent_of(m) for g in groups for m in g.marks if not m.role.startswith("stroke")]
+    return Box(
+        min((b.x0 for b in extent), default=0.0),
+        min((b.y0 for b in extent), default=0.0),
+        max((b.x1 for b in extent), default=0.0),
+        max((b.y1 for b in extent), default=0.0),
+    )
 
 
 def extent_of(mark: Mark) -> Box:
@@ -64,9 +100,10 @@ def extent_of(mark: Mark) -> Box:
     >>> extent_of(Line("bond", ((0.0, 5.0), (10.0, 5.0))))
     Box(x0=0.0, y0=5.0, x1=10.0, y1=5.0)
     """
-    if isinstance(mark, Line):
+    if isinstance(mark, Line | Band):
         xs, ys = [p[0] for p in mark.points], [p[1] for p in mark.points]
-        return Box(min(xs), min(ys), max(xs), max(ys))
+        box = Box(min(xs), min(ys), max(xs), max(ys))
+        return box.grown(mark.breadth / 2) if isinstance(mark, Band) else box
     if isinstance(mark, Frame):
         return mark.box
     style = look(mark.role)
@@ -76,16 +113,7 @@ def extent_of(mark: Mark) -> Box:
     return Box(left, mark.y - 0.75 * size, left + wide, mark.y + 0.22 * size)
 
 
-def _moved(mark: Mark, dx: float, dy: float) -> Mark:
-    if isinstance(mark, Line):
-        return Line(mark.role, tuple((x + dx, y + dy) for x, y in mark.points))
-    if isinstance(mark, Frame):
-        b = mark.box
-        return Frame(mark.role, Box(b.x0 + dx, b.y0 + dy, b.x1 + dx, b.y1 + dy))
-    return Text(mark.role, mark.text, mark.x + dx, mark.y + dy, mark.anchor)
-
-
-def _wrapped(caption: str, room: float, most: int = 4) -> list[str]:
+def _wrapped(caption: str, room: float, most: int) -> list[str]:
     """Break a caption at its commas; what passes `most` lines is cut."""
     size = look("caption").size or 11.0
     lines: list[str] = []
@@ -97,29 +125,3 @@ def _wrapped(caption: str, room: float, most: int = 4) -> list[str]:
     if len(lines) > most:
         lines = [*lines[: most - 1], lines[most - 1] + ", …"]
     return [shorten(line, size, room) for line in lines]
-
-
-def _legend(sketch: Sketch) -> tuple[list[Mark], float]:
-    """Return the legend of what is out of the ordinary, from x = 0 on, and its width."""
-    shown = {
-        "dynamic": any(a.dynamic and a.strokes for a in sketch.arrows),
-        "derivative": any(a.derivative and a.strokes for a in sketch.arrows),
-        "conflict": any(a.conflict for a in sketch.arrows),
-        "off": any(a.off for a in sketch.arrows) or any(s.off for s in sketch.symbols),
-    }
-    marks: list[Mark] = []
-    size = look("legend").size or 10.0
-    x = 0.0
-    for key, role, meaning in _LEGEND:
-        if not shown[key]:
-            continue
-        if key == "off":
-            marks.append(Line(role, ((x, 0.0), (x + 14.0, 0.0))))
-            x += 20.0
-        else:
-            half = STROKE_LENGTH / 2
-            marks.append(Line(role, ((x + 3.0, half), (x + 3.0, -half))))
-            x += 11.0
-        marks.append(Text("legend", meaning, x, 0.36 * size, "start"))
-        x += width(meaning, size) + 18.0
-    return marks, x

@@ -34,6 +34,8 @@ Vector = NDArray[np.float64]
 Closure = Callable[[Sequence[float]], float]
 
 NEWTON_STEPS = 40
+LOOKS_ASIDE = 3
+"""Times that Newton leaves a point where the laws are flat."""
 NEWTON_TOLERANCE = 1e-13
 """Newton ends when an update is below this part of the bond variables' size."""
 RANK_TOLERANCE = 1e-10
@@ -169,15 +171,27 @@ class ModeEquations:
         base = self.x2 @ xi
         r = self.guess if self.guess is not None else np.zeros(self.n2.shape[1])
         update = np.inf
+        aside = 0
         for _ in range(NEWTON_STEPS):
             w = base + self.n2 @ r
             residual, jacobian = self._system(v, x, xi, w)
-            if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+            if not np.isfinite(residual).all():
+                raise self._blame(v)
+            if not residual.any():
+                # exact already, even where a law has no slope: a root at zero flow
+                return self._found(v, r, w)
+            if not np.isfinite(jacobian).all():
                 raise self._blame(v)
             step = _least_squares(jacobian, residual)
+            scale = np.abs(base).max(initial=0.0) + np.abs(r).max(initial=0.0)
+            if self._stands_still(jacobian, residual, step) and aside < LOOKS_ASIDE:
+                # flat here (a quadratic law at zero flow), yet not satisfied: look aside
+                aside += 1
+                r = r + 10.0 ** (-3 * aside) * max(scale, 1e-6) * (1.0 + 0.1 * np.arange(len(r)))
+                update = np.inf
+                continue
             r = r - step
             self.newton_steps += 1
-            scale = np.abs(base).max(initial=0.0) + np.abs(r).max(initial=0.0)
             previous, update = update, float(np.abs(step).max(initial=0.0))
             if self.affine:
                 # one step from anywhere is exact
@@ -186,10 +200,7 @@ class ModeEquations:
             if update <= NEWTON_TOLERANCE * scale or (
                 update <= 1e-9 * scale and update >= 0.5 * previous
             ):
-                self.guess = r
-                w = base + self.n2 @ r
-                v[self.slots.w] = w.tolist()
-                return w
+                return self._found(v, r, base + self.n2 @ r)
         self.guess = None
         names = ", ".join(self.graph.nodes[d.node].path for d in self.rows if d.node >= 0)
         raise NumericsError(
@@ -198,6 +209,21 @@ class ModeEquations:
             where=self.graph.mode_text(self.mode),
             hint="check these laws for jumps or missing slopes; start closer to a solution",
         )
+
+    def _found(self, v: list[float], r: Vector, w: Vector) -> Vector:
+        self.guess = r
+        v[self.slots.w] = w.tolist()
+        return w
+
+    def _stands_still(self, jacobian: Matrix, residual: Vector, step: Vector) -> bool:
+        """Whether a step leaves a part of the residual that the slopes here cannot reach.
+
+        In an affine system that part says that laws contradict each other, wherever one looks.
+        """
+        if self.affine:
+            return False
+        rest = np.abs(residual - jacobian @ step)
+        return bool((rest > 0.5 * np.abs(residual)).any() and rest.max() > 0.0)
 
     def _blame(self, v: Sequence[float]) -> NumericsError:
         """Return the refusal that names the law whose value or slope is not a number."""
@@ -265,6 +291,11 @@ class ModeEquations:
             return self.freedom
         w = np.array(v[self.slots.w])
         _, jacobian = self._system(v, x, self.knowns(v, x), w)
+        steep = ~np.isfinite(jacobian)
+        if steep.any():
+            # a slope without bound (a root at zero) fixes its variable like any other
+            size = np.abs(jacobian[~steep]).max(initial=0.0)
+            jacobian = np.where(steep, size or 1.0, jacobian)
         return np.asarray(self.n2 @ null_space(jacobian))
 
 

@@ -73,6 +73,9 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
         _name(model, key, place / "machines" / key)
         states = {state: tuple(on) for state, on in value["states"].items()}
         model.machines[key] = MachinePart(states, value["start"], tuple(value.get("rules", ())))
+    causality = data.get("causality", {})
+    model.pins = dict(causality.get("pins", {}))
+    model.reference_states = dict(causality.get("reference", {}))
     for key, value in data.get("ports", {}).items():
         _name(Model(), key, place / "ports" / key)
         model.ports[key] = value

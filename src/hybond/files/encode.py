@@ -67,6 +67,7 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
         "signals": {k: _signal(v) for k, v in model.signals.items()},
         "inputs": {k: _input(v, (*path, "inputs", k)) for k, v in model.inputs.items()},
         "machines": {k: _machine(v) for k, v in model.machines.items()},
+        "causality": _causality(model),
         "ports": model.ports,
         "models": {
             key: _submodel(key, inner, (*path, "models", key), inside, inline)
@@ -164,6 +165,11 @@ def _input(given: InputPart, path: Path) -> dict[str, Any]:
 def _machine(machine: MachinePart) -> dict[str, Any]:
     data = {"states": machine.states, "start": machine.start}
     return {**data, "rules": machine.rules} if machine.rules else data
+
+
+def _causality(model: Model) -> dict[str, Any]:
+    given = {"pins": model.pins, "reference": model.reference_states}
+    return {key: value for key, value in given.items() if value}
 
 
 def _plain(value: Any, path: Path) -> Any:

@@ -199,6 +199,13 @@ class Experiment(Struct, forbid_unknown_fields=True):
     points: int | UnsetType = UNSET
 
 
+class Causality(Struct, forbid_unknown_fields=True):
+    """What the modeller fixes of causality: strokes of bonds, and the reference mode."""
+
+    pins: dict[str, str] | UnsetType = UNSET
+    reference: dict[str, str] | UnsetType = UNSET
+
+
 class Submodel(Struct, forbid_unknown_fields=True):
     """A model inside a model: the sections of a file."""
 
@@ -212,6 +219,7 @@ class Submodel(Struct, forbid_unknown_fields=True):
     signals: dict[str, str | Integrated] | UnsetType = UNSET
     inputs: dict[str, Waveform] | UnsetType = UNSET
     machines: dict[str, Machine] | UnsetType = UNSET
+    causality: Causality | UnsetType = UNSET
     ports: dict[str, str] | UnsetType = UNSET
     models: dict[str, Submodel] | UnsetType = UNSET
     experiment: Experiment | UnsetType = UNSET

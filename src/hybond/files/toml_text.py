@@ -18,6 +18,7 @@ ORDER = (
     "signals",
     "inputs",
     "machines",
+    "causality",
     "ports",
     "models",
     "experiment",

@@ -66,6 +66,10 @@ class Model:
         self.models: dict[str, Model] = {}
         self.experiment: dict[str, Any] = {}
         self.layout: dict[str, tuple[float, float]] = {}
+        self.pins: dict[str, str] = {}
+        """Bond to the node at its stroke; see `pin`."""
+        self.reference_states: dict[str, str] = {}
+        """Machine to state; see `reference`."""
         self.indeterminate = "error"
         """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
 
@@ -124,6 +128,38 @@ class Model:
     def port(self, **ports: str) -> None:
         """Expose nodes of a submodel: ``port(shaft="inertia_junction")``."""
         self.ports.update(ports)
+
+    def pin(self, bond: str, *, at: str) -> None:
+        """Fix the causal stroke of a bond.
+
+        Parameters
+        ----------
+        bond : str
+            The bond as written, ``"contact -> v"``, or its label.
+        at : str
+            The node at the stroke: the end of the bond that receives the effort.
+
+        Examples
+        --------
+        Two resistors in series; which of them gives the flow is free, unless it is pinned.
+
+        >>> import hybond as hb
+        >>> m = hb.Model("divider")
+        >>> m.add(V=hb.Se(12), r=hb.R(1), s=hb.R(2), node=hb.One())
+        >>> m.bond("V -> node -> r", "node -> s")
+        >>> m.pin("node -> r", at="r")
+        >>> dict(m.flatten().pins)
+        {1: 1}
+        """
+        self.pins[bond] = at
+
+    def reference(self, **states: str) -> None:
+        """Give the reference mode of causality: the mode that others are compared with.
+
+        Machines that are left out are in their start state. Without this a mode with as much
+        integral causality as possible is looked for.
+        """
+        self.reference_states.update(states)
 
     def flatten(self, *, parameters: Mapping[str, Value] | None = None) -> FlatGraph:
         """Return the frozen flat graph: submodels resolved, names and units checked.

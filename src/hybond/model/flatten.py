@@ -34,7 +34,9 @@ from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
+from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import InputPart, Value
+from hybond.model.pins import pins_of, reference_of
 from hybond.model.resolve import Resolver
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
@@ -66,7 +68,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
             ends=ends[k],
             domain=domains[ends[k][0].bond] if ends[k] else DOMAINS["generic"],
             controlled=raw.switched,
-            machine=switched.get(raw.path, (None,))[0] if raw.switched else None,
+            machine=switched[raw.owner][0] if raw.switched else None,
             hidden=raw.written is None,
             impulsive=bool(raw.written and raw.written.part.options.get("impulsive", False)),
             label=_label(raw),
@@ -107,9 +109,17 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         layout=opened.layout,
         by_path={n.path: n.index for n in nodes},
         indeterminate=model.indeterminate,
+        pins=pins_of(opened, resolver),
+        reference=reference_of(opened, machines),
         read=lambda text: resolver.resolve(parse(text, where=text), root, text),
+        parametric=lambda k: _parametric(nodes[k], raw_nodes[k], resolver),
     )
     return fieldless.checked(graph)
+
+
+def _parametric(node: Node, raw: RawNode, resolver: Resolver) -> Parametric:
+    assert raw.written is not None
+    return parametric(node, raw.written, resolver)
 
 
 def _switched(opened: Opened) -> dict[str, tuple[int, str]]:
@@ -170,11 +180,15 @@ def _graph(
         RawBond(number[b.tail.path], number[b.head.path], b.tail.port, b.head.port, b.name, b.where)
         for b in opened.bonds
     ]
+    touching: list[list[int]] = [[] for _ in nodes]
+    for k, b in enumerate(bonds):
+        touching[b.tail].append(k)
+        touching[b.head].append(k)
     for path in switched:
         node = nodes[number[path]]
         if node.switched:
             continue
-        at = [k for k, b in enumerate(bonds) if number[path] in (b.tail, b.head)]
+        at = touching[number[path]]
         if len(at) != 1:
             raise ModelError(
                 f"the switched element {path!r} must have one bond, it has {len(at)}",

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from hybond.errors import ModelError
 from hybond.model.expressions import Compare, Expr
@@ -33,6 +33,9 @@ from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import Law
 from hybond.names import did_you_mean
 from hybond.units import Dimension, Domain
+
+if TYPE_CHECKING:
+    from hybond.model.parametric import Parametric
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,8 +197,14 @@ class FlatGraph:
     """Node index by dotted path."""
     indeterminate: str = "error"
     """What a guard on an undetermined signal means: ``"error"`` or ``"least leakage"``."""
+    pins: Mapping[int, int] = field(default_factory=dict)
+    """Strokes that the modeller fixed: bond index to 0 (stroke at its tail) or 1 (its head)."""
+    reference: Mode | None = None
+    """The reference mode of causality, if the modeller gave one."""
     read: Callable[[str], Expr] | None = field(default=None, compare=False, repr=False)
     """Text of an expression in the model's own names to canonical names."""
+    parametric: Callable[[int], Parametric] | None = field(default=None, compare=False, repr=False)
+    """The law of the element with this index, in names of parameters."""
 
     @property
     def start_mode(self) -> Mode:

@@ -66,6 +66,16 @@ class WrittenBond:
     where: str
 
 
+@dataclass(frozen=True, slots=True)
+class WrittenPin:
+    """A pinned stroke: the bond and the node as written, and the node's absolute path."""
+
+    scope: Scope
+    bond: str
+    at: str
+    path: str
+
+
 @dataclass(slots=True)
 class Opened:
     """All that a model and its submodels contain, by absolute dotted path."""
@@ -79,6 +89,8 @@ class Opened:
     parameters: dict[str, Number] = field(default_factory=dict)
     ports: dict[str, str] = field(default_factory=dict)
     layout: dict[str, tuple[float, float]] = field(default_factory=dict)
+    pins: list[WrittenPin] = field(default_factory=list)
+    reference: dict[str, str] = field(default_factory=dict)
 
 
 def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
@@ -164,6 +176,9 @@ def _open(
         opened.machines[join(prefix, name)] = (scope, machine)
     for k, text in enumerate(model.bonds):
         opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
+    for bond, at in model.pins.items():
+        opened.pins.append(WrittenPin(scope, bond, at, _end(at, scope, opened).path))
+    opened.reference.update({join(prefix, k): v for k, v in model.reference_states.items()})
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
 
 

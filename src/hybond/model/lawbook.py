@@ -7,6 +7,7 @@ same for a field. ``{ e = ... }`` or ``{ f = ... }`` is a law in full, an expres
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, cast
 
@@ -69,7 +70,8 @@ class _Reader:
         self.where = f"elements.{node.path}.{written.part.kind}"
         self.count = len(node.ends)
         self.output: Literal["e", "f"] = node.about.law or "e"
-        self.dimensions = dict(dimensions)
+        # On top of all names, not a copy of them: flattening must not cost elements squared.
+        self.dimensions = ChainMap[str, Dimension | None]({}, cast(Any, dimensions))
         many = self.count > 1
         stored = node.about.energy
         self.locals: dict[str, Expr] = {}

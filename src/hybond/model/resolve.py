@@ -255,6 +255,11 @@ class Resolver:
             )
         return balance(node, variable)
 
+    def bonds_called(self, text: str, scope: Scope) -> list[int]:
+        """Return the bonds with this name or label; more than one if it is ambiguous."""
+        key = (f"{scope.prefix}." if scope.prefix else "") + _squeeze(text)
+        return self._bond_names.get(key, [])
+
     def _name_bonds(self) -> dict[str, list[int]]:
         table: dict[str, list[int]] = {}
         for bond, written in zip(self.bonds, self.opened.bonds, strict=False):
@@ -266,8 +271,7 @@ class Resolver:
         return table
 
     def _bond_variable(self, text: str, variable: str, scope: Scope, where: str) -> Expr:
-        key = (f"{scope.prefix}." if scope.prefix else "") + _squeeze(text)
-        bonds = self._bond_names.get(key, [])
+        bonds = self.bonds_called(text, scope)
         if len(bonds) == 1 and variable in ("e", "f"):
             return Name(f"{variable}:{bonds[0]}")
         if len(bonds) > 1:

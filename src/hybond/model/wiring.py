@@ -23,6 +23,11 @@ class RawNode:
     """None for the junction that stands for the switch of a switched element."""
     switched: bool = False
 
+    @property
+    def owner(self) -> str:
+        """Return the path under which a machine switches it."""
+        return self.path if self.written is not None else self.path.removesuffix(".switch")
+
 
 @dataclass(frozen=True, slots=True)
 class RawBond:

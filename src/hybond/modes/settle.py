@@ -296,7 +296,7 @@ def _fired_text(fired: Fired) -> str:
 def event_of(t: float, cause: str, settled: Settled, x: Vector, s: Vector) -> Event:
     """Return the record of a settled instant."""
     return Event(
-        t,
+        float(t),
         cause,  # type: ignore[arg-type]
         settled.steps,
         np.concatenate([x, s]),

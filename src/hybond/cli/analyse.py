@@ -1,0 +1,132 @@
+"""``hybond analyse``: structure mode by mode, the restitution of a contact, residuals."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import Any
+
+from hybond.cli.lists import mode_of, split
+from hybond.cli.record import to_json
+from hybond.cli.running import read_graph
+from hybond.cli.streams import say
+from hybond.cli.targets import check_new, check_target
+from hybond.errors import UsageError
+from hybond.model.graph import FlatGraph
+
+VERSION = 1
+"""Version of the object of ``--json``."""
+
+
+def analyse(given: Namespace) -> int:
+    """Do one analysis; the options say which."""
+    _check(given)
+    graph = read_graph(given.file, given.settings)
+    record: dict[str, Any] = {"hybond": VERSION, "file": given.file}
+    if given.restitution:
+        _restitution(given, graph, record)
+    elif given.residuals:
+        _residuals(given, graph, record)
+    else:
+        _structure(given, graph, record)
+    if given.json:
+        say(to_json(record).rstrip("\n"))
+    return 0
+
+
+def _check(given: Namespace) -> None:
+    """Refuse options that belong to another analysis."""
+    for option, value, needs in (
+        ("--dt", given.dt, "restitution"),
+        ("--speed", given.speed, "restitution"),
+        ("--write", given.write, "restitution"),
+        ("--sensors", given.sensors, "residuals"),
+    ):
+        if value is not None and not getattr(given, needs):
+            raise UsageError(
+                f"{option} belongs to --{needs}",
+                code="HB-X101",
+                where="hybond analyse",
+                hint="hybond analyse --help",
+            )
+
+
+def _structure(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
+    from hybond.analysis.structure import structure
+
+    modes = [mode_of(graph, text) for text in given.mode]
+    report = structure(
+        graph,
+        modes=modes or "reachable",
+        inputs=split([given.inputs]) if given.inputs else None,
+        outputs=split([given.outputs or ""]),
+    )
+    record |= report.record()
+    if given.draw:
+        target = check_target(given.draw, (".svg", ".png", ".pdf", ".tex"), "--draw")
+        from hybond.draw import draw_mode
+
+        mode = report.rows[0].mode
+        draw_mode(graph, mode, marks=report.marks(mode)).save(target or given.draw)
+    if given.json:
+        return
+    say(graph.title or graph.name)
+    say()
+    say(report.to_markdown() if given.markdown else str(report))
+    if given.draw:
+        say(given.draw)
+
+
+def _restitution(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
+    from hybond.analysis.restitution import restitution
+
+    found = restitution(
+        graph,
+        given.restitution,
+        dt=given.dt if given.dt is not None else "1 ms",
+        speed=given.speed,
+    )
+    record |= found.record()
+    if given.write:
+        record["written"] = _write_newton(given, found.value)
+    if given.json:
+        return
+    say(graph.title or graph.name)
+    say()
+    say(found.markdown() if given.markdown else found.text())
+    if given.write:
+        say(given.write)
+
+
+def _write_newton(given: Namespace, value: float | None) -> str:
+    """Write the simplified model with Newton's law of restitution."""
+    from pathlib import Path
+
+    from hybond.analysis.newton_law import newton_law_model
+    from hybond.cli.settings import model_with
+    from hybond.files import load, save
+
+    if value is None:
+        raise UsageError(
+            "no formula gives the restitution of this contact, so there is nothing to write",
+            code="HB-X101",
+            where="--write",
+            hint="use newton_law_model in Python with a value of your own",
+        )
+    target = check_target(given.write, (".toml", ".json"), "--write")
+    assert target is not None
+    check_new(target, force=given.force)
+    model = model_with(load(Path(given.file)), given.settings)
+    save(newton_law_model(model, given.restitution, value), target)
+    return str(given.write)
+
+
+def _residuals(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
+    from hybond.analysis.residuals import residuals
+
+    found = residuals(graph, sensors=split([given.sensors or ""]))
+    record |= found.record()
+    if given.json:
+        return
+    say(graph.title or graph.name)
+    say()
+    say(found.to_markdown() if given.markdown else str(found))

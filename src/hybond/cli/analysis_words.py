@@ -1,0 +1,84 @@
+"""The options of the verbs that look at a model without running it."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from collections.abc import Callable
+from typing import Any
+
+Verb = Callable[..., ArgumentParser]
+
+
+def equations_words(verb: Verb, verbs: Any) -> ArgumentParser:
+    """Add ``hybond equations``."""
+    parser = verb(
+        verbs,
+        "equations",
+        "hybond equations ball.toml",
+        "hybond equations ball.toml --mode floor=touching --matrices",
+        "hybond equations circuit.toml --outputs C1.e --transfer",
+    )
+    parser.add_argument("file", metavar="FILE", help="a model file")
+    parser.add_argument(
+        "--mode", metavar="MACHINE=STATE,...", help="one mode (default: all, with Booleans)"
+    )
+    parser.add_argument("--outputs", metavar="SIGNAL,...", help="signals to add as outputs y")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--latex", action="store_true", help="write LaTeX")
+    form.add_argument("--markdown", action="store_true", help="write Markdown")
+    form.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    parser.add_argument("--matrices", action="store_true", help="also E, A, B, C, D")
+    parser.add_argument(
+        "--junctions", action="store_true", help="also the junction structure matrix"
+    )
+    parser.add_argument(
+        "--transfer",
+        action="store_true",
+        help="also transfer functions and poles of the mode (default: the start mode)",
+    )
+    parser.add_argument(
+        "--numbers", action="store_true", help="coefficients as numbers, not in parameters"
+    )
+    return parser
+
+
+def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
+    """Add ``hybond analyse``."""
+    parser = verb(
+        verbs,
+        "analyse",
+        "hybond analyse clutch.toml --outputs load.f",
+        "hybond analyse ball.toml --restitution contact --dt 1e-3 --write newton.toml",
+        "hybond analyse circuit.toml --residuals --sensors Df,De1,De2",
+    )
+    parser.add_argument("file", metavar="FILE", help="a model file")
+    parser.add_argument(
+        "--mode",
+        metavar="MACHINE=STATE,...",
+        action="append",
+        default=[],
+        help="analyse this mode (default: those that the machines can reach)",
+    )
+    parser.add_argument("--inputs", metavar="SOURCE,...", help="sources that can be steered")
+    parser.add_argument("--outputs", metavar="SIGNAL,...", help="signals that are measured")
+    parser.add_argument("--draw", metavar="FILE", help="draw the first mode with what was found")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--restitution",
+        metavar="JUNCTION",
+        help="the coefficient of restitution of the contact at this controlled junction",
+    )
+    what.add_argument(
+        "--residuals", action="store_true", help="residuals for diagnosis, valid in all modes"
+    )
+    parser.add_argument("--dt", metavar="T", help="the step of Margetts and Ngwompo's formula")
+    parser.add_argument("--speed", metavar="V", help="impact speed, for a contact under load")
+    parser.add_argument(
+        "--write", metavar="FILE", help="write the model with Newton's law of restitution"
+    )
+    parser.add_argument("--force", action="store_true", help="let --write replace a file")
+    parser.add_argument("--sensors", metavar="SIGNAL,...", help="what is measured, for --residuals")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--markdown", action="store_true", help="write Markdown")
+    form.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    return parser

@@ -1,0 +1,244 @@
+"""The pencil of one mode: whether it has a unique solution, its order, index and slow part.
+
+``E v' = A v + B u`` has one solution per input and consistent start if ``det(sE - A)`` is not
+identically zero. The finite eigenvalues of the pencil are its motions, as many as the degree of
+that determinant; what is left are constraints. If the degree is below the rank of E, an
+inconsistent start makes impulses in v itself.
+
+The infinite eigenvalues are taken off step by step: rows without rates are algebraic, some of
+their variables follow from the others and are put in, which may leave further rows without rates
+(P. Van Dooren, *The computation of Kronecker's canonical form of a singular pencil*, Linear
+Algebra Appl. 27, 1979). Ranks are decided by singular values; variables are chosen by pivoting,
+so that the states of what is left are stored quantities of the model, not mixtures of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.descriptor import Descriptor
+from hybond.equations.ranks import (
+    RANK,
+    Matrix,
+    Rank,
+    Scaled,
+    Tracked,
+    counted,
+    rank_of,
+    scaled,
+    worst,
+)
+
+TRIALS = (0.7411 + 0.3923j, -1.1307 + 0.8219j, 1.9163 - 0.2741j)
+"""Scaled frequencies at which a regular pencil is hardly singular by chance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slow:
+    """What moves: ``x' = A x + B u`` in scaled variables, ``y = C x`` but for what u adds.
+
+    Parameters
+    ----------
+    A, B, C : arrays
+        Of `order` states.
+    kept : tuple of int
+        Which of the descriptor's variables the states are.
+    basis : array, shape (n, order)
+        ``v = basis @ x`` while u = 0: how all variables move with the states.
+    """
+
+    A: Matrix
+    B: Matrix
+    C: Matrix
+    kept: tuple[int, ...]
+    basis: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Pencil:
+    """What `analyse` found.
+
+    Parameters
+    ----------
+    states : int
+        Size of the pencil.
+    regular : bool
+        Whether ``det(sE - A)`` is not identically zero: the mode is solvable.
+    normal_rank : int
+        Rank of ``sE - A`` at nearly all s.
+    rank_e : int
+    order : int or None
+        Degree of the determinant; None if it is zero.
+    index : int or None
+        Steps until nothing was algebraic any more: 0 for an ordinary differential equation.
+    poles : array or None
+        The finite eigenvalues, 1/s, sorted by real part.
+    slow : Slow or None
+    scaled : Scaled
+        What the ranks were decided on.
+    smallest, dropped : float
+        The least clear margins of all ranks decided (`hybond.equations.ranks.Rank`).
+    """
+
+    states: int
+    regular: bool
+    normal_rank: int
+    rank_e: int
+    order: int | None
+    index: int | None
+    poles: NDArray[np.generic] | None
+    slow: Slow | None
+    scaled: Scaled
+    smallest: float
+    dropped: float
+
+    @property
+    def impulse_free(self) -> bool | None:
+        """Whether no start makes an impulse in v: the degree equals the rank of E."""
+        return None if self.order is None else self.order == self.rank_e
+
+    @property
+    def sure(self) -> bool:
+        """Whether no rank was near its limit."""
+        return Rank(0, self.smallest, self.dropped).sure
+
+
+def analyse(d: Descriptor) -> Pencil:
+    """Return regularity, order, index, poles and slow part of a mode.
+
+    Examples
+    --------
+    Two capacitors in parallel, 1 F and 2 F, that 3 ohm discharges: one state, one constraint.
+
+    >>> d = Descriptor.of([[1, 1], [0, 0]], [[-1 / 3, 0], [1, -0.5]], [[1], [0]],
+    ...                   states=("c1.q", "c2.q"), inputs=("J",))
+    >>> found = analyse(d)
+    >>> found.regular, found.order, found.index, found.impulse_free
+    (True, 1, 1, True)
+    >>> found.poles.round(6).tolist()
+    [-0.111111]
+    """
+    n = len(d.states)
+    s = scaled(d)
+    trials = [rank_of(z * s.E - s.A) for z in TRIALS]
+    normal = max(trials, key=lambda r: (r.value, r.smallest))
+    e_rank = rank_of(s.E)
+    regular = normal.value == n
+    if not regular:
+        low, high = worst(normal, e_rank)
+        return Pencil(n, False, normal.value, e_rank.value, None, None, None, None, s, low, high)
+    reduced = _Reduction(s)
+    try:
+        slow, ranks = reduced.run()
+    except np.linalg.LinAlgError:
+        # regular at the trial frequencies, but so barely that no variable can be put in
+        return Pencil(n, False, n, e_rank.value, None, None, None, None, s, 0.0, normal.smallest)
+    poles = poles_of(slow.A) * s.time
+    low, high = worst(normal, e_rank, *ranks)
+    order = len(slow.kept)
+    return Pencil(n, True, n, e_rank.value, order, reduced.index, poles, slow, s, low, high)
+
+
+class _Reduction:
+    """A scaled regular pencil while its infinite eigenvalues are taken off."""
+
+    def __init__(self, s: Scaled) -> None:
+        n = len(s.A)
+        self.e, self.a = Tracked.of(s.E), Tracked.of(s.A)
+        # B and C are polynomials in s: eliminating a variable that an input drives brings s * u
+        self.b = [Tracked.of(s.B)]
+        self.c = [Tracked.of(m) for m in (s.C, s.F) if m is s.C or m.any()]
+        self.kept = np.arange(n)
+        self.basis = Tracked.of(np.eye(n))
+        self.index = 0
+        self.size_e = float(np.linalg.norm(s.E, 2)) if n else 0.0
+
+    def run(self) -> tuple[Slow, list[Rank]]:
+        """Reduce until E is invertible; return what is left and the ranks decided."""
+        ranks = []
+        while len(self.e.value):
+            rank = rank_of(self.e.value, self.size_e)
+            ranks.append(rank)
+            if rank.value == len(self.e.value):
+                break
+            ranks.append(self._deflate(rank.value))
+            self.index += 1
+        inverse = self.e.inverse()
+        a = inverse @ self.a
+        # modulo sI - a: s acts on a column of B as a does, on a row of C likewise
+        *lower, b = [inverse @ coefficient for coefficient in self.b]
+        for coefficient in reversed(lower):
+            b = a @ b + coefficient
+        *lower, c = self.c
+        for coefficient in reversed(lower):
+            c = c @ a + coefficient
+        kept = tuple(int(k) for k in self.kept)
+        return Slow(a.value, b.value, c.value, kept, self.basis.value), ranks
+
+    def _deflate(self, rank: int) -> Rank:
+        """Take off the rows without rates, and as many variables."""
+        from scipy.linalg import qr
+
+        n = len(self.e.value)
+        # rows of E that are independent, and the others as combinations of them
+        pivots = qr(self.e.value.T, mode="r", pivoting=True)[1]
+        upper, lower = np.sort(pivots[:rank]), np.sort(pivots[rank:])
+        mix = Tracked.of(self.e.value[lower] @ np.linalg.pinv(self.e.value[upper], rcond=RANK))
+        mix = Tracked(np.where(np.abs(mix.value) > RANK, mix.value, 0.0), mix.error)
+
+        def split(m: Tracked) -> tuple[Tracked, Tracked]:
+            return m.take(upper), m.take(lower) + -mix @ m.take(upper)
+
+        e1 = self.e.take(upper)
+        a1, a2 = split(self.a)
+        values = np.linalg.svd(a2.value, compute_uv=False)
+        found = counted(values, max(float(np.linalg.norm(self.a.value, 2)), float(values[0])))
+        if found.value < n - rank:
+            raise np.linalg.LinAlgError("algebraic rows that depend on each other")
+        pivots = qr(a2.value, mode="r", pivoting=True)[1]
+        out, stay = np.sort(pivots[: n - rank]), np.sort(pivots[n - rank :])
+        # 0 = a2_out v_out + a2_stay v_stay + b2 u
+        inverse = a2.take(columns=out).inverse()
+        follow = -inverse @ a2.take(columns=stay)
+        parts = [split(b) for b in self.b]
+        driven = [-inverse @ b2 for _, b2 in parts]
+        b_new = [b1 for b1, _ in parts] + [Tracked.of(np.zeros_like(parts[0][0].value))]
+        for k, drive in enumerate(driven):
+            b_new[k] += a1.take(columns=out) @ drive
+            b_new[k + 1] += -e1.take(columns=out) @ drive
+        if not b_new[-1].value.any():
+            b_new.pop()
+
+        def put_in(m: Tracked) -> Tracked:
+            return m.take(columns=stay) + m.take(columns=out) @ follow
+
+        self.e, self.a, self.basis = put_in(e1), put_in(a1), put_in(self.basis)
+        self.b = b_new
+        self.c = [put_in(c) for c in self.c]
+        self.kept = self.kept[stay]
+        return found
+
+
+def poles_of(a: Matrix) -> NDArray[Any]:
+    """Return the eigenvalues; those at the origin, however often they coincide, are exactly 0.
+
+    A double eigenvalue at 0 (a free mass) is found by QR only to half the digits. How many there
+    are is a matter of ranks: they are the infinite eigenvalues of the pencil (a, 1).
+    """
+    n = len(a)
+    if not n:
+        return np.zeros(0)
+    values = np.linalg.eigvals(a)
+    none = np.zeros((n, 0))
+    turned = _Reduction(Scaled(a, np.eye(n), none, none.T, none.T, np.ones(n), 1.0))
+    try:
+        moving = len(turned.run()[0].kept)
+    except np.linalg.LinAlgError:
+        moving = n
+    values[np.argsort(np.abs(values), kind="stable")[: n - moving]] = 0.0
+    ordered = values[np.lexsort((values.imag, values.real))]
+    return np.asarray(ordered if ordered.imag.any() else ordered.real)

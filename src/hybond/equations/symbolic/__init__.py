@@ -1,0 +1,1 @@
+"""Exact rational functions of named atoms, to eliminate a mode with its parameters as letters."""

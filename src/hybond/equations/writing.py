@@ -1,0 +1,293 @@
+"""State equations in writing: text, LaTeX, Markdown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hybond.equations.booleans import Cube
+from hybond.equations.display import joined, signed, split
+from hybond.equations.mixed import MixedRow
+from hybond.equations.state_form import StateEquations
+from hybond.model.expressions import Expr, Number
+from hybond.model.expressions import names as names_of
+from hybond.model.expressions import to_latex as expr_latex
+from hybond.model.expressions import to_text as expr_text
+from hybond.model.graph import Mode
+
+Terms = dict[Cube, list[tuple[str, Any]]]
+"""Per Boolean product: name of a variable and its coefficient."""
+
+INLINE = 24
+"""A source whose formula is up to this long stands in the equations as it is."""
+
+
+def write_text(eq: StateEquations[Any], mode: Mode | None = None) -> str:
+    """Return the equations as text.
+
+    Parameters
+    ----------
+    eq : StateEquations
+    mode : tuple of int, optional
+        One mode; default all, with Booleans.
+    """
+    writer = _Text(eq, mode)
+    return "\n".join(_page(writer))
+
+
+def write_markdown(eq: StateEquations[Any], mode: Mode | None = None) -> str:
+    """Return the equations for Markdown: one aligned formula and a list."""
+    writer = _Latex(eq, mode)
+    body = " \\\\\n".join(writer.equations())
+    lines = [f"$$\n\\begin{{aligned}}\n{body}\n\\end{{aligned}}\n$$"]
+    where = [f"- ${line}$" for line in writer.where()]
+    notes = [f"- {note}" for note in _notes(eq, mode)]
+    return "\n".join([*lines, "", *where, *notes]).rstrip() + "\n"
+
+
+def write_latex(eq: StateEquations[Any], mode: Mode | None = None) -> str:
+    """Return the equations as a LaTeX ``align*``."""
+    writer = _Latex(eq, mode)
+    return (
+        "\\begin{align*}\n"
+        + " \\\\\n".join([*writer.equations(), *("& " + line for line in writer.where())])
+        + "\n\\end{align*}"
+    )
+
+
+def _page(writer: _Text) -> list[str]:
+    lines = writer.equations()
+    where = writer.where()
+    if where:
+        lines += ["where", *(f"  {line}" for line in where)]
+    return lines + [f"# {note}" for note in _notes(writer.eq, writer.mode)]
+
+
+def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
+    """Say what the Booleans are, which mode the form starts from and what was kept."""
+    graph = eq.graph
+    notes = []
+    if mode is not None:
+        notes.append(f"mode: {graph.mode_text(mode)}")
+    else:
+        for k, b in enumerate(eq.naming.booleans):
+            about = graph.machines[b.machine]
+            states = ", ".join(about.states[s] for s in sorted(b.states))
+            if k == 20:
+                notes.append(f"... {len(eq.naming.booleans) - 20} more Booleans")
+                break
+            notes.append(f"{eq.display.kappa(k)} = 1 when {about.path} is {states or 'never'}")
+    for region in eq.regions:
+        if region.why_kept:
+            kept = ", ".join(eq.variable_name(k) for k in region.variables)
+            notes.append(f"kept as variables: {kept} ({region.why_kept})")
+        lost = sorted({v for variables in region.undetermined for v in variables})
+        if lost:
+            names = ", ".join(eq.variable_name(k) for k in lost)
+            notes.append(f"undetermined in some mode, and without effect on the rates: {names}")
+    return notes
+
+
+class _Writer:
+    """What text and LaTeX share: which terms an equation has."""
+
+    times = "*"
+
+    def __init__(self, eq: StateEquations[Any], mode: Mode | None) -> None:
+        self.eq = eq
+        self.mode = mode
+        self.show = eq.display
+
+    # -- to be defined by each form
+
+    def variable(self, name: str) -> str:
+        raise NotImplementedError
+
+    def rate(self, name: str) -> str:
+        raise NotImplementedError
+
+    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
+        raise NotImplementedError
+
+    def product(self, cube: Cube) -> str:
+        raise NotImplementedError
+
+    def brackets(self, inner: str) -> str:
+        return f"({inner})"
+
+    def formula(self, e: Expr) -> str:
+        raise NotImplementedError
+
+    def equals(self, left: str, right: str) -> str:
+        raise NotImplementedError
+
+    # -- equations
+
+    def equations(self) -> list[str]:
+        """Return one equation per state, one per kept variable, then the outputs."""
+        found = [self._equation(row) for row in self.eq.rows]
+        for name, row in zip(self.eq.output_names, self.eq.outputs, strict=True):
+            found.append(self.equals(self.variable(name), self._sum(self._terms(row, 1.0))))
+        return found
+
+    def where(self) -> list[str]:
+        """Return the laws and sources that the equations name."""
+        eq = self.eq
+        found = []
+        read: set[str] = set()
+        for k in eq.laws:
+            e = self._law(k)
+            read |= {n for n in names_of(e) if n.startswith(("e:", "f:"))}
+            found.append(self.equals(self.variable(eq.law_name(k)), self.formula(e)))
+        for name in sorted(read, key=lambda n: (n[0], int(n[2:]))):
+            row = eq.bond_row(name)
+            text = self.variable(self.show.name(name))
+            value = self._sum(self._terms(row, 1.0))
+            if value != text:
+                found.append(self.equals(text, value))
+        for k in eq.sources:
+            e = self._law(k)
+            if not self._inline(k):
+                found.append(self.equals(self.variable(eq.source_name(k)), self.formula(e)))
+        return found
+
+    def _law(self, column: int) -> Expr:
+        own = self.eq.column(column)
+        if own.kind == "storage":
+            return self.eq.storage_law(own.index)
+        assert own.formula is not None
+        return own.formula
+
+    def _inline(self, column: int) -> bool:
+        own = self.eq.column(column)
+        e = own.formula
+        return (
+            e is not None
+            and not isinstance(e, Number)
+            and len(expr_text(self.show.expression(e))) <= INLINE
+        )
+
+    def _equation(self, row: MixedRow[Any]) -> str:
+        left = self._sum(self._terms(row, 1.0, kinds=("rate",)))
+        right = self._sum(self._terms(row, -1.0, kinds=("state", "input", "law")))
+        return self.equals(left, right)
+
+    def _terms(
+        self,
+        row: MixedRow[Any],
+        sign: float,
+        kinds: tuple[str, ...] = ("rate", "state", "input", "law"),
+    ) -> Terms:
+        eq, ring = self.eq, self.eq.ring
+        factor, minus = ring.of(sign), ring.of(-1.0)
+        found: Terms = {}
+        columns = row.columns() if self.mode is None else sorted(row.at(self.mode, ring))
+        order = {"state": 0, "law": 1, "input": 2, "rate": 3}
+        columns.sort(key=lambda k: (order[eq.place[k][0]], eq.place[k][1]))
+        for k in columns:
+            kind, j = eq.place[k]
+            if kind not in kinds:
+                continue
+            if self.mode is None:
+                terms = row.entry(k, ring, eq.naming)
+            else:
+                terms = [((), row.at(self.mode, ring)[k])]
+            for cube, c in terms:
+                negative, name = self._name(k, kind, j)
+                sign = minus * factor if negative else factor
+                found.setdefault(cube, []).append((name, sign * c))
+        return found
+
+    def _name(self, column: int, kind: str, j: int) -> tuple[bool, str]:
+        """Return what a column is called, and whether that has a sign in front."""
+        eq = self.eq
+        match kind:
+            case "state":
+                return False, self.variable(eq.states[j])
+            case "rate":
+                return False, self.rate(eq.states[j])
+            case "law":
+                return False, self.variable(eq.law_names[j])
+            case _ if self._inline(column):
+                negative, text = signed(self.formula(self._law(column)))
+                return negative, text if _simple(text) else f"({text})"
+            case _:
+                return False, self.variable(eq.source_name(column))
+
+    def _sum(self, terms: Terms) -> str:
+        total: list[str] = []
+        for cube in sorted(terms, key=lambda c: (len(c), c)):
+            parts = [self.term(piece, name) for name, c in terms[cube] for piece in split(c)]
+            if cube and len(parts) == 1:
+                ((name, c),) = terms[cube]
+                parts = [self.term(c, name, cube)]
+            elif cube:
+                negative = all(p.startswith("-") for p in parts)
+                inner = joined(_leading([p[1:] if negative else p for p in parts]))
+                text = f"{self.product(cube)}{self.times}{self.brackets(inner)}"
+                parts = [f"-{text}" if negative else text]
+            total += parts
+        return joined(total) if total else "0"
+
+
+class _Text(_Writer):
+    def variable(self, name: str) -> str:
+        return name
+
+    def rate(self, name: str) -> str:
+        return f"{name}'"
+
+    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
+        return self.show.term(c, self.show.cube(cube), variable)
+
+    def product(self, cube: Cube) -> str:
+        return self.show.cube(cube)
+
+    def formula(self, e: Expr) -> str:
+        return expr_text(self.show.expression(e))
+
+    def equals(self, left: str, right: str) -> str:
+        return f"{left} = {right}"
+
+
+class _Latex(_Writer):
+    times = r" \, "
+
+    def variable(self, name: str) -> str:
+        return self.show.latex_name(name)
+
+    def rate(self, name: str) -> str:
+        body = self.show.latex_name(name)
+        head, mark, tail = body.partition("_")
+        return rf"\dot{{{head}}}{mark}{tail}"
+
+    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
+        negative, size = signed(self.show.latex_times(c, variable))
+        if cube:
+            size = self.times.join([self.product(cube), size])
+        return f"-{size}" if negative else size
+
+    def product(self, cube: Cube) -> str:
+        return self.show.cube_latex(cube)
+
+    def brackets(self, inner: str) -> str:
+        return rf"\left({inner}\right)"
+
+    def formula(self, e: Expr) -> str:
+        return expr_latex(self.show.expression(e))
+
+    def equals(self, left: str, right: str) -> str:
+        return f"{left} &= {right}"
+
+    def where(self) -> list[str]:
+        return [line.replace("&= ", "= ") for line in super().where()]
+
+
+def _leading(parts: list[str]) -> list[str]:
+    """Return terms with one that has no minus in front, if there is one."""
+    first = next((k for k, p in enumerate(parts) if not p.startswith("-")), 0)
+    return [parts[first], *parts[:first], *parts[first + 1 :]]
+
+
+def _simple(text: str) -> bool:
+    """Whether a term is a product: no sum outside brackets."""
+    return " + " not in text and " - " not in text and not text.startswith("-")

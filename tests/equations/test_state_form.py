@@ -1,0 +1,163 @@
+"""Mixed-Boolean state equations in their several forms: text, matrices, numbers, transfer."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hybond as hb
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LINEAR = ["bouncing_ball", "capacitors_joined", "clutch_rigid", "diagnosis_circuit", "half_bridge"]
+
+
+def load(name: str) -> hb.Model:
+    return hb.load(EXAMPLES / f"{name}.toml")
+
+
+def modes(graph):
+    return list(np.ndindex(*(len(m.states) for m in graph.machines)))
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_matrices_agree_with_the_numbers_of_each_mode(name) -> None:
+    eq = hb.state_equations(load(name))
+    for mode in modes(eq.graph):
+        d = eq.at(mode)
+        for letter in "EABCD":
+            matrix = getattr(eq, letter)
+            np.testing.assert_allclose(matrix.at(mode), getattr(d, letter), rtol=1e-14)
+            np.testing.assert_array_equal(matrix.sparse(mode).toarray(), matrix.at(mode))
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_sympy_with_numbers_put_in_is_the_mode(name) -> None:
+    sympy = pytest.importorskip("sympy")
+    eq = hb.state_equations(load(name))
+    found = eq.sympy()
+    values = {
+        sympy.Symbol(eq.display.name(atom), real=True): value for atom, value in eq.values.items()
+    }
+    for mode in modes(eq.graph):
+        kappa = {
+            sympy.Symbol(eq.display.kappa(k), real=True): int(b.at(mode))
+            for k, b in enumerate(eq.naming.booleans)
+        }
+        d = eq.at(mode)
+        for letter in "EAB":
+            numbers = found[letter].subs(kappa).subs(values)
+            assert not numbers.free_symbols
+            got = np.array(numbers.tolist(), dtype=float).reshape(numbers.shape)
+            np.testing.assert_allclose(got, getattr(d, letter), rtol=1e-12)
+
+
+def test_joined_capacitors_by_hand() -> None:
+    """x1' + x2' = 0 always; open: x1' = 0; closed: equal voltages."""
+    eq = hb.state_equations(load("capacitors_joined"))
+    assert eq.text().splitlines()[:2] == [
+        "(1 - κ)*C1.q' = κ*(C1.q/C1.C - C2.q/C2.C)",
+        "C2.q' + κ*C1.q' = 0",
+    ]
+    assert not eq.explicit
+    closed = eq.at({"switch": "closed"})
+    assert closed.E.tolist() == [[0.0, 0.0], [1.0, 1.0]]
+    assert closed.A.tolist() == [[1.0, -0.5], [0.0, 0.0]]
+
+
+def test_rigid_clutch_by_hand() -> None:
+    """Closed, the two inertias share one velocity and their momenta add."""
+    eq = hb.state_equations(load("clutch_rigid"), outputs=["grip.e"])
+    closed = eq.at({"clutch": "closed"})
+    ratio = eq.values["p:rotor.I"] / eq.values["p:load.I"]
+    motion = np.array([ratio / (1 + ratio), 1 / (1 + ratio)])  # shares of the common momentum
+    assert closed.E @ np.array([0.0, *motion]) == pytest.approx([0.0, 0.0, 1.0])
+    assert closed.A[1] @ np.array([0.0, *motion]) == pytest.approx(0.0)
+    # the clutch's torque reads the rate of what has become dependent
+    assert closed.F.any() and not eq.at({"clutch": "open"}).F.any()
+
+
+@pytest.mark.parametrize("name", ["diagnosis_circuit", "clutch_rigid", "half_bridge"])
+def test_transfer_functions_are_those_of_the_matrices(name) -> None:
+    outputs = {"diagnosis_circuit": ["De1", "De3"], "clutch_rigid": ["load.f"]}.get(name, ["L.f"])
+    for symbolic in (True, False):
+        eq = hb.state_equations(load(name), outputs=outputs, symbolic=symbolic)
+        for mode in modes(eq.graph):
+            found = eq.transfer(mode)
+            d = eq.at(mode)
+            for s in (0.3 + 1.7j, -0.1 + 20j):
+                want = d.response(s)
+                for i, output in enumerate(eq.output_names):
+                    for j, source in enumerate(eq.inputs):
+                        got = found.response(output, source, s, eq.values)
+                        assert got == pytest.approx(want[i, j], rel=1e-10, abs=1e-14)
+
+
+def test_transfer_function_of_a_filter() -> None:
+    m = hb.Model("rlc", parameters={"R": "2 ohm", "L": "3 H", "C": "5 F"})
+    m.add(V=hb.Se(1), j=hb.One(), r=hb.R("R"), i=hb.I("L"), c=hb.C("C"))
+    m.bond("V -> j -> r", "j -> i", "j -> c")
+    eq = hb.state_equations(m, outputs=["c.e", "i.f"])
+    found = eq.transfer()
+    assert found["c.e", "V"] == "1/(L*C*s^2 + R*C*s + 1)"
+    assert found["i.f", "V"] == "C*s/(L*C*s^2 + R*C*s + 1)"
+    poles = eq.at(()).poles()
+    np.testing.assert_allclose(poles, np.sort_complex(np.roots([15.0, 10.0, 1.0])), rtol=1e-12)
+
+
+def test_modulated_ratio_stays_a_formula() -> None:
+    eq = hb.state_equations(load("rope_and_disc"))
+    assert eq.text().splitlines()[0] == "mass.p' = -rope.q/rope.C + m*g"
+    with pytest.raises(hb.HybondError) as caught:
+        eq.at(())
+    assert caught.value.code == "HB-Q101"
+    assert eq.at((), values={"s:0": 0.3}).A.shape == (3, 3)
+
+
+def test_nonlinear_law_has_a_name_and_no_matrix() -> None:
+    m = hb.Model("tank", parameters={"k": 2.0})
+    m.add(inflow=hb.Sf(1), tank=hb.C(3), level=hb.Zero(), valve=hb.Zero(), out=hb.R({"f": "k*e^3"}))
+    m.bond("inflow -> level -> tank", "level -> valve -> out")
+    eq = hb.state_equations(m)
+    assert eq.text().splitlines() == [
+        "tank.q' = -out.f + inflow",
+        "where",
+        "  out.f = k*out.e^3",
+        "  out.e = tank.q/tank.C",
+        "  inflow = 1",
+    ]
+    with pytest.raises(hb.HybondError) as caught:
+        eq.at(())
+    assert caught.value.code == "HB-Q103"
+
+
+def test_nonlinear_law_behind_a_switch() -> None:
+    """The law gives a flow that the shut valve forbids: the valve's effort follows from it."""
+    m = hb.Model("tank", parameters={"k": 2.0})
+    m.add(inflow=hb.Sf(1), tank=hb.C(3), level=hb.Zero(), valve=hb.One(), out=hb.R({"f": "k*e^3"}))
+    m.bond("inflow -> level -> tank", "level -> valve -> out")
+    m.machine("S", states={"shut": [], "open": ["valve"]}, start="shut")
+    eq = hb.state_equations(m)
+    assert eq.states == ("tank.q", "valve.e")
+    assert eq.text({"S": "shut"}).splitlines()[1] == "0 = -out.f"
+    assert eq.text({"S": "open"}).splitlines()[1] == "0 = -valve.e"
+
+
+def test_large_resistor_network_has_no_short_formula() -> None:
+    m = hb.Model("ladder")
+    parts, bonds, before = {"V": hb.Se(1)}, [], "V"
+    for k in range(20):
+        parts |= {f"s{k}": hb.One(), f"r{k}": hb.R(1), f"z{k}": hb.Zero(), f"g{k}": hb.R(1)}
+        bonds += [f"{before} -> s{k} -> z{k} -> g{k}", f"s{k} -> r{k}"]
+        before = f"z{k}"
+    m.add(**parts, c=hb.C(1))
+    m.bond(*bonds, f"{before} -> c")
+    with pytest.raises(hb.HybondError) as caught:
+        hb.state_equations(m)
+    assert caught.value.code == "HB-Q104"
+    # the same in numbers: a ladder of equal ohms ends in ratios of Fibonacci numbers
+    eq = hb.state_equations(m, symbolic=False)
+    fibonacci = [1, 1]
+    while len(fibonacci) < 43:
+        fibonacci.append(fibonacci[-1] + fibonacci[-2])
+    conductance = fibonacci[40] / fibonacci[39]
+    assert eq.at(()).A[0, 0] == pytest.approx(-conductance, rel=1e-9)
