@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from hybond.analysis.structure import structure
     from hybond.causality.report import causality
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
+    from hybond.equations.derive import state_equations
     from hybond.equations.junction_matrix import junction_matrix
-    from hybond.equations.state_form import state_equations
     from hybond.errors import (
         CausalityError,
         DivergenceOfTime,
@@ -79,7 +79,7 @@ _HOME = {
     "restitution": "hybond.analysis.restitution",
     "structure": "hybond.analysis.structure",
     "simulate": "hybond.simulation",
-    "state_equations": "hybond.equations.state_form",
+    "state_equations": "hybond.equations.derive",
 }
 _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {

@@ -19,8 +19,8 @@ from scipy.linalg import null_space
 import hybond as hb
 from hybond.analysis.residuals import Residuals, residuals
 from hybond.equations.mode import prepare
+from hybond.equations.parameters import parameter_values
 from hybond.equations.slots import slots_of
-from hybond.equations.state_form import parameter_values
 from hybond.equations.tableau import build
 from hybond.model.expressions import Number, names, simplify, substitute
 from hybond.model.laws import Law

@@ -175,7 +175,7 @@ def test_sources_in_conflict_make_a_mode_unsolvable() -> None:
     report = structure(m)
     both = report.row({"A": "on", "B": "on"})
     assert both.conflicts and both.solvable is False and both.order is None
-    assert report.summary["solvable"] == (None, True)
+    assert report.summary["solvable"] == (False, True)
 
 
 def test_equal_parameters_are_told_from_equal_values() -> None:

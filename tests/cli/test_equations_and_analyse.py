@@ -31,7 +31,7 @@ def test_matrices_junctions_transfer(circuit: Any) -> None:
     words = ("--matrices", "--junctions", "--transfer", "--outputs", "contact.e")
     done = circuit("equations", "bouncing_ball.toml", "--mode", "floor=touching", *words)
     assert done.code == 0
-    assert "ball.p  -κ/(m*damper.G)  κ/pad.C" in done.out
+    assert "ball.p  -1/(m*damper.G)  1/pad.C" in done.out and "κ" not in done.out
     assert "junction structure" in done.out
     # poles of m s^2 + s/G + 1/C: -0.05 +- 31.62j
     assert "poles -0.05-31.6227j, -0.05+31.6227j 1/s" in done.out

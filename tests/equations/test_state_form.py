@@ -88,7 +88,7 @@ def test_transfer_functions_are_those_of_the_matrices(name) -> None:
                 want = d.response(s)
                 for i, output in enumerate(eq.output_names):
                     for j, source in enumerate(eq.inputs):
-                        got = found.response(output, source, s, eq.values)
+                        got = found.response(output, source, s)
                         assert got == pytest.approx(want[i, j], rel=1e-10, abs=1e-14)
 
 
@@ -161,3 +161,104 @@ def test_large_resistor_network_has_no_short_formula() -> None:
         fibonacci.append(fibonacci[-1] + fibonacci[-2])
     conductance = fibonacci[40] / fibonacci[39]
     assert eq.at(()).A[0, 0] == pytest.approx(-conductance, rel=1e-9)
+
+
+def test_a_floating_circuit_has_its_transfer_function() -> None:
+    """No node is ground: efforts float, what is stored does not."""
+    m = hb.Model("floating")
+    m.add(a=hb.Zero(), b=hb.Zero(), i=hb.One(), j=hb.One(), V=hb.Se(5), c=hb.C(1), r=hb.R(2))
+    m.bond("b -> i -> a", "V -> i", "i -> r", "a -> j -> b", "j -> c")
+    eq = hb.state_equations(m, outputs=["c.e"])
+    assert eq.at(()).poles().tolist() == pytest.approx([-0.5])
+    assert eq.transfer()["c.e", "V"] == "1/(c.C*r.R*s + 1)"
+    row = hb.structure(m).rows[0]
+    assert row.solvable and row.order == 1
+    floating = hb.state_equations(m, outputs=["a.e"])
+    assert floating.at(()).undetermined == ("a.e",)
+    with pytest.raises(hb.EquationError) as caught:
+        floating.transfer()
+    assert caught.value.code == "HB-Q105"
+
+
+def test_crank_at_dead_centre() -> None:
+    """A modulus that passes through zero is multiplied out: J' = T, and the piston stands."""
+    m = hb.Model("crank", parameters={"r": 0.1})
+    m.add(T=hb.Se(5), w=hb.One(), J=hb.I(0.5), x=hb.TF("-r*sin(th)"), v=hb.One(), M=hb.I(2))
+    m.signal(th=hb.Integral("w.f", start=0))
+    m.bond("T -> w -> J", "w -> x.1", "x.2 -> v -> M")
+    eq = hb.state_equations(m)
+    assert "  th' = J.p/J.I" in eq.text().splitlines()
+    d = eq.at((), values={"s:0": 0.0})
+    # rows up to scale: J' = T; 0 = M.p
+    j = d.E[:, 0] != 0.0
+    assert d.B[j, 0] / d.E[j, 0] == pytest.approx([1.0]) and not d.E[j, 1].any()
+    assert d.A[~j, 0] == [0.0] and d.A[~j, 1] != [0.0] and not d.E[~j].any()
+
+
+def test_names_of_parameters_are_not_mistaken_for_ours() -> None:
+    sympy = pytest.importorskip("sympy")
+    m = hb.Model("rc", parameters={"s": 2.0, "κ": 3.0})
+    m.add(V=hb.Se(1), j=hb.One(), r=hb.R("s"), c=hb.C("κ"))
+    m.bond("V -> j -> r", "j -> c")
+    m.machine("S", states={"on": ["j"], "off": []}, start="on")
+    eq = hb.state_equations(m, outputs=["c.e"])
+    assert eq.text().splitlines()[0] == "c.q' = λ*(V/s - c.q/(s*κ))"
+    assert eq.transfer()["c.e", "V"] == "1/(s*κ*p + 1)"
+    found = eq.transfer().sympy("c.e", "V")
+    assert found.subs(sympy.Symbol("p", real=True), 0) == 1
+
+
+def test_output_that_reads_its_input_has_one_transfer_function() -> None:
+    """pw = 2 e - 3 f + u + q with u = f + e (1 ohm): (2 + C - 3 C s)/(C s + 1) + 1."""
+    m = hb.Model("rc", parameters={"C": 2.0})
+    m.add(V=hb.Se("u"), j=hb.One(), r=hb.R(1), c=hb.C("C"))
+    m.input(u=hb.Input(constant=3.0))
+    m.signal(pw="2*c.e - 3*r.f + u + c.q")
+    m.bond("V -> j -> r", "j -> c")
+    found = hb.state_equations(m, outputs=["pw"]).transfer()
+    assert found.inputs == ("V",)
+    s = 0.7j
+    want = (2 + 2.0 - 3 * 2.0 * s) / (2.0 * s + 1) + 1
+    assert found.response("pw", "V", s) == pytest.approx(want, rel=1e-14)
+
+
+def test_state_feedback_belongs_to_the_states() -> None:
+    m = hb.Model("fed", parameters={"k": 3.0})
+    m.add(V=hb.Se("-k*c.q"), j=hb.One(), r=hb.R(2.0), c=hb.C(5.0))
+    m.bond("V -> j -> r", "j -> c")
+    eq = hb.state_equations(m)
+    assert eq.inputs == ()
+    assert eq.at(()).A[0, 0] == pytest.approx(-(3.0 + 1 / 5.0) / 2.0)
+
+
+def test_booleans_keep_their_names() -> None:
+    m = hb.Model("law")
+    m.add(V=hb.Se(1), n=hb.Zero(), j=hb.One(), k=hb.One(), r1=hb.R(1), c=hb.C(1), c2=hb.C(1))
+    m.add(r2=hb.R('if M.state == "b" then 5 else 2'))
+    m.bond("V -> n -> j -> r1", "j -> c", "n -> k -> r2", "k -> c2")
+    m.machine("M", states={"a": ["j"], "b": [], "d": []}, start="a")
+    eq = hb.state_equations(m)
+    first = str(eq)
+    assert first == str(eq)
+    assert all(eq.display.kappa(k) in first for k in range(len(eq.naming.booleans)))
+
+
+def test_parameter_that_is_zero_is_named() -> None:
+    m = hb.Model("z", parameters={"R": 0.0})
+    m.add(V=hb.Se(1), j=hb.One(), r=hb.R("R"), c=hb.C(1), l=hb.I(1))
+    m.bond("V -> j -> r", "j -> c", "j -> l")
+    eq = hb.state_equations(m)
+    assert eq.text().splitlines()[-1] == "# zero in this model, and left out: R"
+    with pytest.raises(hb.EquationError) as caught:
+        eq.at((), values={"p:R": 2.0})
+    assert caught.value.code == "HB-Q108"
+
+
+def test_flows_in_the_junction_matrix_are_those_along_the_arrows() -> None:
+    m = hb.Model("away")
+    m.add(V=hb.Se(1), j=hb.One(), l=hb.I(1), c=hb.C(1), r=hb.R(1))
+    m.bond("V -> j -> c", "l -> j", "r -> j")
+    jsm = hb.junction_matrix(m)
+    assert jsm.S["c.q'", "l.f"] == "1" and jsm.S["r.f", "l.f"] == "1"
+    eq = hb.state_equations(m, outputs=["l.f", "r.e"])
+    assert eq.C["l.f", "l.p"] == "-1/l.I" and eq.A["c.q", "l.p"] == "-1/l.I"

@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 from scipy.linalg import null_space
 
 import hybond as hb
+from hybond.equations.derive import state_equations
 from hybond.equations.mode import prepare
 from hybond.equations.slots import slots_of
-from hybond.equations.state_form import StateEquations, state_equations
+from hybond.equations.state_form import StateEquations
 from hybond.equations.tableau import build
 from hybond.model.expressions import compile_expression
 from hybond.model.expressions import names as hb_names

@@ -16,9 +16,10 @@ import numpy as np
 
 from hybond.analysis.generic import with_constants
 from hybond.analysis.stored_form import stored_form
+from hybond.equations.derive import state_equations
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.ranks import rank_of, scaled
-from hybond.equations.state_form import StateEquations, state_equations
+from hybond.equations.state_form import StateEquations
 from hybond.errors import EquationError, NumericsError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Mode

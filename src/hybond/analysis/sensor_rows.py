@@ -16,8 +16,8 @@ from typing import Literal
 
 from hybond.analysis.relations import evaluate, residue
 from hybond.equations.element_rows import Assembly, Column, laws_of
+from hybond.equations.parameters import parameter_values
 from hybond.equations.ring import Row, Symbols
-from hybond.equations.state_form import parameter_values
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError, UsageError
 from hybond.model.expressions import (

@@ -9,9 +9,10 @@ from hybond.cli.lists import mode_of, split
 from hybond.cli.record import to_json
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
+from hybond.equations.derive import state_equations
 from hybond.equations.junction_matrix import JunctionMatrix, junction_matrix
 from hybond.equations.matrix import BooleanMatrix
-from hybond.equations.state_form import StateEquations, state_equations
+from hybond.equations.state_form import StateEquations
 from hybond.equations.transfer import transfer_functions
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Mode

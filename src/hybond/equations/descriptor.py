@@ -32,6 +32,8 @@ class Descriptor:
         at its end.
     stored : int
         How many of `states` are stored quantities.
+    undetermined : tuple of str
+        Outputs that the mode leaves open; their rows are those of one choice among many.
 
     Examples
     --------
@@ -50,6 +52,7 @@ class Descriptor:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     stored: int
+    undetermined: tuple[str, ...] = ()
 
     @staticmethod
     def of(

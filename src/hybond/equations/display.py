@@ -40,6 +40,8 @@ class Display:
         self.meaning = meaning
         order = [f"p:{path}" for path in graph.parameters]
         self._rank = {atom: k for k, atom in enumerate(order)}
+        own = {name for n in graph.nodes for name in (n.path,)} | set(graph.parameters)
+        self._kappa = next(k for k in (KAPPA, "λ", "on") if not any(o.startswith(k) for o in own))
 
     # -- names
 
@@ -103,7 +105,8 @@ class Display:
         name = self.naming.booleans[position].name
         if " = " in name:
             return f"[{name}]"
-        return KAPPA if len(self.naming.booleans) == 1 else f"{KAPPA}_{_identifier(name)}"
+        symbol = self._kappa
+        return symbol if len(self.naming.booleans) == 1 else f"{symbol}_{_identifier(name)}"
 
     def cube(self, cube: Cube) -> str:
         """Return a product as text, empty for the product of nothing."""
@@ -120,7 +123,8 @@ class Display:
                 body = rf"[\mathrm{{{machine}}} = \mathrm{{{state}}}]"
                 parts.append(body if value else rf"(1 - {body})")
                 continue
-            body = r"\kappa" if value else r"\bar{\kappa}"
+            letter = {KAPPA: r"\kappa", "λ": r"\lambda"}.get(self._kappa, r"\mathrm{on}")
+            body = letter if value else rf"\bar{{{letter}}}"
             if len(self.naming.booleans) > 1:
                 body += rf"_{{\mathrm{{{name}}}}}"
             parts.append(body)

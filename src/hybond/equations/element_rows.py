@@ -20,6 +20,7 @@ from hybond.model.expressions import (
     Name,
     Neg,
     Number,
+    differentiate,
     names,
     simplify,
     substitute,
@@ -30,7 +31,7 @@ from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
 from hybond.model.parametric import Parametric
 
 T = TypeVar("T")
-Kind = Literal["rate", "storage", "source", "resistor", "intake", "law", "switch"]
+Kind = Literal["rate", "storage", "stored", "source", "resistor", "intake", "law", "switch"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,8 @@ class Column:
     Parameters
     ----------
     kind : str
-        ``"rate"`` x' of a storage port, ``"storage"`` its co-energy variable, ``"source"`` a
+        ``"rate"`` x' of a storage port, ``"storage"`` its co-energy variable, ``"stored"`` what
+        it stores, where a source reads that; ``"source"`` a
         value that reads no bond, ``"resistor"`` what a resistor port imposes, ``"intake"`` what it
         receives, ``"law"`` the
         output of a nonlinear law, ``"switch"`` a switch variable.
@@ -134,6 +136,11 @@ def localised(node: Node, expressions: tuple[Expr, ...]) -> list[Expr]:
     return [substitute(e, local) for e in expressions]
 
 
+def _constant(e: Expr) -> bool:
+    """Whether an expression reads parameters only."""
+    return all(name.startswith("p:") for name in names(e))
+
+
 def _at_rest(e: Expr) -> Expr:
     """Return `e` with all bond variables zero, but for those of before a jump."""
 
@@ -159,6 +166,9 @@ class Assembly(Generic[T]):
     imposes : mapping, optional
         ``(node, port)`` to ``"e"`` or ``"f"``: resistors that are held as ports, with what they
         impose. Without it the laws of resistors are rows.
+    feedback : bool
+        Whether what sources read of stored quantities, times a constant, gets columns of its own
+        (`stored`); else it is a part of the source's formula.
     """
 
     def __init__(
@@ -169,6 +179,7 @@ class Assembly(Generic[T]):
         *,
         symbolic: bool,
         imposes: Mapping[tuple[int, int], str] | None = None,
+        feedback: bool = False,
     ) -> None:
         self.graph = graph
         self.ring = ring
@@ -179,6 +190,7 @@ class Assembly(Generic[T]):
         self.out: Rows[T] = Rows(ring, 2 * self.bonds)
         self.rates = [self.out.column("rate", s.index) for s in graph.storages]
         self.values = [self.out.column("storage", s.index) for s in graph.storages]
+        self.stored = [self.out.column("stored", s.index) for s in graph.storages if feedback]
         for node in graph.nodes:
             if node.is_junction:
                 self._junction(node)
@@ -210,7 +222,27 @@ class Assembly(Generic[T]):
             return None
         rest = simplify(_at_rest(e)) if slopes or reads_bonds(e) else e
         row = {self.bond(name): self.ring.read(d) for name, d in slopes.items()}
-        return {k: c for k, c in row.items() if self.ring.size(c) > 0.0}, rest
+        return {k: c for k, c in row.items() if self.ring.there(c)}, rest
+
+    def given(self, node: int, rest: Expr, *, port: int = 0) -> Row[T]:
+        """Return what reads no bond as columns: stored quantities, else a source of its own."""
+        row: Row[T] = {}
+        if self.stored:
+            slopes = {n: differentiate(rest, n) for n in sorted(names(rest)) if n[:2] == "x:"}
+            if slopes and all(_constant(d) for d in slopes.values()):
+                row = {self.stored[int(n[2:])]: self.ring.read(d) for n, d in slopes.items()}
+                rest = simplify(substitute(rest, {n: Number(0.0) for n in slopes}))
+        if rest != Number(0.0):
+            row[self._source(node, rest, port)] = self.ring.one
+        return row
+
+    def _source(self, node: int, value: Expr, port: int) -> int:
+        """Return a source column; an output (node -1) may read one that an element has."""
+        if node < 0:
+            for k, column in enumerate(self.out.columns):
+                if column.kind == "source" and column.formula == value:
+                    return self.out.unknowns + k
+        return self.out.column("source", node, port=port, formula=value)
 
     # -- nodes
 
@@ -306,11 +338,9 @@ class Assembly(Generic[T]):
     def _row(self, node: Node, port: int, output: Row[T], slopes: Row[T], rest: Expr) -> Row[T]:
         """Return ``output - slopes - rest = 0``, the rest as a source column if it is not zero."""
         ring = self.ring
-        row = ring.collect([(ring.one, output), (ring.of(-1.0), slopes)])
-        if rest != Number(0.0):
-            own = self.out.column("source", node.index, port=port, formula=rest)
-            row[own] = ring.of(-1.0)
-        return row
+        minus = ring.of(-1.0)
+        given = self.given(node.index, rest, port=port)
+        return ring.collect([(ring.one, output), (minus, slopes), (minus, given)])
 
     def _switched(
         self, node: Node, port: int, output: Row[T], expression: Expr, decided: list[str]
@@ -330,7 +360,7 @@ class Assembly(Generic[T]):
         order = tuple(sorted(machines))
         switch = self.out.column("switch", node.index, port=port)
         self.out.rows.append({**output, switch: ring.of(-1.0)})
-        rests: dict[Expr, int] = {}
+        rests: dict[Expr, Row[T]] = {}
         made: dict[tuple[object, ...], Row[T]] = {}
 
         def configured(at: tuple[int, ...]) -> Expr:
@@ -367,11 +397,12 @@ class Assembly(Generic[T]):
                 result: Row[T] = {switch: ring.one, own: ring.of(-1.0)}
             else:
                 slopes, rest = found
-                result = ring.collect([(ring.one, {switch: ring.one}), (ring.of(-1.0), slopes)])
-                if rest != Number(0.0):
-                    if rest not in rests:
-                        rests[rest] = self.out.column("source", node.index, port=port, formula=rest)
-                    result[rests[rest]] = ring.of(-1.0)
+                if rest not in rests:
+                    rests[rest] = self.given(node.index, rest, port=port)
+                minus = ring.of(-1.0)
+                result = ring.collect(
+                    [(ring.one, {switch: ring.one}), (minus, slopes), (minus, rests[rest])]
+                )
             made[str(e),] = result
             return result
 

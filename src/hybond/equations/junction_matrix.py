@@ -24,10 +24,10 @@ from hybond.equations.booleans import Cube, Naming
 from hybond.equations.display import Display
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.mixed import MixedRow, closing_row, mixed_row
+from hybond.equations.parameters import parameter_values
 from hybond.equations.patterns import Space
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Symbols
-from hybond.equations.state_form import parameter_values
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode
@@ -128,14 +128,31 @@ class JunctionMatrix:
         self, names: tuple[str, ...], places: Mapping[int, int], sign: float
     ) -> BooleanMatrix:
         ring = self.form.ring
-        factor = ring.of(sign)
         entries = {}
+        targets = (*self.targets, *self.kept)
         for i, row in enumerate(self.rows):
+            own = self._way(targets[i]) if i < len(self.targets) else 1.0
             for k in row.columns():
                 if k in places:
                     terms = row.entry(k, ring, self.naming)
+                    factor = ring.of(sign * own * self._way(k))
                     entries[i, places[k]] = tuple((cube, factor * c) for cube, c in terms)
         return BooleanMatrix(self.outputs, names, entries, self.display, self._values)
+
+    def _way(self, column: int) -> float:
+        """Return -1 for a flow that is counted into an element, but named along an arrow away."""
+        own = self.form.column(column)
+        if own is None or own.kind not in ("storage", "resistor", "intake"):
+            return 1.0
+        graph = self.graph
+        if own.kind == "storage":
+            s = graph.storages[own.index]
+            return float(s.sign) if s.kind == "I" else 1.0
+        gives = self.imposes[own.index, own.port]
+        if (gives if own.kind == "resistor" else "e" if gives == "f" else "f") == "e":
+            return 1.0
+        end = next(e for e in graph.nodes[own.index].ends if e.port == own.port)
+        return float(end.sign)
 
     @cached_property
     def _values(self) -> Mapping[str, float]:

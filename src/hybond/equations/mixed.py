@@ -222,3 +222,21 @@ def closing_row(form: SwitchForm[T], region: Region[T], switch: int) -> MixedRow
     if len(rows) == 1:
         return MixedRow(rows[0])
     return MixedRow({}, (Part(space, tuple(rows)),))
+
+
+def cleared(row: MixedRow[T], ring: Ring[T]) -> MixedRow[T]:
+    """Return the row multiplied through by denominators that the state can make zero.
+
+    A modulus that passes through zero (a crank at dead centre) would divide by zero there,
+    though the equation itself is well: ``J' / sin + M' = F / sin`` is ``J' + sin M' = F``.
+    """
+    if len(row.parts) > 1:
+        return row
+    if not row.parts:
+        return MixedRow(ring.cleared(row.base))
+    ((part),) = row.parts
+    whole = [ring.collect([(ring.one, row.base), (ring.one, r)]) for r in part.rows]
+    plain = [ring.cleared(r) for r in whole]
+    if plain == whole:
+        return row
+    return MixedRow({}, (Part(part.space, tuple(plain)),))

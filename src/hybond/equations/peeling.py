@@ -166,7 +166,15 @@ class Peeling(Generic[T]):
         if not fit:
             self.constraints.append(row)
             return
-        pivot = min(fit, key=lambda k: (self.ring.cost(tears[k]), len(self._users.get(k, ())), k))
+        pivot = min(
+            fit,
+            key=lambda k: (
+                not self.ring.steady(tears[k]),
+                self.ring.cost(tears[k]),
+                len(self._users.get(k, ())),
+                k,
+            ),
+        )
         c = row[pivot]
         value = {k: -d / c for k, d in row.items() if k != pivot}  # type: ignore[operator]
         self._tears[pivot] = value

@@ -302,7 +302,7 @@ def _pivot(ring: Ring[T], inside: Row[T]) -> int:
     fit = [k for k in inside if sizes[k] >= 0.1 * biggest > 0.0]
     if not fit:
         raise _Stuck("a pivot vanishes at the model's own values")
-    return min(fit, key=lambda k: (ring.cost(inside[k]), k))
+    return min(fit, key=lambda k: (not ring.steady(inside[k]), ring.cost(inside[k]), k))
 
 
 def _substituted(ring: Ring[T], row: Row[T], solved: dict[int, Row[T]]) -> Row[T]:
@@ -347,6 +347,7 @@ def _give_way(
             key=lambda t: (
                 form.column(t).kind != "intake",  # type: ignore[union-attr]
                 _storage_column(form, t) not in constrained,
+                not ring.steady(rates[t][v]),
                 ring.cost(rates[t][v]),
                 t,
             ),

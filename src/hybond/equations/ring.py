@@ -30,6 +30,8 @@ class Ring(Protocol[T]):
     one: T
     values: Mapping[str, float]
     """The values of the names that coefficients may have, at which pivots are judged."""
+    vanished: set[str]
+    """Names of coefficients that are zero at these values, and were left out for it."""
 
     def of(self, number: float) -> T:
         """Return a number as a coefficient."""
@@ -40,6 +42,9 @@ class Ring(Protocol[T]):
     def size(self, c: T) -> float:
         """Return the magnitude of a coefficient at the model's values."""
 
+    def there(self, c: T) -> bool:
+        """Whether a coefficient of an element is not zero; remember its names if it is."""
+
     def cost(self, c: T) -> int:
         """Return how long a coefficient is: short pivots make short formulas."""
 
@@ -49,6 +54,12 @@ class Ring(Protocol[T]):
 
     def known(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """Return the model's values, these put over them, with those of all atoms."""
+
+    def steady(self, c: T) -> bool:
+        """Whether a coefficient is the same at all times: it reads parameters only."""
+
+    def cleared(self, row: Row[T]) -> Row[T]:
+        """Return a row multiplied through by denominators that are not steady."""
 
     def collect(self, parts: Iterable[tuple[T, Row[T]]]) -> Row[T]:
         """Return the sum of coefficient times row, without terms that vanish."""
@@ -67,6 +78,7 @@ class Numbers:
 
     def __init__(self, values: Mapping[str, float]) -> None:
         self.values = values
+        self.vanished: set[str] = set()
 
     def of(self, number: float) -> float:
         """Return the number."""
@@ -106,9 +118,21 @@ class Numbers:
         """Return the magnitude."""
         return abs(c)
 
+    def there(self, c: float) -> bool:
+        """Whether it is not zero."""
+        return c != 0.0
+
     def cost(self, c: float) -> int:
         """Return 0 for what costs nothing to divide by."""
         return 0 if c in (1.0, -1.0) else 1
+
+    def steady(self, c: float) -> bool:
+        """Numbers are."""
+        return True
+
+    def cleared(self, row: Row[float]) -> Row[float]:
+        """Numbers have no denominators."""
+        return row
 
     def collect(self, parts: Iterable[tuple[float, Row[float]]]) -> Row[float]:
         """Return the sum; what cancels to rounding is dropped."""
@@ -137,6 +161,7 @@ class Symbols:
 
     def __init__(self, values: Mapping[str, float]) -> None:
         self.values = values
+        self.vanished: set[str] = set()
         self.atoms = Atoms()
         self.one = Rational.of(1)
         self._seen = 0
@@ -168,9 +193,39 @@ class Symbols:
             return 1.0
         return abs(c.evaluate(self._all))
 
+    def there(self, c: Rational) -> bool:
+        """Whether it is not zero at the model's values; remember its names if it is."""
+        if self.size(c) > 0.0:
+            return True
+        self.vanished |= c.atoms()
+        return False
+
     def cost(self, c: Rational) -> int:
         """Return the number of terms."""
         return c.length
+
+    def steady(self, c: Rational) -> bool:
+        """Whether all atoms are parameters, or formulas of parameters."""
+        return all(self._steady(atom) for atom in c.atoms())
+
+    def _steady(self, atom: str) -> bool:
+        if atom in self.atoms.meaning:
+            return all(name.startswith("p:") for name in names(self.atoms.meaning[atom]))
+        return atom.startswith("p:")
+
+    def cleared(self, row: Row[Rational]) -> Row[Rational]:
+        """Return a row multiplied through by denominators that are not steady."""
+        least: dict[Any, int] = {}
+        for c in row.values():
+            for factor, power in c.denominator.items():
+                if not all(self._steady(atom) for atom in factor.atoms()):
+                    least[factor] = max(least.get(factor, 0), power)
+        if not least:
+            return row
+        common = self.one
+        for factor, power in least.items():
+            common = common * Rational.from_polynomial(factor) ** power
+        return {k: c * common for k, c in row.items()}
 
     def collect(self, parts: Iterable[tuple[Rational, Row[Rational]]]) -> Row[Rational]:
         """Return the sum; zero is decided exactly."""

@@ -9,7 +9,7 @@ quantities as pseudo-states without a rate.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
@@ -17,26 +17,20 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar
 import numpy as np
 
 from hybond.equations.booleans import Naming
+from hybond.equations.calculus import gradient
+from hybond.equations.degenerate import effective
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.display import Display
 from hybond.equations.element_rows import Column, laws_of
 from hybond.equations.matrix import BooleanMatrix
-from hybond.equations.mixed import MixedRow, closing_row, mixed_row
-from hybond.equations.regions import Region, regions_of
+from hybond.equations.mixed import MixedRow, mixed_row
+from hybond.equations.regions import Region
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
-from hybond.equations.switch_form import SwitchForm, switch_form
+from hybond.equations.switch_form import SwitchForm
 from hybond.equations.tableau import stored_names
-from hybond.errors import EquationError, NumericsError
-from hybond.model.builder import Model
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    differentiate,
-    names,
-    simplify,
-    substitute,
-)
-from hybond.model.graph import FlatGraph, Mode
+from hybond.errors import EquationError, NumericsError, UsageError
+from hybond.model.expressions import Expr, Number, names, simplify, substitute
+from hybond.model.graph import FlatGraph, Mode, Node
 
 if TYPE_CHECKING:
     from hybond.equations.transfer import TransferFunctions
@@ -63,6 +57,10 @@ class StateEquations(Generic[T]):
     output_names : tuple of str
     kept : tuple of int
         Columns of variables that were not eliminated.
+    row_names : tuple of str
+        The stored quantity whose rate row it is, the variable that a row closes, or its number.
+    lost : tuple of int
+        Columns of variables that nothing determines and nothing reads.
     place : dict
         Where each column stands: ``("rate", k)``, ``("state", k)``, ``("input", k)``,
         ``("law", k)``.
@@ -80,6 +78,8 @@ class StateEquations(Generic[T]):
     outputs: list[MixedRow[T]]
     output_names: tuple[str, ...]
     kept: tuple[int, ...]
+    row_names: tuple[str, ...]
+    lost: tuple[int, ...]
     naming: Naming
     sources: tuple[int, ...]
     laws: tuple[int, ...]
@@ -112,7 +112,7 @@ class StateEquations(Generic[T]):
             return f'"{self.graph.bonds[column % bonds].name}".{kind}'
         node = self.graph.nodes[own.index]
         if not node.is_junction:
-            return f"{node.path}.{own.port + 1}"
+            return output_name(node, own.port)
         on = node.index in self.graph.on_nodes(self.reference)
         net = "f" if node.kind == "0" else "e"
         common = "e" if node.kind == "0" else "f"
@@ -144,17 +144,7 @@ class StateEquations(Generic[T]):
         if own.kind == "storage":
             s = graph.storages[own.index]
             return f"{s.path.rpartition('.')[0]}.{'e' if s.kind == 'C' else 'f'}"
-        node = graph.nodes[own.index]
-        output = node.law.output if node.law is not None else "e"
-        same = [
-            k
-            for k in self.laws
-            if self.column(k) is not own
-            and self.column(k).kind == "law"
-            and self.column(k).index == own.index
-        ]
-        port = f".{own.port + 1}" if same or len(node.ends) > 1 else ""
-        return f"{node.path}{port}.{output}"
+        return output_name(graph.nodes[own.index], own.port)
 
     def column(self, k: int) -> Column:
         """Return what a known column is."""
@@ -177,6 +167,40 @@ class StateEquations(Generic[T]):
         region_at = {v: r for r in self.regions if not r.why_kept for v in r.variables}
         return mixed_row(form, form.solution.value(column), region_at).mapped(self.in_x)
 
+    def names_in(self, row: MixedRow[T]) -> set[str]:
+        """Return the names that the coefficients of a row read."""
+        if not self.symbolic:
+            return set()
+        atoms = {
+            atom
+            for part in ((row.base,), *(p.rows for p in row.parts))
+            for r in part
+            for c in r.values()
+            for atom in c.atoms()  # type: ignore[attr-defined]
+        }
+        meaning = self.ring.meaning
+        return {n for a in atoms for n in (names(meaning[a]) if a in meaning else {a})}
+
+    def signal_row(self, e: Expr) -> MixedRow[T] | None:
+        """Return a signal in terms of states and laws; None if it is not linear in bonds."""
+        slopes = gradient(e)
+        rest = substitute(e, {name: Number(0.0) for name in slopes})
+        if any(names(d) for d in slopes.values()) or simplify(rest) != Number(0.0):
+            return None
+        ring = self.ring
+        parts = []
+        for name, d in slopes.items():
+            row = self.bond_row(name)
+            factor = ring.read(d)
+            parts.append(row.mapped(lambda r, f=factor: {k: f * c for k, c in r.items()}))  # type: ignore[misc]
+        if len(parts) == 1:
+            return parts[0]
+        total = parts[0]
+        for other in parts[1:]:
+            base = ring.collect([(ring.one, total.base), (ring.one, other.base)])
+            total = MixedRow(base, (*total.parts, *other.parts))
+        return total
+
     def storage_law(self, storage: int) -> Expr:
         """Return the co-energy variable of a storage port as a formula of what is stored."""
         s = self.graph.storages[storage]
@@ -195,11 +219,6 @@ class StateEquations(Generic[T]):
     def values(self) -> Mapping[str, float]:
         """Values of the names in coefficients."""
         return self.ring.known({})
-
-    @cached_property
-    def row_names(self) -> tuple[str, ...]:
-        """Names of the rows: the stored quantity whose rate row it is, or the switch closed."""
-        return self.states
 
     @property
     def E(self) -> BooleanMatrix:
@@ -258,8 +277,24 @@ class StateEquations(Generic[T]):
     # -- numbers of one mode
 
     def mode_of(self, mode: Mode | Mapping[str, str]) -> Mode:
-        """Return a mode given as such or as ``{machine: state}``, start states for the others."""
-        return self.graph.mode_of(mode) if isinstance(mode, Mapping) else mode
+        """Return a mode given as such or as ``{machine: state}``, start states for the others.
+
+        Raises
+        ------
+        UsageError
+            HB-Q106 for a tuple of the wrong length.
+        """
+        if isinstance(mode, Mapping):
+            return self.graph.mode_of(mode)
+        if len(mode) != len(self.graph.machines):
+            raise UsageError(
+                f"the mode {tuple(mode)} has {len(mode)} states for "
+                f"{len(self.graph.machines)} machines",
+                code="HB-Q106",
+                where=self.graph.name,
+                hint='write {"machine": "state"}; machines left out are in their start state',
+            )
+        return mode
 
     def at(
         self, mode: Mode | Mapping[str, str], *, values: Mapping[str, float] | None = None
@@ -285,9 +320,9 @@ class StateEquations(Generic[T]):
             HB-Q103 if the mode has a nonlinear law or nonlinear storage.
         """
         mode = self.mode_of(mode)
-        n, size = len(self.graph.storages), len(self.states)
-        E, A = np.zeros((size, size)), np.zeros((size, size))
-        B = np.zeros((size, len(self.sources)))
+        n, size, count = len(self.graph.storages), len(self.states), len(self.rows)
+        E, A = np.zeros((count, size)), np.zeros((count, size))
+        B = np.zeros((count, len(self.sources)))
         q = len(self.outputs)
         C, F, D = np.zeros((q, size)), np.zeros((q, size)), np.zeros((q, len(self.sources)))
         value = _evaluator(self.ring, values)
@@ -307,7 +342,33 @@ class StateEquations(Generic[T]):
                             source[i, j] += sign * value(c)
                         case _:
                             self.refuse(k)
-        return Descriptor(E, A, B, C, D, F, self.states, self.inputs, self.output_names, n)
+        found = effective(E, A, B, n) if size > n or count > n else None
+        if found is None:
+            # square all the same, so that what is singular shows as such
+            most = max(count, size)
+            pad = ((0, most - count), (0, most - size))
+            E, A, B = np.pad(E, pad), np.pad(A, pad), np.pad(B, ((0, most - count), (0, 0)))
+            C, F = (np.pad(m, ((0, 0), (0, most - size))) for m in (C, F))
+            extra = tuple(f"undetermined {k + 1}" for k in range(most - size))
+            names = (*self.states, *extra)
+            return Descriptor(E, A, B, C, D, F, names, self.inputs, self.output_names, n)
+        keep, columns, free = found
+        moved = np.abs(C @ free).max(axis=1, initial=0.0) if free.shape[1] else np.zeros(q)
+        size_of = np.abs(C).max(axis=1, initial=0.0)
+        loose = moved > 1e-9 * np.maximum(size_of, 1e-300)
+        return Descriptor(
+            E[np.ix_(keep, columns)],
+            A[np.ix_(keep, columns)],
+            B[keep],
+            C[:, columns],
+            D,
+            F[:, columns],
+            tuple(self.states[k] for k in columns),
+            self.inputs,
+            self.output_names,
+            n,
+            tuple(name for name, free_ in zip(self.output_names, loose, strict=True) if free_),
+        )
 
     def refuse(self, column: int) -> NoReturn:
         """Refuse a nonlinear law, by the column of what it gives."""
@@ -340,11 +401,14 @@ class StateEquations(Generic[T]):
 
         return write_markdown(self, None if mode is None else self.mode_of(mode))
 
-    def transfer(self, mode: Mode | Mapping[str, str] = ()) -> TransferFunctions:
-        """Return the transfer functions of one mode, from every source to every output."""
+    def transfer(self, mode: Mode | Mapping[str, str] | None = None) -> TransferFunctions:
+        """Return the transfer functions of one mode, from every source to every output.
+
+        Without `mode`: of the start mode.
+        """
         from hybond.equations.transfer import transfer_functions
 
-        return transfer_functions(self, self.mode_of(mode))
+        return transfer_functions(self, self.mode_of({} if mode is None else mode))
 
     def sympy(self) -> dict[str, Any]:
         """Return E, A, B, C, D as SymPy matrices; needs the extra ``symbolic``."""
@@ -357,18 +421,38 @@ class StateEquations(Generic[T]):
         return self.markdown()
 
 
-STORED = -1
-"""Column of stored quantity k in rows over x is ``STORED - k``."""
+def output_name(node: Node, port: int) -> str:
+    """Return the signal that a law of an element gives."""
+    if node.kind == "TF":
+        return f"{node.path}.{port + 1}.{'e' if port == 0 else 'f'}"
+    variable = "f" if node.kind == "Sf" else "e"
+    if node.kind not in ("Se", "Sf", "GY") and node.law is not None:
+        variable = node.law.output
+    return f"{node.path}.{port + 1}.{variable}" if len(node.ends) > 1 else f"{node.path}.{variable}"
 
 
 def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
     if isinstance(ring, Numbers):
         return float
+    gone = sorted(ring.vanished & set(values or {}))
+    if gone:
+        raise EquationError(
+            f"{', '.join(name.removeprefix('p:') for name in gone)} is zero in the model, so the "
+            "equations do not have it",
+            code="HB-Q108",
+            hint="derive them anew from the model with the other value",
+        )
     known = ring.known(values or {})
 
     def value(c: Any) -> float:
         try:
             return float(c.evaluate(known))
+        except ZeroDivisionError:
+            raise EquationError(
+                "a coefficient divides by what is zero at this point",
+                code="HB-Q107",
+                hint="take a point beside it; the rates there are finite only if the motion is",
+            ) from None
         except KeyError as missing:
             raise NumericsError(
                 f"a coefficient reads {missing.args[0]}, which has no value here",
@@ -377,175 +461,3 @@ def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
             ) from None
 
     return value
-
-
-def parameter_values(graph: FlatGraph) -> dict[str, float]:
-    """Return the values of all names ``p:...`` that formulas of `graph` use."""
-    found = {f"p:{path}": float(v) for path, v in graph.parameters.items()}
-    if graph.parametric is not None:
-        for node in graph.nodes:
-            if not node.is_junction and not node.hidden:
-                found.update(graph.parametric(node.index).own)
-    return found
-
-
-def state_equations(
-    model: Model | FlatGraph,
-    *,
-    reference: Mode | None = None,
-    outputs: Sequence[str] = (),
-    symbolic: bool = True,
-    values: Mapping[str, float] | None = None,
-) -> StateEquations[Any]:
-    """Derive the mixed-Boolean state equations of a model.
-
-    Parameters
-    ----------
-    model : Model or FlatGraph
-    reference : tuple of int, optional
-        Default: the mode with most storage in integral causality.
-    outputs : sequence of str
-        Signals, as the model names them.
-    symbolic : bool
-        Coefficients in names of parameters, or numbers.
-    values : mapping, optional
-        For numbers where the state modulates: values of ``s:k``, ``x:k``, ``time``, ``u:k``.
-
-    Raises
-    ------
-    EquationError
-        HB-Q102 for an output that is not linear in efforts and flows.
-
-    Examples
-    --------
-    Two capacitors that a switch joins:
-
-    >>> import hybond as hb
-    >>> m = hb.Model("caps")
-    >>> m.add(a=hb.C("1 F"), b=hb.C("2 F"), n1=hb.Zero(), sw=hb.One(), n2=hb.Zero(), r=hb.R(1))
-    >>> m.bond("n1 -> a", "n1 -> sw -> n2 -> b", "n2 -> r")
-    >>> m.machine("S", states={"open": [], "closed": ["sw"]}, start="open")
-    >>> eq = state_equations(m)
-    >>> print(eq)
-    (1 - κ)*a.q' = κ*(a.q/a.C - b.q/b.C)
-    b.q' + κ*a.q' = -b.q/(b.C*r.R)
-    # κ = 1 when S is closed
-    >>> eq.at((1,)).E
-    array([[0., 0.],
-           [1., 1.]])
-    """
-    graph = model.flatten() if isinstance(model, Model) else model
-    graph_values = parameter_values(graph) if symbolic else {}
-    known = {**graph_values, **(values or {})}
-    ring: Ring[Any] = Symbols(known) if symbolic else Numbers(known)
-    start = graph.start_mode if reference is None else reference
-    if reference is None and graph.machines:
-        from hybond.causality.reference import reference_mode
-
-        start = reference_mode(graph).mode
-    wanted = [_signal(graph, text) for text in outputs]
-    form = switch_form(graph, ring, start, symbolic=symbolic, outputs=wanted)
-    regions = regions_of(form)
-    region_at = {v: r for r in regions if not r.why_kept for v in r.variables}
-    rows = [
-        mixed_row(
-            form,
-            form.targets[form.partner["rate", s.index, 0]],
-            region_at,
-            target=form.partner["rate", s.index, 0],
-        )
-        for s in graph.storages
-    ]
-    kept: list[int] = []
-    for region in regions:
-        if region.why_kept:
-            kept += region.variables
-            rows += [closing_row(form, region, s) for s in region.switches]
-            rows += [MixedRow(form.constraints[k]) for k in region.constraints]
-    results = []
-    for i, (row, rest) in enumerate(zip(form.outputs, form.rests, strict=True)):
-        results.append(mixed_row(form, _with_rest(form, row, rest, i), region_at))
-    stored = _storage_rows(form, symbolic=symbolic)
-
-    def in_x(row: Row[Any]) -> Row[Any]:
-        parts = [(c, stored[k]) for k, c in row.items() if k in stored]
-        if not parts:
-            return row
-        rest = {k: c for k, c in row.items() if k not in stored}
-        return ring.collect([(ring.one, rest), *parts])
-
-    sources = _of_kind(form, "source")
-    laws = tuple(k for k in _of_kind(form, "law", "storage") if k not in stored)
-    return StateEquations(
-        graph,
-        start,
-        form,
-        regions,
-        [row.mapped(in_x) for row in rows],
-        [row.mapped(in_x) for row in results],
-        tuple(outputs),
-        tuple(kept),
-        Naming(graph),
-        sources,
-        laws,
-        _places(form, kept, sources, laws),
-        in_x,
-    )
-
-
-def _of_kind(form: SwitchForm[Any], *kinds: str) -> tuple[int, ...]:
-    base = form.rows.unknowns
-    return tuple(base + k for k, c in enumerate(form.rows.columns) if c.kind in kinds)
-
-
-def _places(
-    form: SwitchForm[Any], kept: list[int], sources: tuple[int, ...], laws: tuple[int, ...]
-) -> dict[int, tuple[str, int]]:
-    """Return where each column stands in the matrices."""
-    n = len(form.graph.storages)
-    place: dict[int, tuple[str, int]] = {}
-    for s in form.graph.storages:
-        place[form.partner["rate", s.index, 0]] = ("rate", s.index)
-        place[STORED - s.index] = ("state", s.index)
-    place.update({k: ("state", n + j) for j, k in enumerate(kept)})
-    place.update({k: ("input", j) for j, k in enumerate(sources)})
-    place.update({k: ("law", j) for j, k in enumerate(laws)})
-    return place
-
-
-def _signal(graph: FlatGraph, text: str) -> Expr:
-    if text in graph.signals:
-        return graph.signals[text]
-    assert graph.read is not None
-    return graph.read(text)
-
-
-def _with_rest(form: SwitchForm[T], row: Row[T], rest: Expr, index: int) -> Row[T]:
-    """Add what an output reads besides bonds: stored quantities, else a source column."""
-    row = dict(row)
-    ring = form.ring
-    slopes = {n: differentiate(rest, n) for n in sorted(names(rest)) if n.startswith("x:")}
-    if all(not names(d) for d in slopes.values()):
-        for name, d in slopes.items():
-            row[STORED - int(name[2:])] = ring.read(simplify(d))
-        rest = simplify(substitute(rest, {n: Number(0.0) for n in slopes}))
-    if rest != Number(0.0):
-        row[form.rows.column("source", -1, port=index, formula=rest)] = ring.one
-    return row
-
-
-def _storage_rows(form: SwitchForm[T], *, symbolic: bool) -> dict[int, dict[int, T]]:
-    """Return ``z = K x`` per linear storage port."""
-    graph, ring = form.graph, form.ring
-    at: dict[tuple[int, int], int] = {(s.node, s.port): s.index for s in graph.storages}
-    found: dict[int, dict[int, T]] = {}
-    for s in graph.storages:
-        node = graph.nodes[s.node]
-        law = laws_of(graph, node, symbolic=symbolic)
-        if law.matrix is None:
-            continue
-        row = {STORED - at[s.node, j]: ring.read(e) for j, e in enumerate(law.matrix[s.port])}
-        found[form.partner["storage", s.index, 0]] = {
-            k: c for k, c in row.items() if ring.size(c) > 0.0
-        }
-    return found

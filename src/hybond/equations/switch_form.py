@@ -42,8 +42,6 @@ class SwitchForm(Generic[T]):
         knowns, switch variables and tears.
     outputs : list of Row
         The wanted signals, likewise.
-    rests : list of Expr
-        What the wanted signals add that reads no bond.
     tears : tuple of int
         Columns that the structure leaves free.
     constraints : list of Row
@@ -55,7 +53,6 @@ class SwitchForm(Generic[T]):
     rows: Rows[T]
     targets: dict[int, Row[T]]
     outputs: list[Row[T]]
-    rests: list[Expr]
     tears: tuple[int, ...]
     constraints: list[Row[T]]
     solution: Peeling[T]
@@ -117,7 +114,14 @@ def switch_form(
     """
     from hybond.errors import EquationError
 
-    assembly = Assembly(graph, ring, graph.on_nodes(reference), symbolic=symbolic, imposes=imposes)
+    assembly = Assembly(
+        graph,
+        ring,
+        graph.on_nodes(reference),
+        symbolic=symbolic,
+        imposes=imposes,
+        feedback=imposes is None,
+    )
     rows = assembly.out
     solution = Peeling(ring, rows.rows, rows.unknowns)
     bonds = len(graph.bonds)
@@ -134,7 +138,6 @@ def switch_form(
             way = ring.of(float(end.sign) if flow else 1.0)
             targets[own] = solution.reduce({end.bond + (bonds if flow else 0): way})
     wanted: list[Row[T]] = []
-    rests: list[Expr] = []
     for e in outputs:
         found = assembly.affine(e)
         if found is None:
@@ -143,21 +146,21 @@ def switch_form(
                 code="HB-Q102",
                 hint="ask for the efforts and flows that it is made of",
             )
-        wanted.append(solution.reduce(found[0]))
-        rests.append(found[1])
+        slopes, rest = found
+        given = assembly.given(-1, rest, port=len(wanted))
+        wanted.append(solution.reduce(ring.collect([(ring.one, slopes), (ring.one, given)])))
     return SwitchForm(
         graph=graph,
         ring=ring,
         rows=rows,
         targets={k: solution.settled(row) for k, row in targets.items()},
         outputs=[solution.settled(row) for row in wanted],
-        rests=rests,
         tears=tuple(solution.free()),
         constraints=[solution.settled(row) for row in solution.constraints],
         solution=solution,
         partner={
             (c.kind, c.index, c.port): rows.unknowns + k
             for k, c in enumerate(rows.columns)
-            if c.kind in ("rate", "storage", "resistor", "intake")
+            if c.kind in ("rate", "storage", "stored", "resistor", "intake")
         },
     )

@@ -76,9 +76,16 @@ def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
                 notes.append(f"... {len(eq.naming.booleans) - 20} more Booleans")
                 break
             notes.append(f"{eq.display.kappa(k)} = 1 when {about.path} is {states or 'never'}")
+    zero = sorted(eq.display.name(name) for name in eq.ring.vanished)
+    if zero:
+        notes.append(f"zero in this model, and left out: {', '.join(zero)}")
+    if eq.lost:
+        names = ", ".join(eq.variable_name(k) for k in eq.lost)
+        notes.append(f"undetermined, and read by nothing: {names}")
     for region in eq.regions:
-        if region.why_kept:
-            kept = ", ".join(eq.variable_name(k) for k in region.variables)
+        stays = [k for k in region.variables if k in eq.kept]
+        if stays:
+            kept = ", ".join(eq.variable_name(k) for k in stays)
             notes.append(f"kept as variables: {kept} ({region.why_kept})")
         lost = sorted({v for variables in region.undetermined for v in variables})
         if lost:
@@ -144,10 +151,29 @@ class _Writer:
             value = self._sum(self._terms(row, 1.0))
             if value != text:
                 found.append(self.equals(text, value))
+        found += self._integrals()
         for k in eq.sources:
             e = self._law(k)
             if not self._inline(k):
                 found.append(self.equals(self.variable(eq.source_name(k)), self.formula(e)))
+        return found
+
+    def _integrals(self) -> list[str]:
+        """Return the rates of the integrated signals that the equations read."""
+        eq = self.eq
+        read = {n for row in (*eq.rows, *eq.outputs) for n in eq.names_in(row)}
+        read |= {n for k in (*eq.sources, *eq.laws) for n in names_of(self._law(k))}
+        found, seen = [], set()
+        while wanted := sorted(n for n in read if n.startswith("s:") and n not in seen):
+            for name in wanted:
+                seen.add(name)
+                integral = eq.graph.integrals[int(name[2:])]
+                row = eq.signal_row(integral.rate)
+                value = (
+                    self.formula(integral.rate) if row is None else self._sum(self._terms(row, 1.0))
+                )
+                found.append(self.equals(self.rate(integral.path), value))
+                read |= names_of(integral.rate)
         return found
 
     def _law(self, column: int) -> Expr:
