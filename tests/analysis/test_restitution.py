@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.special import gamma
@@ -165,7 +165,8 @@ def test_symbols_are_those_of_the_model():
 
 
 @given(st.floats(1e-3, 30.0), st.floats(0.01, 100.0), st.floats(1e-6, 1.0))
-@settings(max_examples=60, deadline=None)
+@example(1.0, 1.0, 0.9375)  # critical, but for rounding
+@settings(max_examples=60, deadline=None, derandomize=True)
 def test_closed_form_against_its_own_motion(zeta, mass, compliance):
     """The end of the exact motion (matrix exponential) lies where the closed form says."""
     from scipy.linalg import expm

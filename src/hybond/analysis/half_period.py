@@ -126,7 +126,11 @@ def loaded_half_period(
 
     if sigma**2 < omega2:
         # the deepest minimum of a decaying oscillation is its first
-        t = np.linspace(0.0, 2.0 * math.pi / abs(delta.imag), 4001)[1:]
+        period = 2.0 * math.pi / abs(delta.imag)
+        even_steps = np.linspace(0.0, period, 4001)[1:]
+        # near critical damping the period is long, and all happens at its very beginning
+        begin = min(1e-3 / math.sqrt(omega2), period)
+        t = np.union1d(even_steps, np.geomspace(begin, period, 4001))
     else:
         longest = 60.0 * (sigma + delta.real) / omega2
         t = np.geomspace(1e-3 / (sigma + delta.real), longest, 20001)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.cli.lists import mode_of, split
 from hybond.cli.record import to_json
@@ -12,6 +12,9 @@ from hybond.cli.streams import say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph
+
+if TYPE_CHECKING:
+    from hybond.analysis.restitution import Restitution
 
 VERSION = 1
 """Version of the object of ``--json``."""
@@ -39,6 +42,7 @@ def _check(given: Namespace) -> None:
         ("--dt", given.dt, "restitution"),
         ("--speed", given.speed, "restitution"),
         ("--write", given.write, "restitution"),
+        ("--eps", given.eps, "restitution"),
         ("--sensors", given.sensors, "residuals"),
     ):
         if value is not None and not getattr(given, needs):
@@ -86,18 +90,42 @@ def _restitution(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> 
         speed=given.speed,
     )
     record |= found.record()
+    epsilon = source = None
     if given.write:
-        record["written"] = _write_newton(given, found.value)
+        epsilon, source = _epsilon(given, found)
+        record |= {"written": given.write, "epsilon": epsilon, "epsilon_is": source}
+        _write_newton(given, epsilon)
     if given.json:
         return
     say(graph.title or graph.name)
     say()
     say(found.markdown() if given.markdown else found.text())
     if given.write:
-        say(given.write)
+        say(f"\n{given.write}: Newton's law with ε = {epsilon}, {source}")
 
 
-def _write_newton(given: Namespace, value: float | None) -> str:
+def _epsilon(given: Namespace, found: Restitution) -> tuple[float | str, str]:
+    """Return the restitution to write, and what it is.
+
+    A value that is given; else the formula's if its step was named; else the one that depends on
+    no step.
+    """
+    if given.eps is not None:
+        return given.eps, "as given"
+    if given.dt is not None and found.value is not None:
+        return found.value, f"by the formula at Δt = {given.dt}"
+    rebound = found.rebound(sources=given.speed is not None) or found.rebound()
+    if rebound is None:
+        raise UsageError(
+            "the contact phase gives no restitution, so there is nothing to write",
+            code="HB-X101",
+            where="--write",
+            hint="give a value: --eps 0.9",
+        )
+    return rebound.value, "from integrating the contact phase"
+
+
+def _write_newton(given: Namespace, value: float | str) -> None:
     """Write the simplified model with Newton's law of restitution."""
     from pathlib import Path
 
@@ -105,19 +133,11 @@ def _write_newton(given: Namespace, value: float | None) -> str:
     from hybond.cli.settings import model_with
     from hybond.files import load, save
 
-    if value is None:
-        raise UsageError(
-            "no formula gives the restitution of this contact, so there is nothing to write",
-            code="HB-X101",
-            where="--write",
-            hint="use newton_law_model in Python with a value of your own",
-        )
     target = check_target(given.write, (".toml", ".json"), "--write")
     assert target is not None
     check_new(target, force=given.force)
     model = model_with(load(Path(given.file)), given.settings)
     save(newton_law_model(model, given.restitution, value), target)
-    return str(given.write)
 
 
 def _residuals(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:

@@ -76,6 +76,12 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument(
         "--write", metavar="FILE", help="write the model with Newton's law of restitution"
     )
+    parser.add_argument(
+        "--eps",
+        metavar="E",
+        help="restitution for --write (default: the formula's if --dt is given, else the one "
+        "from integrating the contact phase)",
+    )
     parser.add_argument("--force", action="store_true", help="let --write replace a file")
     parser.add_argument("--sensors", metavar="SIGNAL,...", help="what is measured, for --residuals")
     form = parser.add_mutually_exclusive_group()

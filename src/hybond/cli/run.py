@@ -13,8 +13,12 @@ from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError
+from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity
+
+FIRST, LAST = 40, 10
+"""Events printed of a run that has many more."""
 
 
 def run(given: Namespace) -> int:
@@ -53,7 +57,7 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     record = run_record(run, "", times)
     say(run.title)
     say()
-    say(str(run.events))
+    _events(run)
     if times:
         say()
         say(_table(run, times, names))
@@ -67,6 +71,18 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     for warning in record["warnings"]:
         say(f"warning: {warning}")
     say(stats_line(run))
+
+
+def _events(run: Result) -> None:
+    """Print the events; of many the first and the last."""
+    events = run.events
+    left = len(events) - FIRST - LAST
+    if left < LAST:
+        say(str(events))
+        return
+    say(str(EventTable(run.graph, events[:FIRST])))
+    say(f"... {left} more events: hybond explain tells all of them ...")
+    say(str(EventTable(run.graph, events[-LAST:])))
 
 
 def ending(run: Result) -> str:

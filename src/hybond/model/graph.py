@@ -246,14 +246,24 @@ class FlatGraph:
         return tuple(mode)
 
     def mode_text(self, mode: Mode, focus: Collection[str] = ()) -> str:
-        """Return a mode for people: all states, or of many machines only those in `focus`."""
+        """Return a mode for people: all states; of many machines those that say most.
+
+        These are the machines in `focus` and those that are not in their start state, as far as
+        they are few.
+        """
         if not self.machines:
             return "the only mode"
         if len(self.machines) <= MANY:
             return ", ".join(self.mode_names(mode).values())
-        shown = {m: k for m, k in self.mode_names(mode).items() if m in focus}
+        away = [m.path for m, k in zip(self.machines, mode, strict=True) if k != m.start]
+        named = {*focus, *(away if len(away) <= MANY else away[: MANY - 1])}
+        shown = [f"{m} = {k}" for m, k in self.mode_names(mode).items() if m in named]
         rest = len(self.machines) - len(shown)
-        return ", ".join([*(f"{m} = {k}" for m, k in shown.items()), f"{rest} other machines"])
+        if rest:
+            others = "others" if shown else "machines"
+            start = all(path in named for path in away)
+            shown.append(f"{rest} {others} in their start state" if start else f"{rest} others")
+        return ", ".join(shown)
 
     def mode_names(self, mode: Mode) -> dict[str, str]:
         """Return `mode` as ``{machine: state}``."""
