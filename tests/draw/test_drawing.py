@@ -18,7 +18,7 @@ from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box
 from hybond.draw.scene import Frame, Line, Text
 from hybond.draw.words import extent_of
-from hybond.errors import UsageError
+from hybond.errors import ModelError, UsageError
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -266,7 +266,7 @@ def test_to_mpl_draws_on_given_axes(examples: Any) -> None:
 
 
 def test_mode_of_wrong_length_is_refused(examples: Any) -> None:
-    with pytest.raises(UsageError, match="HB-D102"):
+    with pytest.raises(ModelError, match="HB-M144"):
         draw(examples["ball"](), mode=(0, 0))
 
 

@@ -18,7 +18,7 @@ from hybond.draw.hybrid import MOST_PANELS
 from hybond.draw.scene import Frame, Line, Text
 from hybond.draw.style import STYLES
 from hybond.draw.words import extent_of
-from hybond.errors import UsageError
+from hybond.errors import ModelError, UsageError
 from hybond.model.graph import FlatGraph
 
 ROOT = Path(__file__).parents[2]
@@ -288,9 +288,9 @@ def test_panels_of_chosen_modes_and_their_bounds() -> None:
         "S1 = off, S2 = on",
     ]
     assert panels[0][1].x0 == panels[1][1].x0 and panels[0][1].y1 < panels[1][1].y0
-    with pytest.raises(UsageError, match="HB-D102"):
+    with pytest.raises(ModelError, match="HB-M144"):
         draw_modes(graph, [(0,)])
-    with pytest.raises(UsageError, match="HB-D102"):
+    with pytest.raises(ModelError, match="HB-M144"):
         draw_hybrid(graph, (0, 0, 0))
     with pytest.raises(UsageError, match="HB-D105"):
         draw_modes(graph, columns=0)

@@ -245,8 +245,15 @@ def test_symbols_and_numbers_agree(seed) -> None:
     b = state_equations(graph, reference=graph.start_mode, symbolic=False)
     rng = np.random.default_rng(seed)
     for mode in modes_of(graph, rng):
-        one, two = a.at(mode), b.at(mode)
-        assert np.linalg.matrix_rank(one.E) == np.linalg.matrix_rank(two.E)
+        try:
+            one = a.at(mode).poles()
+        except hb.EquationError:
+            with pytest.raises(hb.EquationError):
+                b.at(mode).poles()
+            continue
+        two = b.at(mode).poles()
+        assert len(one) == len(two)
+        np.testing.assert_allclose(np.poly(two), np.poly(one), rtol=1e-6, atol=1e-9)
 
 
 def nonlinear_net(seed: int, size: int) -> Net:
@@ -263,7 +270,8 @@ def test_nonlinear_laws(seed, size) -> None:
     model = net.model()
     try:
         run = hb.simulate(model, until=0.2, rtol=1e-10)
-    except hb.HybondError:
+    except hb.CausalityError as error:
+        assert error.code in ("HB-C101", "HB-C104")
         return
     segment = run.segments[-1]
     t = float(segment.t[-1])

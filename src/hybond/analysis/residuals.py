@@ -27,7 +27,7 @@ from hybond.equations.mixed import MixedRow
 from hybond.equations.ring import Row
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError
-from hybond.model.builder import Model
+from hybond.model.builder import Model, graph_of
 from hybond.model.graph import FlatGraph, Mode
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class Residual:
         """Return its coefficients in one mode, by the names of what it reads."""
         ring = self.of.ring
         known = ring.known(values or {})
-        row = self.row.at(mode, ring)
+        row = self.row.at(self.of.graph.mode_of(mode), ring)
         return {self.of.jets.name(k): c.evaluate(known) for k, c in sorted(row.items())}
 
     def vacuous(self, mode: Mode) -> bool:
@@ -268,7 +268,7 @@ class Residuals(Sequence[Residual]):
 
         mode = self.mode if mode is None and modes is None else mode
         if mode is not None:
-            chosen = [self.graph.mode_of(mode) if isinstance(mode, Mapping) else tuple(mode)]
+            chosen = [self.graph.mode_of(mode)]
         else:
             chosen = list(modes) if modes is not None else examined_modes(self.graph)
         return fault_signatures(self, chosen)
@@ -365,10 +365,10 @@ def residuals(
     # G1: balance of 1-junction sw; G2: balance of 0-junction n
     # diagnostic causality exists
     """
-    graph = model.flatten() if isinstance(model, Model) else model
+    graph = graph_of(model)
     given = sensor_rows(graph, sensors)
     pivots = UnitPivots(given)
-    one = graph.mode_of(mode) if isinstance(mode, Mapping) else mode
+    one = None if mode is None else graph.mode_of(mode)
     found = Residuals(given, pivots, global_rows(given, pivots, mode=one))
     found.mode = one
     if not len(found) and found.regions.large:

@@ -82,7 +82,7 @@ class Signatures:
         return np.asarray(self.reacts[self._place(mode)])
 
     def _place(self, mode: Mode | Mapping[str, str]) -> int:
-        wanted = self.graph.mode_of(mode) if isinstance(mode, Mapping) else tuple(mode)
+        wanted = self.graph.mode_of(mode)
         if wanted not in self.modes:
             raise UsageError(
                 f"the mode {self.graph.mode_text(wanted)} was not examined",

@@ -67,7 +67,7 @@ class StructureReport:
         UsageError
             HB-A102 if that mode was not analysed.
         """
-        wanted = self.graph.mode_of(mode) if isinstance(mode, Mapping) else tuple(mode)
+        wanted = self.graph.mode_of(mode)
         for row in self.rows:
             if row.mode == wanted:
                 return row

@@ -13,7 +13,7 @@ from hybond.causality.dynamics import Dynamics, Kind, causality_of, dynamics
 from hybond.causality.explain import chain, describe_conflict, reason
 from hybond.causality.record import Causality
 from hybond.causality.reference import reference_mode
-from hybond.model.builder import Model
+from hybond.model.builder import Model, graph_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.pins import pin_names
 
@@ -279,13 +279,13 @@ def causality(
     >>> hb.causality(m, {"S": "open"}).bonds[3].at
     'sw'
     """
-    graph = model.flatten() if isinstance(model, Model) else model
+    graph = graph_of(model)
     reference = reference_mode(graph, mode=graph.reference, pins=graph.pins)
     found = dynamics(graph, reference)
     if mode is None:
         shown = reference.mode
     else:
-        shown = graph.mode_of(mode) if isinstance(mode, Mapping) else tuple(mode)
+        shown = graph.mode_of(mode)
     same = shown == reference.mode
     strokes = reference.causality if same else causality_of(graph, shown, reference=reference)
     return CausalityReport(graph, shown, strokes, found)

@@ -52,6 +52,15 @@ def _check(given: Namespace) -> None:
                 where="hybond analyse",
                 hint="hybond analyse --help",
             )
+    other = "restitution" if given.restitution else "residuals" if given.residuals else ""
+    for option in ("inputs", "outputs", "draw", "mode"):
+        if other and getattr(given, option) and not (option == "mode" and other == "residuals"):
+            raise UsageError(
+                f"--{option} does not go with --{other}",
+                code="HB-X101",
+                where="hybond analyse",
+                hint="hybond analyse --help",
+            )
 
 
 def _structure(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
@@ -143,7 +152,15 @@ def _write_newton(given: Namespace, value: float | str) -> None:
 def _residuals(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
     from hybond.analysis.residuals import residuals
 
-    found = residuals(graph, sensors=split([given.sensors or ""]))
+    modes = [mode_of(graph, text) for text in given.mode]
+    if len(modes) > 1:
+        raise UsageError(
+            "--residuals are of all modes, or of one",
+            code="HB-X101",
+            where="--mode",
+            hint="give one --mode, or none",
+        )
+    found = residuals(graph, sensors=split([given.sensors or ""]), mode=modes[0] if modes else None)
     record |= found.record()
     if given.json:
         return

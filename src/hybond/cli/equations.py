@@ -14,7 +14,7 @@ from hybond.equations.junction_matrix import JunctionMatrix, junction_matrix
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.state_form import StateEquations
 from hybond.equations.transfer import transfer_functions
-from hybond.errors import HybondError
+from hybond.errors import EquationError, HybondError, UsageError
 from hybond.model.graph import FlatGraph, Mode
 
 VERSION = 1
@@ -23,6 +23,17 @@ VERSION = 1
 
 def show_equations(given: Namespace) -> int:
     """Print equations; nothing is simulated."""
+    for form in ("markdown", "latex"):
+        unused = [o for o in ("matrices", "junctions", "transfer") if getattr(given, o)]
+        allowed = () if form == "markdown" else ("junctions", "transfer")
+        refused = [o for o in unused if o not in allowed]
+        if getattr(given, form) and refused:
+            raise UsageError(
+                f"--{form} writes no {refused[0]}",
+                code="HB-X101",
+                where="hybond equations",
+                hint=f"leave out --{refused[0]} or --{form}",
+            )
     graph = read_graph(given.file, given.settings)
     mode = None if given.mode is None else mode_of(graph, given.mode)
     eq = state_equations(
@@ -54,8 +65,8 @@ def _plotted(graph: FlatGraph, given: Namespace) -> list[str]:
     for name in graph.experiment.get("plot", ()):
         try:
             state_equations(graph, reference=graph.start_mode, outputs=[name], symbolic=False)
-        except HybondError:
-            continue
+        except EquationError:
+            continue  # not linear in efforts and flows
         found.append(name)
     return found
 

@@ -16,13 +16,14 @@ from hybond.draw.hybrid import draw_hybrid, draw_modes
 from hybond.draw.layout import layout
 
 if TYPE_CHECKING:
+    from hybond.model.builder import Model
     from hybond.model.graph import FlatGraph
 
 __all__ = ["Badge", "Drawing", "draw", "draw_hybrid", "draw_mode", "draw_modes", "layout"]
 
 
 class _Room(ModuleType):
-    def __call__(self, graph: FlatGraph, **options: Any) -> Drawing:
+    def __call__(self, graph: Model | FlatGraph, **options: Any) -> Drawing:
         """Draw a bond graph; see `hybond.draw.drawing.draw`."""
         return draw(graph, **options)
 

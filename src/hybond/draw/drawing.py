@@ -19,11 +19,13 @@ from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
 from hybond.draw.words import with_words
 from hybond.errors import UsageError
+from hybond.model.builder import graph_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from hybond.model.graph import FlatGraph, Mode
+    from hybond.model.builder import Model
+    from hybond.model.graph import AnyMode, FlatGraph
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +87,9 @@ class Drawing:
 
 
 def draw(
-    graph: FlatGraph,
+    graph: Model | FlatGraph,
     *,
-    mode: Mode | None = None,
+    mode: AnyMode | None = None,
     causality: Causality | None = None,
     dynamic_bonds: Collection[int] = (),
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
@@ -99,9 +101,9 @@ def draw(
 
     Parameters
     ----------
-    graph : FlatGraph
+    graph : Model or FlatGraph
         ``graph.layout`` pins nodes: path to (x, y) in grid cells, y downwards.
-    mode : tuple of int, optional
+    mode : tuple of int or mapping, optional
         The mode to show: what is OFF in it is grey, and a caption names it.
     causality : object, optional
         An assignment with `strokes`, `derivative` and `conflicts`; without it no strokes.
@@ -124,8 +126,10 @@ def draw(
 
     Raises
     ------
+    ModelError
+        HB-M144 for what is no mode.
     UsageError
-        HB-D102 for a mode of another length, HB-D106 for a mark on a node that does not exist,
+        HB-D106 for a mark on a node that does not exist,
         HB-D107 for a tone that does not exist.
 
     References
@@ -144,8 +148,9 @@ def draw(
     >>> drawing.positions["v"], drawing.svg().startswith("<svg")
     ((0.0, 1.0), True)
     """
+    graph = graph_of(graph)
     if mode is not None:
-        check_mode(graph, mode)
+        mode = graph.mode_of(mode)
     shown = sketch(
         graph,
         mode=mode,
@@ -170,22 +175,6 @@ def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
     return Drawing(scene, dict(zip((s.path for s in shown.symbols), positions, strict=True)))
 
 
-def check_mode(graph: FlatGraph, mode: Mode) -> None:
-    """Refuse a mode that is not one of `graph`.
-
-    Raises
-    ------
-    UsageError
-        HB-D102.
-    """
-    if len(mode) != len(graph.machines):
-        raise UsageError(
-            f"the mode {tuple(mode)} has {len(mode)} states for {len(graph.machines)} machines",
-            code="HB-D102",
-            hint="one state per machine, in the graph's order",
-        )
-
-
 def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
     """Return where the symbols of a sketch stand, in grid cells: the same for every mode."""
     return _positions(
@@ -206,8 +195,8 @@ def _positions(
 
 
 def draw_mode(
-    graph: FlatGraph,
-    mode: Mode,
+    graph: Model | FlatGraph,
+    mode: AnyMode,
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
@@ -229,7 +218,8 @@ def draw_mode(
     """
     from hybond.causality.dynamics import causality_of
 
-    check_mode(graph, mode)
+    graph = graph_of(graph)
+    mode = graph.mode_of(mode)
     return draw(
         graph,
         mode=mode,

@@ -11,21 +11,23 @@ from hybond.causality.dynamics import causality_of, dynamics
 from hybond.causality.modes import changed
 from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
-from hybond.draw.drawing import Drawing, check_mode, finished, positions_of
+from hybond.draw.drawing import Drawing, finished, positions_of
 from hybond.draw.panels import side_by_side
 from hybond.draw.sketch import mode_caption, sketch
 from hybond.errors import UsageError
+from hybond.model.builder import graph_of
 
 if TYPE_CHECKING:
-    from hybond.model.graph import FlatGraph, Mode
+    from hybond.model.builder import Model
+    from hybond.model.graph import AnyMode, FlatGraph, Mode
 
 MOST_PANELS = 16
 """Pictures side by side."""
 
 
 def draw_hybrid(
-    graph: FlatGraph,
-    reference: Mode | None = None,
+    graph: Model | FlatGraph,
+    reference: AnyMode | None = None,
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
@@ -40,7 +42,7 @@ def draw_hybrid(
 
     Parameters
     ----------
-    graph : FlatGraph
+    graph : Model or FlatGraph
     reference : tuple of int, optional
         Without it the mode in which most storages are in integral causality.
     marks, numbers, title, legend
@@ -62,9 +64,8 @@ def draw_hybrid(
     >>> drawing.svg().count('"stroke dynamic"')  # the resistor's, and one in the legend
     2
     """
-    if reference is not None:
-        check_mode(graph, reference)
-    base = reference_mode(graph, mode=reference)
+    graph = graph_of(graph)
+    base = reference_mode(graph, mode=None if reference is None else graph.mode_of(reference))
     caption = mode_caption(graph, base.mode)
     shown = sketch(
         graph,
@@ -80,10 +81,10 @@ def draw_hybrid(
 
 
 def draw_modes(
-    graph: FlatGraph,
-    modes: Sequence[Mode] | None = None,
+    graph: Model | FlatGraph,
+    modes: Sequence[AnyMode] | None = None,
     *,
-    reference: Mode | None = None,
+    reference: AnyMode | None = None,
     columns: int | None = None,
     numbers: bool = False,
     title: bool = True,
@@ -96,7 +97,7 @@ def draw_modes(
 
     Parameters
     ----------
-    graph : FlatGraph
+    graph : Model or FlatGraph
     modes : sequence of tuple of int, optional
         Without it all modes. The reference mode is put first, also if it is not among them.
     reference : tuple of int, optional
@@ -110,7 +111,9 @@ def draw_modes(
     ------
     UsageError
         HB-D105 if that makes more than `MOST_PANELS` panels, or fewer than one column is asked
-        for; HB-D102 for a mode with the wrong number of states.
+        for.
+    ModelError
+        HB-M144 for what is no mode.
 
     Examples
     --------
@@ -123,19 +126,18 @@ def draw_modes(
     >>> panels.svg().count('data-node="sw"')
     2
     """
-    if reference is not None:
-        check_mode(graph, reference)
-    for mode in modes or ():
-        check_mode(graph, mode)
+    graph = graph_of(graph)
+    first_mode = None if reference is None else graph.mode_of(reference)
+    wanted = None if modes is None else [graph.mode_of(mode) for mode in modes]
     if columns is not None and columns < 1:
         raise UsageError(
             f"{columns} columns", code="HB-D105", where="columns", hint="at least one column"
         )
-    if modes is None:
-        modes = _all_modes(graph)
-    base = reference_mode(graph, mode=reference)
+    if wanted is None:
+        wanted = _all_modes(graph)
+    base = reference_mode(graph, mode=first_mode)
     first = base.mode
-    chosen = list(dict.fromkeys([first, *(tuple(mode) for mode in modes)]))
+    chosen = list(dict.fromkeys([first, *wanted]))
     if len(chosen) > MOST_PANELS:
         raise UsageError(
             f"{len(chosen)} modes are too many to draw side by side",

@@ -13,11 +13,11 @@ from hybond.equations.regions import regions_of
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.state_form import StateEquations
 from hybond.equations.switch_form import SwitchForm, switch_form
-from hybond.model.builder import Model
+from hybond.model.builder import Model, graph_of
 from hybond.model.expressions import (
     Expr,
 )
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.graph import AnyMode, FlatGraph
 
 T = TypeVar("T")
 
@@ -25,7 +25,7 @@ T = TypeVar("T")
 def state_equations(
     model: Model | FlatGraph,
     *,
-    reference: Mode | None = None,
+    reference: AnyMode | None = None,
     outputs: Sequence[str] = (),
     symbolic: bool = True,
     values: Mapping[str, float] | None = None,
@@ -35,8 +35,8 @@ def state_equations(
     Parameters
     ----------
     model : Model or FlatGraph
-    reference : tuple of int, optional
-        Default: the mode with most storage in integral causality.
+    reference : tuple of int or mapping, optional
+        Default: the model's own, else the mode with most storage in integral causality.
     outputs : sequence of str
         Signals, as the model names them.
     symbolic : bool
@@ -67,11 +67,11 @@ def state_equations(
     array([[0., 0.],
            [1., 1.]])
     """
-    graph = model.flatten() if isinstance(model, Model) else model
+    graph = graph_of(model)
     graph_values = parameter_values(graph) if symbolic else {}
     known = {**graph_values, **(values or {})}
     ring: Ring[Any] = Symbols(known) if symbolic else Numbers(known)
-    start = graph.start_mode if reference is None else reference
+    start = graph.mode_of({} if reference is None else reference)
     if reference is None and graph.machines:
         from hybond.causality.reference import reference_mode
 

@@ -29,8 +29,8 @@ from hybond.equations.patterns import Space
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Symbols
 from hybond.equations.switch_form import SwitchForm, switch_form
-from hybond.model.builder import Model
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.builder import Model, graph_of
+from hybond.model.graph import AnyMode, FlatGraph, Mode
 
 
 @dataclass
@@ -111,12 +111,12 @@ class JunctionMatrix:
             return f"{node.path}.{net if on else common}"
         return f"{node.path}{port}"
 
-    @property
+    @cached_property
     def S(self) -> BooleanMatrix:
         """What elements give to what they receive."""
         return self._matrix(self.inputs, {k: j for j, k in enumerate(self._given)}, -1.0)
 
-    @property
+    @cached_property
     def Q(self) -> BooleanMatrix:
         """What elements receive; the identity where causality is that of the reference mode."""
         columns = (*self.targets, *self.kept)
@@ -194,7 +194,7 @@ class JunctionMatrix:
         ((space, on),) = spaces.items()
         return self.naming.cubes(space, frozenset(on))
 
-    def text(self, mode: Mode | None = None) -> str:
+    def text(self, mode: AnyMode | None = None) -> str:
         """Return S with its names, Q where it is not the identity, and the active resistors."""
         show = self.display
         s, q = self.S, self.Q
@@ -249,15 +249,15 @@ def _silenced(form: SwitchForm[Any], region: Region[Any]) -> list[set[int]]:
 
 
 def junction_matrix(
-    model: Model | FlatGraph, *, reference: Mode | None = None, symbolic: bool = True
+    model: Model | FlatGraph, *, reference: AnyMode | None = None, symbolic: bool = True
 ) -> JunctionMatrix:
     """Derive the junction structure matrix of a model.
 
     Parameters
     ----------
     model : Model or FlatGraph
-    reference : tuple of int, optional
-        Default: the mode with most storage in integral causality.
+    reference : tuple of int or mapping, optional
+        Default: the model's own, else the mode with most storage in integral causality.
     symbolic : bool
         Moduli in names of parameters, or numbers.
 
@@ -276,8 +276,8 @@ def junction_matrix(
     <BLANKLINE>
     active: r.f: κ
     """
-    graph = model.flatten() if isinstance(model, Model) else model
-    best = reference_mode(graph, mode=reference)
+    graph = graph_of(model)
+    best = reference_mode(graph, mode=None if reference is None else graph.mode_of(reference))
     values = parameter_values(graph) if symbolic else {}
     ring: Ring[Any] = Symbols(values) if symbolic else Numbers(values)
     form = switch_form(graph, ring, best.mode, symbolic=symbolic, imposes=best.causality.resistors)

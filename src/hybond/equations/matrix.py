@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hybond.equations.booleans import Cube
 from hybond.equations.display import Display
 from hybond.equations.symbolic.rational import Rational
-from hybond.model.graph import Mode
+from hybond.model.graph import AnyMode
 
 Terms = tuple[tuple[Cube, Any], ...]
 """Disjoint Boolean products with their coefficients."""
@@ -76,8 +76,9 @@ class BooleanMatrix:
     def _plain(self, i: int, j: int) -> Terms:
         return self.entries.get((i, j), ())
 
-    def in_mode(self, mode: Mode) -> BooleanMatrix:
+    def in_mode(self, mode: AnyMode) -> BooleanMatrix:
         """Return the matrix of one mode, coefficients in names of parameters, without Booleans."""
+        mode = self.display.graph.mode_of(mode)
         booleans = self.display.naming.booleans
         entries: dict[tuple[int, int], Terms] = {}
         for place, terms in self.entries.items():
@@ -91,8 +92,11 @@ class BooleanMatrix:
                 entries[place] = (((), total),)
         return BooleanMatrix(self.rows, self.columns, entries, self.display, self.values)
 
-    def at(self, mode: Mode, *, values: Mapping[str, float] | None = None) -> NDArray[np.float64]:
+    def at(
+        self, mode: AnyMode, *, values: Mapping[str, float] | None = None
+    ) -> NDArray[np.float64]:
         """Return the numbers in one mode, shape `shape`."""
+        mode = self.display.graph.mode_of(mode)
         known = self._known(values)
         found = np.zeros(self.shape)
         booleans = self.display.naming.booleans
@@ -102,10 +106,11 @@ class BooleanMatrix:
                     found[i, j] += c.evaluate(known) if isinstance(c, Rational) else c
         return found
 
-    def sparse(self, mode: Mode, *, values: Mapping[str, float] | None = None) -> Any:
+    def sparse(self, mode: AnyMode, *, values: Mapping[str, float] | None = None) -> Any:
         """Return the numbers in one mode as a `scipy.sparse.csr_array`."""
         from scipy.sparse import csr_array
 
+        mode = self.display.graph.mode_of(mode)
         known = self._known(values)
         booleans = self.display.naming.booleans
         at: list[tuple[int, int]] = []

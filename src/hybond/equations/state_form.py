@@ -28,9 +28,9 @@ from hybond.equations.regions import Region
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.switch_form import SwitchForm
 from hybond.equations.tableau import stored_names
-from hybond.errors import EquationError, NumericsError, UsageError
+from hybond.errors import EquationError, NumericsError
 from hybond.model.expressions import Expr, Number, names, simplify, substitute
-from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.graph import AnyMode, FlatGraph, Mode, Node
 
 if TYPE_CHECKING:
     from hybond.equations.transfer import TransferFunctions
@@ -220,37 +220,37 @@ class StateEquations(Generic[T]):
         """Values of the names in coefficients."""
         return self.ring.known({})
 
-    @property
+    @cached_property
     def E(self) -> BooleanMatrix:
         """The matrix of rates, shape (n, n); n stored quantities and kept variables."""
         return self._matrix(self.rows, "rate", 1.0, self.row_names, self.states)
 
-    @property
+    @cached_property
     def A(self) -> BooleanMatrix:
         """The matrix of states, shape (n, n)."""
         return self._matrix(self.rows, "state", -1.0, self.row_names, self.states)
 
-    @property
+    @cached_property
     def B(self) -> BooleanMatrix:
         """The matrix of inputs, shape (n, p)."""
         return self._matrix(self.rows, "input", -1.0, self.row_names, self.inputs)
 
-    @property
+    @cached_property
     def C(self) -> BooleanMatrix:
         """The output matrix of states, shape (q, n)."""
         return self._matrix(self.outputs, "state", 1.0, self.output_names, self.states)
 
-    @property
+    @cached_property
     def D(self) -> BooleanMatrix:
         """The output matrix of inputs, shape (q, p)."""
         return self._matrix(self.outputs, "input", 1.0, self.output_names, self.inputs)
 
-    @property
+    @cached_property
     def F(self) -> BooleanMatrix:
         """The output matrix of rates, shape (q, n): where storage is in derivative causality."""
         return self._matrix(self.outputs, "rate", 1.0, self.output_names, self.states)
 
-    @property
+    @cached_property
     def N(self) -> BooleanMatrix:
         """The matrix of nonlinear laws, shape (n, number of `law_names`)."""
         return self._matrix(self.rows, "law", -1.0, self.row_names, self.law_names)
@@ -276,29 +276,7 @@ class StateEquations(Generic[T]):
 
     # -- numbers of one mode
 
-    def mode_of(self, mode: Mode | Mapping[str, str]) -> Mode:
-        """Return a mode given as such or as ``{machine: state}``, start states for the others.
-
-        Raises
-        ------
-        UsageError
-            HB-Q106 for a tuple of the wrong length.
-        """
-        if isinstance(mode, Mapping):
-            return self.graph.mode_of(mode)
-        if len(mode) != len(self.graph.machines):
-            raise UsageError(
-                f"the mode {tuple(mode)} has {len(mode)} states for "
-                f"{len(self.graph.machines)} machines",
-                code="HB-Q106",
-                where=self.graph.name,
-                hint='write {"machine": "state"}; machines left out are in their start state',
-            )
-        return mode
-
-    def at(
-        self, mode: Mode | Mapping[str, str], *, values: Mapping[str, float] | None = None
-    ) -> Descriptor:
+    def at(self, mode: AnyMode, *, values: Mapping[str, float] | None = None) -> Descriptor:
         """Return the matrices of one mode.
 
         Parameters
@@ -319,7 +297,7 @@ class StateEquations(Generic[T]):
         EquationError
             HB-Q103 if the mode has a nonlinear law or nonlinear storage.
         """
-        mode = self.mode_of(mode)
+        mode = self.graph.mode_of(mode)
         n, size, count = len(self.graph.storages), len(self.states), len(self.rows)
         E, A = np.zeros((count, size)), np.zeros((count, size))
         B = np.zeros((count, len(self.sources)))
@@ -383,32 +361,32 @@ class StateEquations(Generic[T]):
 
     # -- text
 
-    def text(self, mode: Mode | Mapping[str, str] | None = None) -> str:
+    def text(self, mode: AnyMode | None = None) -> str:
         """Return the equations as text, of all modes or of one."""
         from hybond.equations.writing import write_text
 
-        return write_text(self, None if mode is None else self.mode_of(mode))
+        return write_text(self, None if mode is None else self.graph.mode_of(mode))
 
-    def latex(self, mode: Mode | Mapping[str, str] | None = None) -> str:
+    def latex(self, mode: AnyMode | None = None) -> str:
         """Return the equations for LaTeX, of all modes or of one."""
         from hybond.equations.writing import write_latex
 
-        return write_latex(self, None if mode is None else self.mode_of(mode))
+        return write_latex(self, None if mode is None else self.graph.mode_of(mode))
 
-    def markdown(self, mode: Mode | Mapping[str, str] | None = None) -> str:
+    def markdown(self, mode: AnyMode | None = None) -> str:
         """Return the equations for Markdown, formulas between dollars."""
         from hybond.equations.writing import write_markdown
 
-        return write_markdown(self, None if mode is None else self.mode_of(mode))
+        return write_markdown(self, None if mode is None else self.graph.mode_of(mode))
 
-    def transfer(self, mode: Mode | Mapping[str, str] | None = None) -> TransferFunctions:
+    def transfer(self, mode: AnyMode | None = None) -> TransferFunctions:
         """Return the transfer functions of one mode, from every source to every output.
 
         Without `mode`: of the start mode.
         """
         from hybond.equations.transfer import transfer_functions
 
-        return transfer_functions(self, self.mode_of({} if mode is None else mode))
+        return transfer_functions(self, self.graph.mode_of({} if mode is None else mode))
 
     def sympy(self) -> dict[str, Any]:
         """Return E, A, B, C, D as SymPy matrices; needs the extra ``symbolic``."""

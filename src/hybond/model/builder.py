@@ -214,3 +214,8 @@ class Model:
 
     def _repr_svg_(self) -> str:
         return str(self.draw().svg())
+
+
+def graph_of(model: Model | FlatGraph) -> FlatGraph:
+    """Return the flat graph of a model, or a flat graph as it is."""
+    return model.flatten() if isinstance(model, Model) else model

@@ -170,6 +170,9 @@ MANY = 6
 Mode = tuple[int, ...]
 """The state of each machine, by index."""
 
+AnyMode = Mode | Mapping[str, str]
+"""A mode as such or as ``{machine: state}``, machines left out being in their start state."""
+
 
 @dataclass(frozen=True, slots=True)
 class FlatGraph:
@@ -222,16 +225,27 @@ class FlatGraph:
         on = self.on_nodes(mode)
         return frozenset(n.index for n in self.nodes if n.controlled and n.index not in on)
 
-    def mode_of(self, states: Mapping[str, str]) -> Mode:
+    def mode_of(self, states: AnyMode) -> Mode:
         """Return the mode with these states; other machines are in their start state.
 
         Raises
         ------
         ModelError
-            HB-M144 for a machine or state that does not exist.
+            HB-M144 for a machine or state that does not exist, or a tuple that is no mode.
         """
+        if not isinstance(states, Mapping):
+            mode = tuple(states)
+            sizes = [len(m.states) for m in self.machines]
+            if len(mode) != len(sizes) or any(not 0 <= k < n for k, n in zip(mode, sizes)):
+                raise ModelError(
+                    f"{mode} is no mode of {len(sizes)} machines with {sizes} states",
+                    code="HB-M144",
+                    where=self.name,
+                    hint='one state per machine, by number; or a mapping, {"machine": "state"}',
+                )
+            return mode
         by_path = {m.path: m for m in self.machines}
-        mode = list(self.start_mode)
+        found = list(self.start_mode)
         for path, state in states.items():
             machine = by_path.get(path)
             if machine is None or state not in machine.states:
@@ -242,8 +256,8 @@ class FlatGraph:
                     where=path,
                     hint=did_you_mean(state if machine is not None else path, known),
                 )
-            mode[machine.index] = machine.states.index(state)
-        return tuple(mode)
+            found[machine.index] = machine.states.index(state)
+        return tuple(found)
 
     def mode_text(self, mode: Mode, focus: Collection[str] = ()) -> str:
         """Return a mode for people: all states; of many machines those that say most.

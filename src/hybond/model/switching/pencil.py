@@ -20,6 +20,8 @@ Matrix = NDArray[np.float64]
 
 RANK = 1e-11
 """Singular values below this part of the largest count as zero; rows are scaled to one."""
+ROUNDING = 1e-13
+"""A frequency below this part of the size of the equations is rounding."""
 ZERO = 1e-13
 """A frequency below this part of the largest is zero."""
 
@@ -72,7 +74,10 @@ def time_constants(graph: FlatGraph, mode: Mode) -> tuple[float, ...]:
     part = keep @ np.linalg.pinv(basis.T @ x @ keep, rcond=1e-9)
     eigenvalues = np.linalg.eigvals(basis.T @ y @ part)
     largest = float(np.abs(eigenvalues).max(initial=0.0))
-    return tuple(sorted(1.0 / abs(complex(s)) for s in eigenvalues if abs(s) > ZERO * largest > 0))
+    # a mode that only moves on has no frequency at all, but rounding makes one
+    noise = ROUNDING * float(np.abs(y).max(initial=0.0) * np.abs(part).max(initial=0.0))
+    least = max(ZERO * largest, noise)
+    return tuple(sorted(1.0 / abs(complex(s)) for s in eigenvalues if abs(s) > least))
 
 
 def _energy_scale(graph: FlatGraph) -> Matrix:
