@@ -123,12 +123,6 @@ class Contact:
     walls: tuple[tuple[Branch, float], ...] = field(repr=False)
 
     @property
-    def kelvin_voigt(self) -> bool:
-        """Whether the contact is a spring in parallel with a damper, or a spring alone."""
-        s = self.squeezed
-        return s is not None and (s.kind == "C" or [p.kind for p in s.parts] == ["C", "R"])
-
-    @property
     def compliance(self) -> Expr:
         """The compliance C of a Kelvin-Voigt contact."""
         return self._part("C").symbol

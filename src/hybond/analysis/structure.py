@@ -314,7 +314,11 @@ def _modes(graph: FlatGraph, modes: Modes, limit: int) -> tuple[list[Mode], str]
         if not graph.machines:
             return [graph.start_mode], "its only mode"
         if found.complete:
-            return list(found.modes), f"all {len(found.modes)} modes that the machines can reach"
+            return list(found.modes), (
+                f"all {len(found.modes)} modes that the machines can reach"
+                if len(found.modes) > 1
+                else "the only mode"
+            )
         total = 1
         for m in graph.machines:
             total *= len(m.states)

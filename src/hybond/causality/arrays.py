@@ -84,10 +84,6 @@ class Arrays:
     optional: bytearray
     on: list[list[frozenset[int]]]
 
-    def is_vertex(self, node: int) -> bool:
-        """Whether `node` is a junction or two-port that wants a cause when it is ON."""
-        return bool(self.near[node])
-
     def cause_stroke(self, bond: int, node: int) -> int:
         """Return the stroke with which `bond` is the cause of `node`."""
         return (self.at_tail if self.tail[bond] == node else self.at_head)[bond]

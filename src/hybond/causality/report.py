@@ -141,7 +141,8 @@ class CausalityReport:
         graph, reference = self.graph, self.dynamics.reference
         lines = [
             f"reference mode ({graph.mode_text(reference.mode)}), {reference.how}: "
-            f"{reference.integral} of {reference.storages} stored quantities in integral causality"
+            f"{reference.integral} of {reference.storages} stored "
+            f"quantit{'y' if reference.storages == 1 else 'ies'} in integral causality"
         ]
         if self.mode != reference.mode:
             lines.append(f"shown: mode ({graph.mode_text(self.mode)})")

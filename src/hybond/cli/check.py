@@ -62,7 +62,8 @@ def _counts(graph: FlatGraph) -> None:
     controlled = sum(n.is_junction and n.controlled for n in shown)
     say(f"  {junctions} junctions, {controlled} of them controlled; {len(graph.bonds)} bonds")
     integrals = f" and {len(graph.integrals)} integrals" if graph.integrals else ""
-    say(f"  {len(graph.storages)} stored quantities{integrals}")
+    stored = len(graph.storages)
+    say(f"  {stored} stored quantit{'y' if stored == 1 else 'ies'}{integrals}")
 
 
 def _machines(graph: FlatGraph) -> None:
@@ -74,7 +75,9 @@ def _machines(graph: FlatGraph) -> None:
             )
             if isinstance(state, str)
         ]
-        say(f"  machine {machine.path}: {', '.join(states)}; {len(machine.rules)} rules")
+        say(
+            f"  machine {machine.path}: {', '.join(states)}; {len(machine.rules)} rule{'' if len(machine.rules) == 1 else 's'}"
+        )
     if graph.machines:
         modes = math.prod(len(m.states) for m in graph.machines)
         say(f"  {modes} modes (* start; a fieldless state lasts an instant only)")

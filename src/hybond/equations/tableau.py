@@ -98,10 +98,6 @@ class Tableau:
     too_high: list[Row]
     """Hidden rows that determine nothing: differentiating once is not enough."""
 
-    def value_column(self, storage: int) -> int:
-        """Return the column of a storage's co-energy variable."""
-        return self.unknowns + storage
-
 
 def settings(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> dict[str, Expr]:
     """Return what is constant in a configuration: machine states, switches, `discrete`."""

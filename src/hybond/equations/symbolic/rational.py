@@ -92,11 +92,6 @@ class Rational:
         return not self.coefficient
 
     @property
-    def is_constant(self) -> bool:
-        """Whether no atom occurs; one that merely should have cancelled counts as occurring."""
-        return not self.monomial and not self.factors
-
-    @property
     def numerator(self) -> Polynomial:
         """The numerator, multiplied out, with the coefficient."""
         above = tuple((atom, k) for atom, k in self.monomial if k > 0)

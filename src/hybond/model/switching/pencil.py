@@ -75,7 +75,7 @@ def time_constants(graph: FlatGraph, mode: Mode) -> tuple[float, ...]:
     eigenvalues = np.linalg.eigvals(basis.T @ y @ part)
     largest = float(np.abs(eigenvalues).max(initial=0.0))
     # a mode that only moves on has no frequency at all, but rounding makes one
-    noise = ROUNDING * float(np.abs(y).max(initial=0.0) * np.abs(part).max(initial=0.0))
+    noise = ROUNDING * float(np.abs(rates).max(initial=0.0) * np.abs(part).max(initial=0.0))
     least = max(ZERO * largest, noise)
     return tuple(sorted(1.0 / abs(complex(s)) for s in eigenvalues if abs(s) > least))
 
