@@ -128,9 +128,10 @@ def test_modes_can_be_named() -> None:
     ],
 )
 def test_wrong_questions(wrong) -> None:
-    with pytest.raises(hb.UsageError) as refusal:
+    with pytest.raises(hb.HybondError) as refusal:
         structure(clutch(), **wrong)
-    assert refusal.value.code == "HB-A102" and refusal.value.hint
+    no_mode = isinstance(wrong.get("modes"), list)
+    assert refusal.value.code == ("HB-M144" if no_mode else "HB-A102") and refusal.value.hint
 
 
 def test_a_source_that_is_no_input_does_not_count() -> None:

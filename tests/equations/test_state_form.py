@@ -262,3 +262,34 @@ def test_flows_in_the_junction_matrix_are_those_along_the_arrows() -> None:
     assert jsm.S["c.q'", "l.f"] == "1" and jsm.S["r.f", "l.f"] == "1"
     eq = hb.state_equations(m, outputs=["l.f", "r.e"])
     assert eq.C["l.f", "l.p"] == "-1/l.I" and eq.A["c.q", "l.p"] == "-1/l.I"
+
+
+def test_buck_converter_has_one_compact_form() -> None:
+    """Both switches ON short the source: that mode has no equations, the other three share one."""
+    m = hb.Model("buck")
+    m.add(V=hb.Se(24), T=hb.One(), node=hb.Zero(), D=hb.One(), ground=hb.Se(0), i=hb.One())
+    m.add(L=hb.I(2), out=hb.Zero(), C=hb.C(3), load=hb.R(5))
+    m.bond("V -> T -> node -> i -> L", "ground -> D -> node", "i -> out -> C", "out -> load")
+    m.machine("t", states={"off": [], "on": ["T"]}, start="off")
+    m.machine("d", states={"off": [], "on": ["D"]}, start="off")
+    eq = hb.state_equations(m)
+    assert eq.kept == ()
+    lines = eq.text().splitlines()
+    assert lines[0] == (
+        "κ_T*L.p' + κ_D*L.p' = κ_T*(V - C.q/C.C) - κ_D*C.q/C.C + (1 - κ_T)*(1 - κ_D)*L.p/L.I"
+    )
+    assert lines[-1] == "# not where κ_T*κ_D is 1: sources contradict each other"
+    positions = (("on", "off"), ("off", "on"), ("off", "off"))
+    on, wheel, idle = (eq.at({"t": t, "d": d}) for t, d in positions)
+    for mode, supply in ((on, 1.0), (wheel, 0.0)):
+        assert mode.E.tolist() == [[1.0, 0.0], [0.0, 1.0]]
+        assert mode.A == pytest.approx(np.array([[0.0, -1 / 3], [0.5, -1 / 15]]))
+        assert mode.B[:, 0] == pytest.approx([supply, 0.0])
+    assert idle.E[0].tolist() == [0.0, 0.0] and idle.A[0].tolist() == [0.5, 0.0]
+    both = {"t": "on", "d": "on"}
+    with pytest.raises(hb.EquationError) as caught:
+        eq.A.at(both)
+    assert caught.value.code == "HB-Q106"
+    with pytest.raises(hb.EquationError) as caught:
+        eq.at(both).poles()
+    assert caught.value.code == "HB-Q105"

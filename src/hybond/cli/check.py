@@ -75,9 +75,8 @@ def _machines(graph: FlatGraph) -> None:
             )
             if isinstance(state, str)
         ]
-        say(
-            f"  machine {machine.path}: {', '.join(states)}; {len(machine.rules)} rule{'' if len(machine.rules) == 1 else 's'}"
-        )
+        rules = f"{len(machine.rules)} rule" + ("" if len(machine.rules) == 1 else "s")
+        say(f"  machine {machine.path}: {', '.join(states)}; {rules}")
     if graph.machines:
         modes = math.prod(len(m.states) for m in graph.machines)
         say(f"  {modes} modes (* start; a fieldless state lasts an instant only)")

@@ -121,12 +121,19 @@ class Naming:
             for states in space.states()
         ]
 
-    def cubes(self, space: Space, on: frozenset[int]) -> tuple[Cube, ...]:
-        """Return disjoint products that are 1 in the combinations `on` of `space`, 0 in others."""
+    def cubes(
+        self, space: Space, on: frozenset[int], void: frozenset[int] = frozenset()
+    ) -> tuple[Cube, ...]:
+        """Return disjoint products that are 1 in the combinations `on` of `space`, 0 in others.
+
+        In the combinations `void` they may be either.
+        """
         variables = self.variables(space)
         rows = self.rows(space, variables)
-        found = _split(frozenset(range(len(rows))), on, rows, tuple(range(len(variables))), {})
-        return tuple(tuple(sorted((variables[v], value) for v, value in cube)) for cube in found)
+        here = frozenset(range(len(rows))) - void
+        found = _split(here, on - void, rows, tuple(range(len(variables))), {})
+        wide = tuple(_widened(cube, rows, here) for cube in found)
+        return tuple(tuple(sorted((variables[v], value) for v, value in cube)) for cube in wide)
 
 
 _Parts = tuple[tuple[tuple[int, bool], ...], ...]
@@ -162,3 +169,19 @@ def _split(
     assert best is not None, "the variables do not tell these combinations apart"
     known[here] = best
     return best
+
+
+def _widened(
+    cube: tuple[tuple[int, bool], ...], rows: list[tuple[bool, ...]], here: frozenset[int]
+) -> tuple[tuple[int, bool], ...]:
+    """Return a product without the factors that no possible combination needs."""
+
+    def covered(literals: tuple[tuple[int, bool], ...]) -> frozenset[int]:
+        return frozenset(k for k in here if all(rows[k][v] == value for v, value in literals))
+
+    own = covered(cube)
+    for literal in cube:
+        less = tuple(other for other in cube if other != literal)
+        if covered(less) == own:
+            cube = less
+    return cube

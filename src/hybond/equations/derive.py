@@ -29,6 +29,7 @@ def state_equations(
     outputs: Sequence[str] = (),
     symbolic: bool = True,
     values: Mapping[str, float] | None = None,
+    compact: bool = True,
 ) -> StateEquations[Any]:
     """Derive the mixed-Boolean state equations of a model.
 
@@ -43,6 +44,10 @@ def state_equations(
         Coefficients in names of parameters, or numbers.
     values : mapping, optional
         For numbers where the state modulates: values of ``s:k``, ``x:k``, ``time``, ``u:k``.
+
+    compact : bool
+        Whether switches are eliminated also where some mode has no solution (two switches that
+        short a source); that mode then has the long form. If not, everybody has it.
 
     Raises
     ------
@@ -78,7 +83,7 @@ def state_equations(
         start = reference_mode(graph).mode
     wanted = [_signal(graph, text) for text in outputs]
     form = switch_form(graph, ring, start, symbolic=symbolic, outputs=wanted)
-    regions = regions_of(form)
+    regions = regions_of(form, compact=compact)
     region_at = {v: r for r in regions if not r.why_kept for v in r.variables}
     rows = [
         mixed_row(
@@ -130,6 +135,14 @@ def state_equations(
         laws=laws,
         place=_places(form, kept, sources, laws),
         in_x=in_x,
+        again=lambda: state_equations(
+            graph,
+            reference=start,
+            outputs=outputs,
+            symbolic=symbolic,
+            values=values,
+            compact=False,
+        ),
     )
     constraints = iter(range(1, len(closing) + 1))
     eq.row_names = tuple(s.path for s in graph.storages) + tuple(

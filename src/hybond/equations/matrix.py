@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from hybond.equations.booleans import Cube
 from hybond.equations.display import Display
+from hybond.equations.patterns import Space
 from hybond.equations.symbolic.rational import Rational
-from hybond.model.graph import AnyMode
+from hybond.errors import EquationError
+from hybond.model.graph import AnyMode, Mode
 
 Terms = tuple[tuple[Cube, Any], ...]
 """Disjoint Boolean products with their coefficients."""
@@ -49,6 +51,8 @@ class BooleanMatrix:
     entries: Mapping[tuple[int, int], Terms]
     display: Display
     values: Mapping[str, float]
+    void: tuple[tuple[Space, frozenset[int]], ...] = ()
+    """Combinations of machine states in which the matrix does not hold."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -78,7 +82,7 @@ class BooleanMatrix:
 
     def in_mode(self, mode: AnyMode) -> BooleanMatrix:
         """Return the matrix of one mode, coefficients in names of parameters, without Booleans."""
-        mode = self.display.graph.mode_of(mode)
+        mode = self._checked(mode)
         booleans = self.display.naming.booleans
         entries: dict[tuple[int, int], Terms] = {}
         for place, terms in self.entries.items():
@@ -96,7 +100,7 @@ class BooleanMatrix:
         self, mode: AnyMode, *, values: Mapping[str, float] | None = None
     ) -> NDArray[np.float64]:
         """Return the numbers in one mode, shape `shape`."""
-        mode = self.display.graph.mode_of(mode)
+        mode = self._checked(mode)
         known = self._known(values)
         found = np.zeros(self.shape)
         booleans = self.display.naming.booleans
@@ -110,7 +114,7 @@ class BooleanMatrix:
         """Return the numbers in one mode as a `scipy.sparse.csr_array`."""
         from scipy.sparse import csr_array
 
-        mode = self.display.graph.mode_of(mode)
+        mode = self._checked(mode)
         known = self._known(values)
         booleans = self.display.naming.booleans
         at: list[tuple[int, int]] = []
@@ -122,6 +126,19 @@ class BooleanMatrix:
                     numbers.append(c.evaluate(known) if isinstance(c, Rational) else c)
         index = np.array(at, dtype=int).reshape(len(at), 2)
         return csr_array((numbers, (index[:, 0], index[:, 1])), shape=self.shape)
+
+    def _checked(self, mode: AnyMode) -> Mode:
+        """Return a mode in which the matrix holds."""
+        graph = self.display.graph
+        found = graph.mode_of(mode)
+        if any(space.index(found) in gaps for space, gaps in self.void):
+            raise EquationError(
+                "sources contradict each other in this mode, or leave something open",
+                code="HB-Q106",
+                where=graph.mode_text(found),
+                hint="StateEquations.at gives what equations there are in numbers",
+            )
+        return found
 
     def _known(self, values: Mapping[str, float] | None) -> Mapping[str, float]:
         return {**self.values, **values} if values else self.values

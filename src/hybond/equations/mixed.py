@@ -22,6 +22,8 @@ class Part(Generic[T]):
 
     space: Space
     rows: tuple[Row[T], ...]
+    void: frozenset[int] = frozenset()
+    """Combinations without rows: the region has no solution there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,7 @@ class MixedRow(Generic[T]):
 
     def mapped(self, change: Callable[[Row[T]], Row[T]]) -> MixedRow[T]:
         """Return the row with a linear change of columns made in every mode."""
-        parts = tuple(Part(p.space, tuple(change(r) for r in p.rows)) for p in self.parts)
+        parts = tuple(Part(p.space, tuple(change(r) for r in p.rows), p.void) for p in self.parts)
         return MixedRow(change(self.base), parts)
 
     def silenced(self, space: Space, dead: Sequence[set[int]], ring: Ring[T]) -> MixedRow[T]:
@@ -59,6 +61,7 @@ class MixedRow(Generic[T]):
         moved = {k: c for k, c in self.base.items() if k in columns}
         base = {k: c for k, c in self.base.items() if k not in columns}
         own = next((p.rows for p in self.parts if p.space == space), ({},) * space.count)
+        void = next((p.void for p in self.parts if p.space == space), frozenset())
         rows = tuple(
             {
                 k: c
@@ -68,7 +71,7 @@ class MixedRow(Generic[T]):
             for row, gone in zip(own, dead, strict=True)
         )
         others = tuple(p for p in self.parts if p.space != space)
-        return MixedRow(base, (*others, Part(space, rows)))
+        return MixedRow(base, (*others, Part(space, rows, void)))
 
     def columns(self) -> list[int]:
         """Return the columns that occur in some mode, in order."""
@@ -82,23 +85,27 @@ class MixedRow(Generic[T]):
         """Return one coefficient as Boolean products times mode-independent coefficients."""
         base = {column: self.base[column]} if column in self.base else {}
         tables = [
-            (part.space, [{k: row[k] for k in (column,) if k in row} for row in part.rows])
+            (
+                part.space,
+                [{k: row[k] for k in (column,) if k in row} for row in part.rows],
+                part.void,
+            )
             for part in self.parts
             if any(column in row for row in part.rows)
         ]
         if not tables:
             return [((), base[column])] if base else []
         best: list[tuple[Cube, T]] | None = None
-        for k, (space, rows) in enumerate(tables):
+        for k, (space, rows, void) in enumerate(tables):
             # the mode-independent part goes into one of the tables, if that is shorter
             whole = [ring.collect([(ring.one, base), (ring.one, row)]) for row in rows]
             rest = [
                 term
-                for j, (other, table) in enumerate(tables)
+                for j, (other, table, gaps) in enumerate(tables)
                 if j != k
-                for term in _terms(other, table, column, naming)
+                for term in _terms(other, table, column, naming, gaps)
             ]
-            for candidate in _candidates(space, whole, base, column, ring, naming):
+            for candidate in _candidates(space, whole, base, column, ring, naming, void):
                 found = [*candidate, *rest]
                 if best is None or _length(found, ring) < _length(best, ring):
                     best = found
@@ -113,9 +120,10 @@ def _candidates(
     column: int,
     ring: Ring[T],
     naming: Naming,
+    void: frozenset[int],
 ) -> Iterator[list[tuple[Cube, T]]]:
     """Yield a table as a baseline, the same in all modes, and what differs from it."""
-    yield _terms(space, whole, column, naming)
+    yield _terms(space, whole, column, naming, void)
     if not base:
         return
     seen: list[Row[T]] = []
@@ -132,15 +140,19 @@ def _candidates(
             )
             for r in whole
         ]
-        yield [((), baseline[column]), *_terms(space, rest, column, naming)]
+        yield [((), baseline[column]), *_terms(space, rest, column, naming, void)]
 
 
 def _terms(
-    space: Space, rows: Sequence[Row[T]], column: int, naming: Naming
+    space: Space,
+    rows: Sequence[Row[T]],
+    column: int,
+    naming: Naming,
+    void: frozenset[int] = frozenset(),
 ) -> list[tuple[Cube, T]]:
     values: list[tuple[T, set[int]]] = []
     for k, row in enumerate(rows):
-        if column not in row:
+        if column not in row or k in void:
             continue
         for value, where in values:
             if value == row[column]:
@@ -149,7 +161,9 @@ def _terms(
         else:
             values.append((row[column], {k}))
     return [
-        (cube, value) for value, where in values for cube in naming.cubes(space, frozenset(where))
+        (cube, value)
+        for value, where in values
+        for cube in naming.cubes(space, frozenset(where), void)
     ]
 
 
@@ -190,9 +204,13 @@ def mixed_row(
     parts = []
     for region in regions.values():
         inside = [(sign * value[k], k) for k in value if region_at.get(k) is region]  # type: ignore[operator]
-        rows = []
+        rows: list[Row[T]] = []
         gives_way = target is not None and any(target in r for r in region.replaced)
-        for values, replaced in zip(region.values, region.replaced, strict=True):
+        void = frozenset(region.void)
+        for k, (values, replaced) in enumerate(zip(region.values, region.replaced, strict=True)):
+            if k in void:
+                rows.append({})
+                continue
             if target is not None and target in replaced:
                 rows.append({k: minus * c for k, c in replaced[target].items()})  # type: ignore[operator]
                 continue
@@ -206,7 +224,7 @@ def mixed_row(
         if len(rows) == 1:
             base = ring.collect([(ring.one, base), (ring.one, rows[0])])
         elif any(rows):
-            parts.append(Part(region.space, tuple(rows)))
+            parts.append(Part(region.space, tuple(rows), void))
     return MixedRow(base, tuple(parts))
 
 
@@ -235,8 +253,11 @@ def cleared(row: MixedRow[T], ring: Ring[T]) -> MixedRow[T]:
     if not row.parts:
         return MixedRow(ring.cleared(row.base))
     ((part),) = row.parts
-    whole = [ring.collect([(ring.one, row.base), (ring.one, r)]) for r in part.rows]
+    whole = [
+        {} if k in part.void else ring.collect([(ring.one, row.base), (ring.one, r)])
+        for k, r in enumerate(part.rows)
+    ]
     plain = [ring.cleared(r) for r in whole]
     if plain == whole:
         return row
-    return MixedRow({}, (Part(part.space, tuple(plain)),))
+    return MixedRow({}, (Part(part.space, tuple(plain), part.void),))

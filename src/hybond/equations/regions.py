@@ -45,6 +45,9 @@ class Region(Generic[T]):
     replaced : list of dict
         Per combination: target columns whose row gives way, to the constraint that takes its
         place.
+    void : dict
+        Combinations in which sources contradict each other, or nothing determines what a rate
+        reads, with the reason: the eliminated form has no rows there.
     why_kept : str
         Empty if it was eliminated.
     """
@@ -56,6 +59,7 @@ class Region(Generic[T]):
     values: list[dict[int, Row[T]]] = field(default_factory=list)
     replaced: list[dict[int, Row[T]]] = field(default_factory=list)
     undetermined: list[tuple[int, ...]] = field(default_factory=list)
+    void: dict[int, str] = field(default_factory=dict)
     why_kept: str = ""
 
     @property
@@ -68,10 +72,22 @@ class _Stuck(Exception):
     """A combination in which the region's variables cannot be eliminated."""
 
 
-def regions_of(form: SwitchForm[T]) -> list[Region[T]]:
+class _Void(_Stuck):
+    """A combination that has no solution, or too many, whatever is eliminated."""
+
+
+def regions_of(form: SwitchForm[T], *, compact: bool = False) -> list[Region[T]]:
     """Group the switch variables of `form` into regions and eliminate what can be.
 
-    Regions whose storage is contested are joined, as long as the result is small.
+    Regions that cannot be eliminated by themselves (other switches reach the same storage, a
+    pivot vanishes) are joined with their neighbours, as long as the result is small.
+
+    Parameters
+    ----------
+    form : SwitchForm
+    compact : bool
+        Whether a region may be eliminated though some of its combinations have no solution
+        (`Region.void`); else it is kept.
     """
     groups = _groups(form)
     touched = _touched(form)
@@ -96,14 +112,14 @@ def regions_of(form: SwitchForm[T]) -> list[Region[T]]:
         }
         try:
             near = {t for v in region.variables for t in touched.get(v, ())}
-            _eliminate(form, region, near, exclusive)
+            _eliminate(form, region, near, exclusive, compact=compact)
         except _Stuck as stuck:
             # another region reaches the same storage: eliminate both together
             others = _neighbours(group, touched, owner, k)
             joined = _joined(form, groups, k, others)
             if joined is None:
                 region.why_kept = str(stuck)
-                region.values, region.replaced = [], []
+                region.values, region.replaced, region.void = [], [], {}
                 continue
             groups[k] = joined
             owner.update((v, k) for v in (*joined.switches, *joined.tears))
@@ -254,9 +270,16 @@ def _joined(
 # -- elimination within one region
 
 
-def _eliminate(form: SwitchForm[T], region: Region[T], near: set[int], exclusive: set[int]) -> None:
-    region.values, region.replaced, region.undetermined = [], [], []
-    for states in region.space.states():
+def _eliminate(
+    form: SwitchForm[T],
+    region: Region[T],
+    near: set[int],
+    exclusive: set[int],
+    *,
+    compact: bool,
+) -> None:
+    region.values, region.replaced, region.undetermined, region.void = [], [], [], {}
+    for pattern, states in enumerate(region.space.states()):
         at = dict(zip(region.space.machines, states, strict=True))
         rows = [
             form.closing(s, tuple(at[m] for m in form.closer(s).machines)) for s in region.switches
@@ -267,7 +290,13 @@ def _eliminate(form: SwitchForm[T], region: Region[T], near: set[int], exclusive
         replaced: dict[int, Row[T]] = {}
         lost: tuple[int, ...] = ()
         if open_ or left:
-            lost = _give_way(form, solved, left, open_, replaced, near, exclusive)
+            try:
+                lost = _give_way(form, solved, left, open_, replaced, near, exclusive)
+            except _Void as void:
+                if not compact or len(region.void) + 1 == region.space.count:
+                    raise
+                region.void[pattern] = str(void)
+                solved, replaced = {}, {}
         region.values.append(solved)
         region.replaced.append(replaced)
         region.undetermined.append(lost)
@@ -364,10 +393,12 @@ def _give_way(
                 rates[t] = _substituted(ring, rates[t], {v: value})
         used.append(target)
     if len(used) != len(left):
-        raise _Stuck(
-            "nothing determines a switch variable in some mode"
+        if any(_is_law(form, c) for row in left for c in row):
+            raise _Stuck("a nonlinear law decides here")
+        raise _Void(
+            "nothing determines a switch variable"
             if len(used) > len(left)
-            else "sources contradict each other in some mode"
+            else "sources contradict each other"
         )
     open_rows = list(left)
     for target in used:
@@ -380,6 +411,11 @@ def _give_way(
             solved[k].pop(v, None)
         solved[v] = {}
     return tuple(lost)
+
+
+def _is_law(form: SwitchForm[T], column: int) -> bool:
+    own = form.column(column)
+    return own is not None and own.kind == "law"
 
 
 def space_of_switch(form: SwitchForm[T], switch: int) -> Space:

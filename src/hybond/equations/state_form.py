@@ -24,6 +24,7 @@ from hybond.equations.display import Display
 from hybond.equations.element_rows import Column, laws_of
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.mixed import MixedRow, mixed_row
+from hybond.equations.patterns import Space
 from hybond.equations.regions import Region
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.switch_form import SwitchForm
@@ -66,6 +67,8 @@ class StateEquations(Generic[T]):
         ``("law", k)``.
     in_x : callable
         Puts stored quantities in place of co-energy variables in a row.
+    again : callable
+        Derives the long form.
     laws : tuple of int
         Columns of what nonlinear laws give, and of co-energy variables of nonlinear storage.
     """
@@ -85,6 +88,7 @@ class StateEquations(Generic[T]):
     laws: tuple[int, ...]
     place: dict[int, tuple[str, int]]
     in_x: Callable[[Row[T]], Row[T]]
+    again: Callable[[], StateEquations[T]] | None = None
 
     @property
     def ring(self) -> Ring[T]:
@@ -272,7 +276,31 @@ class StateEquations(Generic[T]):
                 if at == kind:
                     terms = row.entry(k, ring, self.naming)
                     entries[i, j] = tuple((cube, factor * c) for cube, c in terms)
-        return BooleanMatrix(names, columns, entries, self.display, self.values)
+        return BooleanMatrix(names, columns, entries, self.display, self.values, self.void)
+
+    # -- modes without a solution
+
+    @cached_property
+    def void(self) -> tuple[tuple[Space, frozenset[int]], ...]:
+        """Combinations of machine states that have no solution, or too many."""
+        return tuple((r.space, frozenset(r.void)) for r in self.regions if r.void)
+
+    def in_mode(self, mode: AnyMode) -> StateEquations[T]:
+        """Return the equations to use in one mode: these, or where they have a gap the long form.
+
+        The long form keeps the switch variables of regions in which sources contradict each
+        other in some mode, and so has rows in every mode.
+        """
+        found = self.graph.mode_of(mode)
+        if any(space.index(found) in gaps for space, gaps in self.void):
+            return self.long_form
+        return self
+
+    @cached_property
+    def long_form(self) -> StateEquations[T]:
+        """The same equations with all variables of regions that have gaps."""
+        assert self.again is not None
+        return self.again()
 
     # -- numbers of one mode
 
@@ -298,6 +326,8 @@ class StateEquations(Generic[T]):
             HB-Q103 if the mode has a nonlinear law or nonlinear storage.
         """
         mode = self.graph.mode_of(mode)
+        if self.in_mode(mode) is not self:
+            return self.long_form.at(mode, values=values)
         n, size, count = len(self.graph.storages), len(self.states), len(self.rows)
         E, A = np.zeros((count, size)), np.zeros((count, size))
         B = np.zeros((count, len(self.sources)))
@@ -365,19 +395,25 @@ class StateEquations(Generic[T]):
         """Return the equations as text, of all modes or of one."""
         from hybond.equations.writing import write_text
 
-        return write_text(self, None if mode is None else self.graph.mode_of(mode))
+        if mode is None:
+            return write_text(self, None)
+        return write_text(self.in_mode(mode), self.graph.mode_of(mode))
 
     def latex(self, mode: AnyMode | None = None) -> str:
         """Return the equations for LaTeX, of all modes or of one."""
         from hybond.equations.writing import write_latex
 
-        return write_latex(self, None if mode is None else self.graph.mode_of(mode))
+        if mode is None:
+            return write_latex(self, None)
+        return write_latex(self.in_mode(mode), self.graph.mode_of(mode))
 
     def markdown(self, mode: AnyMode | None = None) -> str:
         """Return the equations for Markdown, formulas between dollars."""
         from hybond.equations.writing import write_markdown
 
-        return write_markdown(self, None if mode is None else self.graph.mode_of(mode))
+        if mode is None:
+            return write_markdown(self, None)
+        return write_markdown(self.in_mode(mode), self.graph.mode_of(mode))
 
     def transfer(self, mode: AnyMode | None = None) -> TransferFunctions:
         """Return the transfer functions of one mode, from every source to every output.
@@ -386,7 +422,8 @@ class StateEquations(Generic[T]):
         """
         from hybond.equations.transfer import transfer_functions
 
-        return transfer_functions(self, self.graph.mode_of({} if mode is None else mode))
+        found = self.graph.mode_of({} if mode is None else mode)
+        return transfer_functions(self.in_mode(found), found)
 
     def sympy(self) -> dict[str, Any]:
         """Return E, A, B, C, D as SymPy matrices; needs the extra ``symbolic``."""

@@ -79,6 +79,13 @@ def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
     zero = sorted(eq.display.name(name) for name in eq.ring.vanished)
     if zero:
         notes.append(f"zero in this model, and left out: {', '.join(zero)}")
+    if mode is None:
+        for region in eq.regions:
+            reasons = sorted(set(region.void.values()))
+            for why in reasons:
+                gaps = frozenset(k for k, reason in region.void.items() if reason == why)
+                where = " or ".join(eq.display.cube(c) for c in eq.naming.cubes(region.space, gaps))
+                notes.append(f"not where {where} is 1: {why}")
     if eq.lost:
         names = ", ".join(eq.variable_name(k) for k in eq.lost)
         notes.append(f"undetermined, and read by nothing: {names}")
