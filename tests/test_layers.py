@@ -14,7 +14,7 @@ FILES = sorted((SOURCE / "hybond").rglob("*.py"))
 
 LAYERS = [
     ["_version"],
-    ["errors", "names", "units"],
+    ["errors", "names", "uncollected", "units"],
     ["model"],
     ["files"],
     ["library"],

@@ -283,7 +283,7 @@ def test_buck_converter_has_one_compact_form() -> None:
     on, wheel, idle = (eq.at({"t": t, "d": d}) for t, d in positions)
     for mode, supply in ((on, 1.0), (wheel, 0.0)):
         assert mode.E.tolist() == [[1.0, 0.0], [0.0, 1.0]]
-        assert mode.A == pytest.approx(np.array([[0.0, -1 / 3], [0.5, -1 / 15]]))
+        assert pytest.approx(np.array([[0.0, -1 / 3], [0.5, -1 / 15]])) == mode.A
         assert mode.B[:, 0] == pytest.approx([supply, 0.0])
     assert idle.E[0].tolist() == [0.0, 0.0] and idle.A[0].tolist() == [0.5, 0.0]
     both = {"t": "on", "d": "on"}

@@ -25,6 +25,7 @@ from hybond.causality.demands import Demand, demand_of, fixed_ends, imposing, pr
 from hybond.causality.record import HEAD, TAIL
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import RESISTORS
+from hybond.uncollected import uncollected
 
 EDGE, MIDDLE, LEAF, BARE = range(4)
 """What a bond is in the matching; BARE joins two elements and has no part in it."""
@@ -89,6 +90,7 @@ class Arrays:
         return (self.at_tail if self.tail[bond] == node else self.at_head)[bond]
 
 
+@uncollected
 def compile_arrays(
     graph: FlatGraph, *, unknown: Collection[int] = (), switched: Collection[int] = ()
 ) -> Arrays:

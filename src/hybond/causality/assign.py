@@ -13,8 +13,10 @@ from hybond.causality.arrays import compile_arrays
 from hybond.causality.assignment import Assignment
 from hybond.causality.record import Causality
 from hybond.model.graph import FlatGraph, Mode
+from hybond.uncollected import uncollected
 
 
+@uncollected
 def assign(graph: FlatGraph, mode: Mode, *, pins: Mapping[int, int] | None = None) -> Causality:
     """Assign causality to all bonds of `graph` in `mode`.
 
@@ -55,6 +57,7 @@ def assign(graph: FlatGraph, mode: Mode, *, pins: Mapping[int, int] | None = Non
     return assign_off(graph, graph.off_nodes(mode), pins=pins)
 
 
+@uncollected
 def assign_off(
     graph: FlatGraph,
     off: frozenset[int],

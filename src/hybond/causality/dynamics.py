@@ -20,6 +20,7 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.uncollected import uncollected
 
 Kind = Literal["invariant", "dynamic", "kept"]
 
@@ -95,6 +96,7 @@ class Dynamics:
         return tuple(b for b, kind in enumerate(self.kinds) if kind == "kept")
 
 
+@uncollected
 def dynamics(
     graph: FlatGraph, reference: Reference | None = None, *, arrays: Arrays | None = None
 ) -> Dynamics:

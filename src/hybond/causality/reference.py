@@ -21,6 +21,7 @@ from hybond.causality.matching import EXPOSED
 from hybond.causality.record import Causality
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.uncollected import uncollected
 
 WHOLE = 1024
 """Modes of one connected part up to which all of them are tried."""
@@ -57,6 +58,7 @@ class Reference:
     steps: int
 
 
+@uncollected
 def reference_mode(
     graph: FlatGraph,
     *,

@@ -18,10 +18,12 @@ from hybond.model.expressions import (
     Expr,
 )
 from hybond.model.graph import AnyMode, FlatGraph
+from hybond.uncollected import uncollected
 
 T = TypeVar("T")
 
 
+@uncollected
 def state_equations(
     model: Model | FlatGraph,
     *,

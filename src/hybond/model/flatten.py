@@ -40,12 +40,14 @@ from hybond.model.pins import pins_of, reference_of
 from hybond.model.resolve import Resolver
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
+from hybond.uncollected import uncollected
 from hybond.units import DOMAINS, Dimension, parse_unit
 
 _RULE = re.compile(r"\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)\Z", re.DOTALL)
 _TIME = parse_unit("s")[1]
 
 
+@uncollected
 def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     """Return the flat graph of `model` with parameters replaced by `overrides`.
 
