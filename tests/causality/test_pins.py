@@ -48,7 +48,7 @@ def test_a_pin_names_a_bond_or_its_label_and_is_obeyed(bond: str, at: str) -> No
     ("bond", "at", "code", "hint"),
     [
         ("node -> q", "node", "HB-M180", "did you mean 'node -> r'"),
-        ("lwo", "node", "HB-M180", "did you mean"),
+        ("lwo", "node", "HB-M180", "low: node -> s"),
         ("node -> r", "s", "HB-M181", "'node' or at 'r'"),
         ("node -> r", "nodes", "HB-M181", "'node' or at 'r'"),
     ],
@@ -57,7 +57,7 @@ def test_bad_pins_are_refused(bond: str, at: str, code: str, hint: str) -> None:
     with pytest.raises(ModelError) as refused:
         divider((bond, at))
     assert refused.value.code == code
-    assert hint in refused.value.hint or code == "HB-M180"
+    assert hint in refused.value.hint
     assert f"causality.pins.{bond!r}" in refused.value.where
 
 

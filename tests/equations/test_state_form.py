@@ -293,3 +293,40 @@ def test_buck_converter_has_one_compact_form() -> None:
     with pytest.raises(hb.EquationError) as caught:
         eq.at(both).poles()
     assert caught.value.code == "HB-Q105"
+
+
+def test_rows_that_close_kept_variables_are_no_values() -> None:
+    """A row of the junction matrix that has no left-hand side is called 0."""
+    m = hb.Model("buck")
+    m.add(V=hb.Se(24), T=hb.One(), node=hb.Zero(), D=hb.One(), ground=hb.Se(0), L=hb.I(2))
+    m.bond("V -> T -> node -> L", "ground -> D -> node")
+    m.machine("t", states={"off": [], "on": ["T"]}, start="off")
+    m.machine("d", states={"off": [], "on": ["D"]}, start="off")
+    jsm = hb.junction_matrix(m)
+    assert jsm.kept and jsm.outputs == ("L.p'", *["0"] * len(jsm.kept))
+    assert not any(i >= 1 for i, _ in jsm.Q.entries)
+    # transistor on, diode off: 0 = V + D.e - ..., L.p' is the node's effort, the source's
+    on = jsm.S.at({"t": "on"})
+    kept = on[1:, len(jsm.inputs) - len(jsm.kept) :]
+    values = np.linalg.solve(kept, -on[1:, jsm.inputs.index("V")])
+    whole = on[0, jsm.inputs.index("V")] + on[0, -len(jsm.kept) :] @ values
+    assert whole == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("turned", range(32))
+def test_bonds_either_way_with_a_switch_that_closes_at_the_start(turned) -> None:
+    """Closed: L C s^2 + (L/R) s + 1; open: s + 1/(R C). Which way arrows point says nothing."""
+    bonds = ["V -> sw", "sw -> n", "n -> c", "sw -> l", "n -> r"]
+    m = hb.Model("rlc")
+    m.add(V=hb.Se(3), sw=hb.One(), n=hb.Zero(), c=hb.C(2.0, q=1.0), l=hb.I(0.5), r=hb.R(4.0))
+    for k, bond in enumerate(bonds):
+        a, b = bond.split(" -> ")
+        m.bond(f"{b} -> {a}" if turned >> k & 1 else bond)
+    rules = ["off -> on when time >= 0"]
+    m.machine("S", states={"off": [], "on": ["sw"]}, start="off", rules=rules)
+    eq = hb.state_equations(m)
+    np.testing.assert_allclose(np.poly(eq.at({"S": "on"}).poles()), [1, 1 / 8, 1], rtol=1e-12)
+    np.testing.assert_allclose(eq.at({"S": "off"}).poles(), [-1 / 8], rtol=1e-12)
+    assert eq.at({"S": "off"}).E.tolist() != eq.at({"S": "on"}).E.tolist()
+    run = hb.simulate(m, until=0.1)
+    assert [e.t for e in run.events] == [0.0] and run.mode == {"S": "on"}

@@ -317,7 +317,7 @@ def _modes(graph: FlatGraph, modes: Modes, limit: int) -> tuple[list[Mode], str]
             return list(found.modes), (
                 f"all {len(found.modes)} modes that the machines can reach"
                 if len(found.modes) > 1
-                else "the only mode"
+                else "the only mode" + (" that the machines can reach" if graph.machines else "")
             )
         total = 1
         for m in graph.machines:

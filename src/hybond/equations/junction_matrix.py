@@ -80,8 +80,11 @@ class JunctionMatrix:
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """What elements receive: rates, then the intake of resistors, then kept variables."""
-        return tuple(self._name(k) for k in (*self.targets, *self.kept))
+        """What elements receive: rates, then the intake of resistors.
+
+        The rows that close kept variables follow; they say ``0 = ...`` and are called ``0``.
+        """
+        return tuple(self._name(k) for k in self.targets) + ("0",) * len(self.kept)
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:

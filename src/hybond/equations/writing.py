@@ -45,12 +45,14 @@ def write_markdown(eq: StateEquations[Any], mode: Mode | None = None) -> str:
 
 
 def write_latex(eq: StateEquations[Any], mode: Mode | None = None) -> str:
-    """Return the equations as a LaTeX ``align*``."""
+    """Return the equations as a LaTeX ``align*``; what is to be said besides as comments."""
     writer = _Latex(eq, mode)
+    notes = "".join(f"\n% {note}" for note in _notes(eq, mode))
     return (
         "\\begin{align*}\n"
         + " \\\\\n".join([*writer.equations(), *("& " + line for line in writer.where())])
         + "\n\\end{align*}"
+        + notes
     )
 
 

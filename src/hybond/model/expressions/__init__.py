@@ -1,6 +1,7 @@
 """The small safe language of laws, guards and signals: parse, print, differentiate, compile."""
 
-from hybond.model.expressions.compile import ARRAYS, FLOATS, Algebra, compile_expression
+from hybond.model.expressions.algebra import ARRAYS, FLOATS, Algebra
+from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.differentiate import differentiate, simplify
 from hybond.model.expressions.parse import parse
 from hybond.model.expressions.text import python_name, to_latex, to_python, to_text

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import operator
-from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, cast
-
-import numpy as np
+from typing import Any
 
 from hybond.errors import ExpressionError
+from hybond.model.expressions.algebra import FLOATS, Algebra, Closure, same
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -32,67 +29,6 @@ from hybond.model.expressions.tree import (
 )
 from hybond.names import did_you_mean
 from hybond.units import try_quantity
-
-Closure = Callable[[Any], Any]
-Points = tuple[float, ...]
-
-
-def _same(value: Any) -> Any:
-    return value
-
-
-@dataclass(frozen=True, slots=True)
-class Algebra:
-    """What the operations of the language mean on one kind of value.
-
-    No operation may raise on floats out of range; an algebra of other values may refuse, and then
-    the closure passes its exception on.
-
-    Parameters
-    ----------
-    add, sub, mul, div, pow, neg : callable
-        Arithmetic.
-    compare : callable
-        ``compare(op)`` returns the function of two values for ``"<"``, ``"<="``, ``">"``,
-        ``">="``, ``"=="`` or ``"!="``.
-    and_, or_, not_ : callable
-        Logic of two values (one for `not_`). A value may be a number: nonzero is true.
-    where : callable
-        ``where(c, a, b)``, `a` where `c` is true, else `b`.
-    call : mapping
-        From each name of `FUNCTIONS` to its function.
-    const : callable
-        The value of a Python float or bool of the text.
-    table, slope : callable
-        ``table(x, y, extrapolate)`` returns the function of one value that reads the table;
-        `slope` likewise reads the slope of its segments.
-    pre : callable
-        Applied to every value read inside `Pre`.
-    lazy : bool
-        Values are single and have a truth value: `if`, `and` and `or` evaluate only what they
-        need, and `where`, `and_` and `or_` are not called.
-    wrap : callable
-        Applied once to the finished closure.
-    """
-
-    add: Callable[[Any, Any], Any]
-    sub: Callable[[Any, Any], Any]
-    mul: Callable[[Any, Any], Any]
-    div: Callable[[Any, Any], Any]
-    pow: Callable[[Any, Any], Any]
-    neg: Callable[[Any], Any]
-    compare: Callable[[str], Callable[[Any, Any], Any]]
-    and_: Callable[[Any, Any], Any]
-    or_: Callable[[Any, Any], Any]
-    not_: Callable[[Any], Any]
-    where: Callable[[Any, Any, Any], Any]
-    call: Mapping[str, Callable[..., Any]]
-    const: Callable[[float], Any]
-    table: Callable[[Points, Points, str], Closure]
-    slope: Callable[[Points, Points, str], Closure]
-    pre: Callable[[Any], Any] = _same
-    lazy: bool = False
-    wrap: Callable[[Closure], Closure] = _same
 
 
 def compile_expression(
@@ -203,7 +139,7 @@ class _Compiler:
     def read(self, e: Name, prior: bool) -> Closure:
         at = self.index(e.path, prior)
         pre = self.algebra.pre
-        if prior and pre is not _same:
+        if prior and pre is not same:
             return lambda v: pre(v[at])
         # About half the time of a lambda.
         return operator.itemgetter(at) if self.algebra is FLOATS else lambda v: v[at]
@@ -314,204 +250,3 @@ def _square(a: Closure) -> Closure:
         return value * value
 
     return squared
-
-
-def _quiet(exact: Callable[..., float], ufunc: Callable[..., Any]) -> Callable[..., float]:
-    """Return `exact`, with NumPy's nan or infinity where the function of `math` raises."""
-
-    def total(*args: float) -> float:
-        try:
-            return exact(*args)
-        except (ValueError, OverflowError, ZeroDivisionError):
-            with np.errstate(all="ignore"):
-                return float(ufunc(*[float(a) for a in args]))
-
-    return total
-
-
-def _div(a: float, b: float) -> float:
-    try:
-        return a / b
-    except ZeroDivisionError:
-        if a != a or a == 0.0:
-            return math.nan
-        return math.copysign(math.inf, a) * math.copysign(1.0, b)
-
-
-def _least(*args: float) -> float:
-    low = args[0]
-    for a in args[1:]:
-        if a < low or a != a:
-            low = a
-    return low
-
-
-def _most(*args: float) -> float:
-    high = args[0]
-    for a in args[1:]:
-        if a > high or a != a:
-            high = a
-    return high
-
-
-def _sign(a: float) -> float:
-    return 1.0 if a > 0.0 else -1.0 if a < 0.0 else abs(a) * 0.0
-
-
-def _segment(x: Points, at: float, extrapolate: str) -> int:
-    """Return the index of the segment that holds `at`, or -1 where there is none."""
-    if at != at or (extrapolate == "error" and not x[0] <= at <= x[-1]):
-        return -1
-    return min(max(bisect_right(x, at) - 1, 0), len(x) - 2)
-
-
-def _slopes(x: Points, y: Points) -> list[float]:
-    return [(y[k + 1] - y[k]) / (x[k + 1] - x[k]) for k in range(len(x) - 1)]
-
-
-def _table(x: Points, y: Points, extrapolate: str) -> Callable[[float], float]:
-    slopes = _slopes(x, y)
-
-    def read(at: float) -> float:
-        k = _segment(x, at, extrapolate)
-        return y[k] + slopes[k] * (at - x[k]) if k >= 0 else math.nan
-
-    return read
-
-
-def _slope(x: Points, y: Points, extrapolate: str) -> Callable[[float], float]:
-    slopes = _slopes(x, y)
-
-    def read(at: float) -> float:
-        k = _segment(x, at, extrapolate)
-        return slopes[k] if k >= 0 else math.nan
-
-    return read
-
-
-def _segments(x: Any, at: Any, extrapolate: str) -> tuple[Any, Any]:
-    outside = np.isnan(at)
-    if extrapolate == "error":
-        outside |= (at < x[0]) | (at > x[-1])
-    return np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2), outside
-
-
-def _table_arrays(x: Points, y: Points, extrapolate: str) -> Closure:
-    xs, ys, slopes = np.array(x), np.array(y), np.array(_slopes(x, y))
-
-    def read(at: Any) -> Any:
-        k, outside = _segments(xs, at, extrapolate)
-        return np.where(outside, np.nan, ys[k] + slopes[k] * (at - xs[k]))
-
-    return read
-
-
-def _slope_arrays(x: Points, y: Points, extrapolate: str) -> Closure:
-    xs, slopes = np.array(x), np.array(_slopes(x, y))
-
-    def read(at: Any) -> Any:
-        k, outside = _segments(xs, at, extrapolate)
-        return np.where(outside, np.nan, slopes[k])
-
-    return read
-
-
-_COMPARE: dict[str, Callable[[Any, Any], Any]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
-
-_UFUNC: dict[str, Callable[..., Any]] = {
-    **{f: getattr(np, f) for f in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log")},
-    **{f: getattr(np, f) for f in ("log10", "sqrt", "sign", "floor", "ceil", "hypot", "mod")},
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": np.arctan2,
-    "abs": np.abs,
-}
-
-
-def _real(ufunc: Callable[..., Any]) -> Callable[..., Any]:
-    # bool - bool is an error in NumPy and bool + bool is `or`: a comparison counts as 0 or 1.
-    return lambda *args: ufunc(*args, dtype=np.float64)
-
-
-def _fold(ufunc: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    def folded(*args: Any) -> Any:
-        value = args[0]
-        for a in args[1:]:
-            value = ufunc(value, a)
-        return value
-
-    return folded
-
-
-def _no_warnings(f: Closure) -> Closure:
-    def quiet(v: Any) -> Any:
-        with np.errstate(all="ignore"):
-            return f(v)
-
-    return quiet
-
-
-FLOATS = Algebra(
-    add=operator.add,
-    sub=operator.sub,
-    mul=operator.mul,
-    div=_div,
-    pow=_quiet(math.pow, np.power),
-    neg=operator.neg,
-    compare=_COMPARE.__getitem__,
-    and_=lambda a, b: bool(a) and bool(b),
-    or_=lambda a, b: bool(a) or bool(b),
-    not_=operator.not_,
-    where=lambda c, a, b: a if c else b,
-    call={
-        **{
-            f: _quiet(getattr(math, f), _UFUNC[f])
-            for f in _UFUNC
-            if f not in ("abs", "sign", "floor", "ceil", "mod")
-        },
-        "abs": math.fabs,
-        "sign": _sign,
-        "floor": _quiet(lambda a: float(math.floor(a)), np.floor),
-        "ceil": _quiet(lambda a: float(math.ceil(a)), np.ceil),
-        "mod": _quiet(operator.mod, np.mod),
-        "min": _least,
-        "max": _most,
-    },
-    const=_same,
-    table=_table,
-    slope=_slope,
-    lazy=True,
-)
-"""Python floats: lazy, and nan or an infinity where the mathematics has no value."""
-
-ARRAYS = Algebra(
-    add=_real(np.add),
-    sub=_real(np.subtract),
-    mul=_real(np.multiply),
-    div=_real(np.true_divide),
-    pow=_real(np.power),
-    neg=_real(np.negative),
-    compare=_COMPARE.__getitem__,
-    and_=np.logical_and,
-    or_=np.logical_or,
-    not_=np.logical_not,
-    where=lambda c, a, b: np.where(np.not_equal(c, 0), a, b),
-    call={
-        **{f: _real(ufunc) for f, ufunc in _UFUNC.items()},
-        "min": _fold(np.minimum),
-        "max": _fold(np.maximum),
-    },
-    const=cast("Callable[[float], Any]", np.asarray),
-    table=_table_arrays,
-    slope=_slope_arrays,
-    wrap=_no_warnings,
-)
-"""NumPy arrays, elementwise; the same values as `FLOATS`."""

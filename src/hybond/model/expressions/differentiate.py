@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from hybond.model.expressions.compile import FLOATS, compile_expression
+from hybond.model.expressions.algebra import FLOATS
+from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.tree import (
     And,
     Binary,
