@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
+    from hybond.analysis.cross_check import CrossCheck, cross_check
     from hybond.analysis.newton_law import newton_law_model
     from hybond.analysis.residuals import residuals
     from hybond.analysis.restitution import restitution
     from hybond.analysis.structure import structure
     from hybond.causality.report import causality
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
+    from hybond.equations.complementarity_form import complementarity
     from hybond.equations.derive import state_equations
     from hybond.equations.junction_matrix import junction_matrix
     from hybond.errors import (
@@ -73,6 +75,8 @@ _HOME = {
     "Result": "hybond.result",
     "Signal": "hybond.result",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
+    **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross_check"),
+    "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
     "newton_law_model": "hybond.analysis.newton_law",
     "residuals": "hybond.analysis.residuals",
@@ -92,6 +96,7 @@ _ROOMS = {
 __all__ = [
     "C",
     "CausalityError",
+    "CrossCheck",
     "DivergenceOfTime",
     "EquationError",
     "ExpressionError",
@@ -118,6 +123,8 @@ __all__ = [
     "Zero",
     "__version__",
     "causality",
+    "complementarity",
+    "cross_check",
     "draw",
     "draw_hybrid",
     "draw_mode",

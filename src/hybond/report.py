@@ -48,25 +48,30 @@ class EventTable(Sequence[Event]):
         """Return time, cause, what, kind and details, one row per transition and mode."""
         rows: list[tuple[str, str, str, str, str]] = []
         for event in self.events:
-            time = f"t = {event.t:.9g} s"
+            since = "" if event.t0 is None else f"{event.t0:.9g} .. "
+            time = f"t = {since}{event.t:.9g} s"
             cause: str = event.cause
             focus = {f.machine for step in event.steps for f in step.fired}
-            for step in event.steps:
+            for k, step in enumerate(event.steps):
                 for fired in step.fired:
                     what = f"{fired.machine}  {fired.source} -> {fired.target}"
                     rows.append((time, cause, what, "", fired_text(fired)))
                     time = cause = ""
-                rows.append((time, cause, self._mode(step, focus), step.kind, self._details(step)))
+                at_rest = event.landed and k + 1 == len(event.steps)
+                kind = "landed" if at_rest else step.kind
+                details = self._details(step, event)
+                rows.append((time, cause, self._mode(step, focus), kind, details))
                 time = cause = ""
         return rows
 
     def _mode(self, step: Step, focus: Collection[str]) -> str:
         return f"({self.graph.mode_text(step.mode, focus)})"
 
-    def _details(self, step: Step) -> str:
+    def _details(self, step: Step, event: Event) -> str:
         parts = []
         for name, area in sorted(step.impulses.items(), key=self._rank)[:SHOWN]:
-            parts.append(f"{name} = {self._area(name, area)} δ")
+            mark = "in the step" if event.cause == "step" else "δ"
+            parts.append(f"{name} = {self._area(name, area)} {mark}")
         if len(step.impulses) > SHOWN:
             parts[-1] += f" (and {len(step.impulses) - SHOWN} more)"
         energy = step.energy

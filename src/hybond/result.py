@@ -15,11 +15,14 @@ from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.modes.audit import Audit, audit
 from hybond.modes.jump import on_constraints
+from hybond.modes.sliding_view import equations_of
+from hybond.modes.step_values import values_of_steps
 from hybond.names import did_you_mean
+from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, Trace
+from hybond.trace import Accumulation, Segment, Sliding, Trace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -129,8 +132,37 @@ class Result:
 
     @property
     def accumulations(self) -> tuple[Accumulation, ...]:
-        """Accumulation points at which the run stopped."""
+        """Where impacts accumulated and came to rest, or events accumulated and the run stopped."""
         return tuple(self.trace.accumulations)
+
+    @property
+    def sliding(self) -> tuple[Sliding, ...]:
+        """Intervals of motion along switching surfaces, in order."""
+        return tuple(self.trace.slidings)
+
+    def weight(self, machine: str, state: str, t: float, *, side: Side = "right") -> float:
+        """Return the part of the time that a machine spends in a state at `t`.
+
+        0 or 1; while it slides something between.
+
+        Raises
+        ------
+        UsageError
+            HB-S110 for a time outside the run.
+        ModelError
+            HB-M144 for a machine or state that does not exist.
+        """
+        wanted = self.graph.mode_of({machine: state})
+        self.sample([t], [], side=side)
+        segment = self.segments[self._segment_at(t, side)]
+        index = next(m.index for m in self.graph.machines if m.path == machine)
+        if segment.bonds is not None:
+            return float(segment.mode[index] == wanted[index])
+        equations = equations_of(self.program, segment)
+        if isinstance(equations, Combined):
+            shares = equations.shares(t, equations.onto(t, segment.at(t)))
+            return sum(c for c, m in shares if m[index] == wanted[index])
+        return float(segment.mode[index] == wanted[index])
 
     @property
     def names(self) -> list[str]:
@@ -209,7 +241,14 @@ class Result:
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
         interval = segment.interval
         assert isinstance(interval, Interval)
-        equations = self.program.equations(segment.mode, interval, float(segment.t[0]))
+        if segment.bonds is not None:
+            columns = list(values_of_steps(self.program, segment, t))
+            found = {}
+            for name in names:
+                value = self.program.compile_arrays(self.expression(name))(columns)
+                found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
+            return found
+        equations = equations_of(self.program, segment)
         # between accepted points the interpolant is off the constraints by its own error
         y = np.array(
             [
@@ -224,9 +263,14 @@ class Result:
                 for a in t
             ]
         )
+        if isinstance(equations, Combined):
+            y = np.array([equations.onto(float(a), b) for a, b in zip(t, y, strict=True)])
         columns = list(self.program.evaluate_many(t, y, interval, equations))
         found = {}
         for name in names:
+            if isinstance(equations, Combined) and equations.switched(self.expression(name)):
+                found[name] = equations.average(self.expression(name), t, y)
+                continue
             value = self.program.compile_arrays(self.expression(name))(columns)
             found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
         return found
@@ -274,7 +318,9 @@ class Result:
     @property
     def _settled_at_end(self) -> bool:
         events = self.trace.events
-        return bool(events) and events[-1].t == self.t_end and self.t_end > 0.0
+        if not events or events[-1].cause == "step":
+            return False
+        return bool(events[-1].t == self.t_end) and self.t_end > 0.0
 
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
         from hybond.programs.interval import interval_after

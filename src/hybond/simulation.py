@@ -14,10 +14,15 @@ from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive, Limits
+from hybond.modes.impact_laws import IMPACT_LAWS
+from hybond.modes.sliding_bands import CHOICES, Choice, banded
+from hybond.modes.stepping import TimeStepping
+from hybond.names import did_you_mean
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 from hybond.result import Result, Status
 from hybond.solvers import make_solver
+from hybond.solvers.choose import STEPPING
 from hybond.units import parse_unit, try_quantity
 
 Vector = NDArray[np.float64]
@@ -41,6 +46,10 @@ def simulate(
     atol: float | None = None,
     step: float | str | None = None,
     max_step: float | str | None = None,
+    theta: float | None = None,
+    sliding: Choice | None = None,
+    hysteresis: float | str | None = None,
+    impact: str | None = None,
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
 ) -> Result:
@@ -54,17 +63,30 @@ def simulate(
         End time, s or a quantity (``"50 ms"``).
     parameters : mapping
         Values by dotted path that replace the model's own.
-    solver : {"rk45", "radau", "rk4", "euler"}
-        Default ``"rk45"``, or what the experiment says.
+    solver : {"rk45", "radau", "rk4", "euler", "moreau-jean"}
+        Default ``"rk45"``, or what the experiment says. ``"moreau-jean"`` is time-stepping: it
+        locates no events, and takes contacts, diodes and friction as laws of each step.
     rtol : float
         Relative tolerance, default 1e-8. Stored quantities are measured against the largest value
         they have had, and against 1e-6 of the value that would hold the system's energy.
     atol : float
         Absolute tolerance in SI for every state, instead of that floor.
     step : float or str
-        Step of the fixed-step solvers.
+        Step of the fixed-step solvers and of time-stepping.
     max_step : float or str
         Longest step.
+    theta : float
+        Of time-stepping: 1/2 (default) to 1, how much the end of a step weighs in its smooth part.
+    sliding : {"filippov", "hysteresis", "refuse"}
+        What happens on a switching surface into which both sides push: slide along it (default);
+        switch with a band of `hysteresis` around every such surface; or stop where the events
+        accumulate.
+    hysteresis : float or str
+        Half the width of that band, in the unit of the switching functions or in SI.
+    impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
+        The law of impacts at several contacts with restitution; see `impact_laws`. Default
+        ``"newton"``, contact after contact: the only one that needs no more than what a single
+        impact tells, never creates energy, and gives the textbook answer for rows of balls.
     progress : callable
         ``progress(t, events)`` after each step.
     on_error : {"raise", "return"}
@@ -114,7 +136,30 @@ def simulate(
     fixed = name in ("euler", "rk4")
     given_step = _seconds(step if step is not None else experiment.get("step"), "step")
     longest = _seconds(max_step if max_step is not None else experiment.get("max_step"), "max_step")
+    choice, band = _sliding(sliding, hysteresis, experiment)
+    if band is not None:
+        graph = banded(graph, band)
+    limits = Limits(end, float(experiment.get("event_tol", 1e-12)))
+    writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
+    executive: Executive | TimeStepping
+    if name in STEPPING:
+        executive = TimeStepping(
+            program,
+            limits,
+            step=stepping_step(given_step),
+            theta=stepping_theta(theta if theta is not None else experiment.get("theta", 0.5)),
+            max_writes=writes,
+            progress=progress,
+        )
+        return _finish(graph, program, executive, end, name, on_error)
+    if theta is not None:
+        raise UsageError(
+            f"theta is given, but solver {name!r} has none",
+            code="HB-S112",
+            where="theta",
+            hint='solver = "moreau-jean"',
+        )
     scale = ErrorScale(program, rtol, None if atol is None else float(atol))
     method = make_solver(
         name,
@@ -127,10 +172,24 @@ def simulate(
     executive = Executive(
         program,
         method,
-        Limits(end, float(experiment.get("event_tol", 1e-12))),
-        max_writes=int(experiment.get("max_writes", 1000)),
+        limits,
+        max_writes=writes,
         progress=progress,
+        sliding=choice == "filippov",
+        impact=_impact(impact, experiment),
     )
+    return _finish(graph, program, executive, end, name, on_error)
+
+
+def _finish(
+    graph: FlatGraph,
+    program: Program,
+    executive: Executive | TimeStepping,
+    end: float,
+    name: str,
+    on_error: str,
+) -> Result:
+    """Run; return the result, also that of a run that stopped."""
     status: Status = "error"
     failure: HybondError | None = None
     try:
@@ -202,6 +261,90 @@ def start_of(program: Program) -> Vector:
     for i in graph.integrals:
         y[program.nx + i.index] = i.start
     return y
+
+
+def stepping_step(step: float | None) -> float:
+    """Return the step of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S102 if it is missing or not positive.
+    """
+    if step is None or not 0.0 < step < math.inf:
+        raise UsageError(
+            "solver 'moreau-jean' has a fixed step and none is given"
+            if step is None
+            else f"a step of {step:g} s for solver 'moreau-jean': it must be positive and finite",
+            code="HB-S102",
+            hint='give one, such as step="1 ms"; the run then says how good it was',
+        )
+    return step
+
+
+def stepping_theta(theta: object) -> float:
+    """Return theta of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S112 if it is not between 1/2 and 1.
+    """
+    if not isinstance(theta, float | int) or not 0.5 <= theta <= 1.0:
+        raise UsageError(
+            f"theta = {theta!r}",
+            code="HB-S112",
+            where="theta",
+            hint="from 0.5 (of second order) to 1 (damps, never creates energy)",
+        )
+    return float(theta)
+
+
+def _impact(impact: str | None, experiment: Mapping[str, Any]) -> tuple[str, float]:
+    """Return the law of impacts and, for springs, the exponent of their force."""
+    name = str(impact if impact is not None else experiment.get("impact", "newton"))
+    known = (*IMPACT_LAWS, "lzb_hertz")
+    if name not in known:
+        raise UsageError(
+            f"there is no impact law {name!r}",
+            code="HB-J205",
+            where="impact",
+            hint=did_you_mean(name, known) or ", ".join(known),
+        )
+    return ("lzb", 1.5) if name == "lzb_hertz" else (name, 1.0)
+
+
+def _sliding(
+    sliding: Choice | None, hysteresis: float | str | None, experiment: Mapping[str, Any]
+) -> tuple[str, float | None]:
+    """Return what to do on a switching surface, and the band if there is one."""
+    choice = str(sliding if sliding is not None else experiment.get("sliding", "filippov"))
+    given = hysteresis if hysteresis is not None else experiment.get("hysteresis")
+    if choice not in CHOICES:
+        raise UsageError(
+            f"sliding = {choice!r}", code="HB-S111", where="sliding", hint=", ".join(CHOICES)
+        )
+    if choice != "hysteresis":
+        if hysteresis is not None:
+            raise UsageError(
+                f'hysteresis is given, but sliding = "{choice}"',
+                code="HB-S111",
+                where="hysteresis",
+                hint='sliding = "hysteresis"',
+            )
+        return choice, None
+    quantity = try_quantity(str(given)) if given is not None else None
+    band = given if isinstance(given, float | int) else quantity.value if quantity else None
+    if band is None or not 0.0 < band < math.inf:
+        raise UsageError(
+            "the switching with hysteresis has no band"
+            if given is None
+            else f"hysteresis = {given!r}",
+            code="HB-S111",
+            where="hysteresis",
+            hint='half the width of the band, such as hysteresis = 1e-3 or "1 mm"',
+        )
+    return choice, float(band)
 
 
 def _seconds(value: Any, where: str) -> float | None:

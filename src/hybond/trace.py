@@ -16,7 +16,7 @@ from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
 StepKind = Literal["mythical", "pinnacle", "continuous"]
-Cause = Literal["start", "guard", "time", "input"]
+Cause = Literal["start", "guard", "time", "input", "accumulation", "step"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +72,10 @@ class Event:
     before: Vector
     """Stored quantities and integrated signals at the left limit."""
     after: Vector
+    landed: tuple[str, ...] = ()
+    """Machines that stay in their pinnacle state when time goes on: their impacts are over."""
+    t0: float | None = None
+    """Beginning of the step within which it happened, in a run that does not locate events."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +93,15 @@ class Segment:
         Stored quantities, integrated signals, energy supplied, energy dissipated.
     interpolants : tuple of callables
         One per step, n - 1.
+    landed : tuple of str
+        Machines that stay in their pinnacle state, its impact law with ``pre()`` terms at zero.
+    sliding : int or None
+        Which of the trace's slidings it belongs to.
+    combined : object
+        The combined equations of a sliding segment.
+    bonds : array, shape (n, 2 * bonds), or None
+        Bond variables at the points, where they come from the steps themselves and not from the
+        equations of the mode; such a segment has no interpolants: between points all is linear.
     """
 
     mode: Mode
@@ -96,25 +109,85 @@ class Segment:
     t: Vector
     y: Vector
     interpolants: tuple[Callable[[float], Vector], ...]
+    landed: tuple[str, ...] = ()
+    sliding: int | None = None
+    combined: object = None
+    bonds: Vector | None = None
 
     def at(self, t: float) -> Vector:
         """Return the state at a time within the segment."""
         k = int(np.searchsorted(self.t, t, side="left"))
         if k < len(self.t) and self.t[k] == t:
             return np.asarray(self.y[k])
+        if self.bonds is not None:
+            return self._between(self.y, t)
         return np.asarray(self.interpolants[min(max(k - 1, 0), len(self.interpolants) - 1)](t))
+
+    def bonds_at(self, t: float) -> Vector:
+        """Return the bond variables of a step-by-step segment at a time within it."""
+        assert self.bonds is not None
+        return self._between(self.bonds, t)
+
+    def _between(self, rows: Vector, t: float) -> Vector:
+        k = min(max(int(np.searchsorted(self.t, t, side="left")), 1), max(len(self.t) - 1, 0))
+        if not k or self.t[k] == t:
+            return np.asarray(rows[k])
+        part = (t - self.t[k - 1]) / (self.t[k] - self.t[k - 1])
+        return np.asarray(rows[k - 1] + part * (rows[k] - rows[k - 1]))
 
 
 @dataclass(frozen=True, slots=True)
 class Accumulation:
-    """Events that follow one another ever faster, towards the time `t`.
+    """Events of a machine that follow one another ever faster, towards the time `t`.
 
-    `ratio` is that of successive intervals, None if the events were too close to tell.
+    Parameters
+    ----------
+    t : float
+        The limit, s, extrapolated.
+    ratio : float or None
+        Of successive intervals, None if the events were too close or too few to tell.
+    events : int
+        How many there were.
+    machine : str
+    landed : bool
+        Whether the run went on, at rest; else it stopped there, and a warning says why.
+    state : str
+        The pinnacle state in which the machine landed.
     """
 
     t: float
     ratio: float | None
     events: int
+    machine: str = ""
+    landed: bool = False
+    state: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Sliding:
+    """Motion along switching surfaces, from `t0` to `t1`.
+
+    Parameters
+    ----------
+    t0, t1 : float
+        s.
+    machines : tuple of str
+        The machines that switch infinitely fast, one per surface.
+    surfaces : tuple of str
+        As written: ``v.f = 0``.
+    modes : tuple of Mode
+        The modes that are combined, as they were at `t0`.
+    kind : {"additive", "product"}
+        Whether the switches act independently of each other, so that the weights follow from the
+        surfaces alone, or the products of weights were chosen.
+    """
+
+    t0: float
+    t1: float
+    machines: tuple[str, ...]
+    surfaces: tuple[str, ...]
+    modes: tuple[Mode, ...]
+    kind: Literal["additive", "product"]
 
 
 @dataclass(slots=True)
@@ -124,6 +197,7 @@ class Trace:
     segments: list[Segment] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     accumulations: list[Accumulation] = field(default_factory=list)
+    slidings: list[Sliding] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     stats: dict[str, float] = field(default_factory=dict)
     energy: float = 0.0

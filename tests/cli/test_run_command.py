@@ -149,11 +149,15 @@ def test_a_run_that_fails_keeps_what_came_before(shell: Any) -> None:
     assert (shell.folder / "r.csv").read_text(encoding="utf-8").count("\n") > 3
 
 
-def test_an_accumulation_point_is_an_answer(shell: Any) -> None:
+def test_an_accumulation_point_is_passed(shell: Any) -> None:
     done = shell("run", "ball.toml", "--until", "10 s", "--json")
     assert done.code == 0
-    assert done.json["status"] == "accumulation"
-    assert done.json["accumulations"][0]["t"] == pytest.approx(3.0)  # 1 + 1 + 1/2 + 1/4 + ...
+    assert done.json["status"] == "ok" and done.json["t_end"] == 10.0
+    (record,) = done.json["accumulations"]
+    assert record["t"] == pytest.approx(3.0)  # 1 + 1 + 1/2 + 1/4 + ...
+    assert record["landed"] is True and record["state"] in done.json["mode"].values()
+    last = done.json["events"][-1]
+    assert last["cause"] == "accumulation" and last["landed"] == [record["machine"]]
 
 
 def test_the_same_command_gives_the_same_bytes(shell: Any) -> None:

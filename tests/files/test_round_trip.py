@@ -102,6 +102,8 @@ experiment = some(
     outputs=st.lists(texts, max_size=3),
     max_writes=st.integers(1, 10**6),
     event_tol=scalars,
+    sliding=st.sampled_from(["filippov", "hysteresis", "refuse"]),
+    hysteresis=scalars,
     points=st.integers(2, 1000),
 )
 causality = some(

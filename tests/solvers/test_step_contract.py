@@ -10,6 +10,9 @@ from hybond.solvers import SOLVERS, StepFailure, make_solver
 
 OMEGA = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
+FIRST_ORDER = ("euler", "qss1", "liqss1")
+"""Of these no more than two or three digits are asked, for the sake of time."""
+
 
 def oscillator(t, y):
     return OMEGA @ y
@@ -30,6 +33,8 @@ def tolerance(rtol, atol=None):
 
 def make(name, *, rtol=1e-6, step=0.01, max_step=math.inf):
     fixed = name in ("euler", "rk4")
+    if name in ("qss1", "liqss1"):
+        rtol = max(rtol, 1e-2)
     return make_solver(
         name,
         scale=tolerance(rtol),
@@ -136,9 +141,11 @@ def test_evaluations_add_up_to_the_calls_made(name):
         return oscillator(t, y)
 
     solver = started(name, field=counted)
-    total = sum(step.evaluations for step in run(solver, 1.0))
+    steps = run(solver, 1.0)
+    total = sum(step.evaluations for step in steps)
     assert total == calls
-    assert solver.retry(0.9999).evaluations == calls - total
+    within = steps[-1].t0 + 0.99 * (1.0 - steps[-1].t0)
+    assert solver.retry(within).evaluations == calls - total
 
 
 def test_same_input_same_bits(name):
@@ -180,7 +187,7 @@ def test_retry_may_be_repeated_and_the_next_step_goes_on_from_it(name):
     assert after.t0 == half
     assert np.array_equal(after.y0, again.y1)
     end = run(solver, 1.0)[-1]
-    assert end.y1 == pytest.approx(exact(1.0), abs=2e-2 if name == "euler" else 1e-5)
+    assert end.y1 == pytest.approx(exact(1.0), abs=2e-2 if name in FIRST_ORDER else 1e-5)
 
 
 def test_retry_needs_a_step(name):
@@ -229,7 +236,7 @@ def test_a_state_moved_without_a_jump_still_gets_its_own_derivative(name):
     run(solver, 0.5)
     solver.start(oscillator, 0.5, exact(0.5), t_bound=10.0, jumped=False)
     assert run(solver, 1.0)[-1].y1 == pytest.approx(
-        exact(1.0), abs=1e-2 if name == "euler" else 1e-5
+        exact(1.0), abs=1e-2 if name in FIRST_ORDER else 1e-5
     )
 
 
@@ -238,7 +245,7 @@ def test_the_number_of_states_may_change_at_a_jump(name):
     run(solver, 0.5)
     solver.start(lambda t, y: -y, 0.5, np.ones(3), t_bound=1.0, jumped=True)
     assert run(solver, 1.0)[-1].y1 == pytest.approx(
-        np.full(3, math.exp(-0.5)), abs=1e-2 if name == "euler" else 1e-5
+        np.full(3, math.exp(-0.5)), abs=1e-2 if name in FIRST_ORDER else 1e-5
     )
 
 

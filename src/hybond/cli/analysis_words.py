@@ -17,12 +17,19 @@ def equations_words(verb: Verb, verbs: Any) -> ArgumentParser:
         "hybond equations ball.toml",
         "hybond equations ball.toml --mode floor=touching --matrices",
         "hybond equations circuit.toml --outputs C1.e --transfer",
+        "hybond equations rectifier.toml --complementarity",
     )
     parser.add_argument("file", metavar="FILE", help="a model file")
     parser.add_argument(
         "--mode", metavar="MACHINE=STATE,...", help="one mode (default: all, with Booleans)"
     )
     parser.add_argument("--outputs", metavar="SIGNAL,...", help="signals to add as outputs y")
+    parser.add_argument(
+        "--complementarity",
+        action="store_true",
+        help="the linear complementarity system of the junctions with a law, machines staying in "
+        "--mode (default: the start mode)",
+    )
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--latex", action="store_true", help="write LaTeX")
     form.add_argument("--markdown", action="store_true", help="write Markdown")

@@ -95,8 +95,28 @@ def _parser() -> Parser:
     new.add_argument("--from", dest="example", metavar="EXAMPLE", help="start from this example")
     new.add_argument("--force", action="store_true", help="replace a file that is there")
 
-    check = _verb(verbs, "check", "hybond check ball.toml")
+    check = _verb(
+        verbs,
+        "check",
+        "hybond check ball.toml",
+        "hybond check --cross rectifier.toml --step '10 us'",
+    )
     check.add_argument("file", metavar="FILE", help="a model file")
+    check.add_argument(
+        "--cross", action="store_true", help="run it with two engines and compare what they say"
+    )
+    check.add_argument("--until", metavar="T", help="of --cross: end time, as 3 or '50 ms'")
+    check.add_argument(
+        "--step", metavar="H", help="of --cross: the longest step; it is halved twice or more"
+    )
+    check.add_argument(
+        "--engines",
+        metavar="A,B",
+        help="of --cross: two solvers (default: the model's own, and moreau-jean or radau)",
+    )
+    check.add_argument(
+        "--json", action="store_true", help="of --cross: print one JSON object and nothing else"
+    )
     _settings(check)
 
     draw = _verb(
@@ -235,8 +255,12 @@ def _settings(parser: ArgumentParser) -> None:
 
 def _solver(parser: ArgumentParser) -> None:
     parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
-    parser.add_argument("--solver", metavar="NAME", help="rk45, radau, rk4 or euler")
+    names = "rk45, radau, rk4, euler, qss1-3, liqss1-3, moreau-jean"
+    parser.add_argument("--solver", metavar="NAME", help=names)
     parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
     parser.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
-    parser.add_argument("--step", metavar="H", help="step of rk4 and euler")
+    parser.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
+    parser.add_argument(
+        "--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1: weight of a step's end"
+    )
     parser.add_argument("--max-step", metavar="H", help="longest step")

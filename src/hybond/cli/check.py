@@ -13,6 +13,7 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.report import ahead_lines
 from hybond.causality.report import causality as modes_report
+from hybond.cli.cross import check_options, cross
 from hybond.cli.running import read_graph
 from hybond.cli.streams import complain, say
 from hybond.model.graph import FlatGraph, Mode
@@ -25,7 +26,10 @@ MODES = 64
 
 
 def check(given: Namespace) -> int:
-    """Load, flatten, assign causality in the start mode, and report."""
+    """Load, flatten, assign causality in the start mode, and report; or run it twice."""
+    check_options(given)
+    if given.cross:
+        return cross(given)
     graph = read_graph(given.file, given.settings)
     say(graph.title or graph.name)
     _counts(graph)

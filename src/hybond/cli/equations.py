@@ -1,4 +1,4 @@
-"""``hybond equations``: the mixed-Boolean equations of a model, or those of one mode."""
+"""``hybond equations``: the mixed-Boolean equations of a model, or its complementarity system."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from hybond.cli.lists import mode_of, split
 from hybond.cli.record import to_json
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
+from hybond.equations.complementarity_form import complementarity
 from hybond.equations.derive import state_equations
 from hybond.equations.junction_matrix import JunctionMatrix, junction_matrix
 from hybond.equations.matrix import BooleanMatrix
@@ -34,6 +35,8 @@ def show_equations(given: Namespace) -> int:
                 where="hybond equations",
                 hint=f"leave out --{refused[0]} or --{form}",
             )
+    if given.complementarity:
+        return _complementarity(given)
     graph = read_graph(given.file, given.settings)
     mode = None if given.mode is None else mode_of(graph, given.mode)
     eq = state_equations(
@@ -54,6 +57,37 @@ def show_equations(given: Namespace) -> int:
         say(eq.markdown(mode).rstrip("\n"))
     else:
         _say(given, graph, eq, jsm, mode)
+    return 0
+
+
+def _complementarity(given: Namespace) -> int:
+    """Print the complementarity system of a model."""
+    for option in ("outputs", "junctions", "transfer"):
+        if getattr(given, option):
+            raise UsageError(
+                f"--complementarity has no {option}",
+                code="HB-X101",
+                where="hybond equations",
+                hint=f"leave out --{option} or --complementarity",
+            )
+    graph = read_graph(given.file, given.settings)
+    mode = None if given.mode is None else mode_of(graph, given.mode)
+    form = complementarity(graph, mode, symbolic=not given.numbers)
+    if given.json:
+        record = {"hybond": VERSION, "file": given.file, **form.to_data()}
+        say(to_json({**record, "equations": form.text().splitlines()}).rstrip("\n"))
+    elif given.latex:
+        say(form.latex())
+    elif given.markdown:
+        say(form.markdown().rstrip("\n"))
+    else:
+        say(f"{graph.title or graph.name}\n")
+        say(form.text())
+        for name in "ABECDF" if given.matrices else "":
+            matrix: BooleanMatrix = getattr(form, name)
+            if matrix.entries:
+                say(f"\n{name}")
+                say(matrix.text())
     return 0
 
 

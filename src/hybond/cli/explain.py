@@ -37,7 +37,8 @@ def explanation(run: Result, at: float | None = None) -> str:
         events = [min(events, key=lambda e: abs(e.t - at))]
     lines = [run.title, "", run.explain(at)]
     for event in events:
-        details = [line for step in event.steps for line in _step(run, step)]
+        mark = "in the step" if event.cause == "step" else "δ"
+        details = [line.replace(" δ", f" {mark}") for s in event.steps for line in _step(run, s)]
         if details:
             lines += ["", _heading(event), *details]
     lines += ["", ending(run), *(f"warning: {w}" for w in run.warnings)]
@@ -47,7 +48,8 @@ def explanation(run: Result, at: float | None = None) -> str:
 
 
 def _heading(event: Event) -> str:
-    return f"t = {event.t:.9g} s ({event.cause})"
+    since = "" if event.t0 is None else f"{event.t0:.9g} .. "
+    return f"t = {since}{event.t:.9g} s ({event.cause})"
 
 
 def _step(run: Result, step: Step) -> Iterator[str]:

@@ -55,7 +55,25 @@ def run_record(
         "final": final,
         "units": units_of(run, [*final, *names]),
         "accumulations": [
-            {"t": a.t, "ratio": a.ratio, "events": a.events} for a in run.accumulations
+            {
+                "t": a.t,
+                "ratio": a.ratio,
+                "events": a.events,
+                "machine": a.machine,
+                "landed": a.landed,
+                **({"state": a.state} if a.state else {}),
+            }
+            for a in run.accumulations
+        ],
+        "sliding": [
+            {
+                "t0": s.t0,
+                "t1": s.t1,
+                "machines": list(s.machines),
+                "surfaces": list(s.surfaces),
+                "kind": s.kind,
+            }
+            for s in run.sliding
         ],
         "warnings": notes,
         "stats": {k: int(v) if float(v).is_integer() else v for k, v in run.stats.items()},
@@ -151,7 +169,13 @@ def _final(run: Result, notes: list[str]) -> dict[str, float]:
 
 
 def _event(graph: FlatGraph, event: Event) -> dict[str, Any]:
-    return {"t": event.t, "cause": event.cause, "steps": [_step(graph, s) for s in event.steps]}
+    steps = [_step(graph, s) for s in event.steps]
+    record: dict[str, Any] = {"t": event.t, "cause": event.cause, "steps": steps}
+    if event.t0 is not None:
+        record["since"] = event.t0
+    if event.landed:
+        record["landed"] = list(event.landed)
+    return record
 
 
 def _step(graph: FlatGraph, step: Step) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError
+from hybond.modes.step_error import GOOD
 from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity
@@ -71,6 +72,8 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     for warning in record["warnings"]:
         say(f"warning: {warning}")
     say(stats_line(run))
+    if "step_error" in run.stats:
+        say(step_line(run))
 
 
 def _events(run: Result) -> None:
@@ -102,6 +105,15 @@ def stats_line(run: Result) -> str:
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
     words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations", "modes") if k in count]
     return ", ".join([run.solver, *words, f"{len(run.events)} events"])
+
+
+def step_line(run: Result) -> str:
+    """Return how good the step of time-stepping was, in one line."""
+    error, advised = run.stats["step_error"], run.stats["step_advised"]
+    text = f"estimated error: {100.0 * error:.2g} %"
+    if error <= GOOD:
+        return text
+    return f"{text}; try step = {format_quantity(advised, 's')} for {100.0 * GOOD:g} %"
 
 
 def _table(run: Result, times: Sequence[float], names: Sequence[str]) -> str:

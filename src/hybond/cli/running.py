@@ -52,6 +52,7 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
             atol=getattr(given, "atol", None),
             step=getattr(given, "step", None),
             max_step=getattr(given, "max_step", None),
+            theta=getattr(given, "theta", None),
             progress=progress,
             on_error="return",
         )

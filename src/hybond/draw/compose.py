@@ -151,6 +151,8 @@ def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
     lines = [(role + state, symbol.path, True), ("parameter" + state, symbol.parameter, False)]
     if symbol.machine:
         lines.append(("machine" + state, f"[{symbol.machine}]", False))
+    if symbol.law:
+        lines.append(("badge grey", symbol.law, False))
     if symbol.badge is not None:
         lines.append((f"badge {symbol.badge.tone}", symbol.badge.text, False))
     return tuple(

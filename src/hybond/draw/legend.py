@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hybond.draw.geometry import STROKE_LENGTH, Box
 from hybond.draw.measure import width
 from hybond.draw.scene import Band, Frame, Line, Mark, Text
-from hybond.draw.sketch import Arrow, Sketch
+from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.draw.style import look
 
 ROW = 21.0
@@ -69,8 +69,10 @@ def entries(sketches: Sequence[Sketch]) -> list[Entry]:
         found.append(Entry("causal conflict", _conflict()))
     if any(a.off for a in arrows) or any(n.off for n in symbols):
         found.append(Entry("OFF", (Line("bond off", ((1.0, 0.0), (_SAMPLE - 1.0, 0.0))),)))
-    if (causal or several) and any(n.controlled for n in symbols):
+    if (causal or several) and any(n.controlled and not n.law for n in symbols):
         found.append(Entry("controlled by [machine]", _controlled()))
+    if any(n.law for n in symbols):
+        found.append(Entry(f"law of a junction: {_laws(symbols)}", _law()))
     return found
 
 
@@ -117,6 +119,21 @@ def moved(mark: Mark, dx: float, dy: float) -> Mark:
     return Text(mark.role, mark.text, mark.x + dx, mark.y + dy, mark.anchor)
 
 
+_MEANING = {
+    "diode": "conducts one way",
+    "thyristor": "diode with a gate",
+    "unilateral": "contact",
+    "coulomb": "dry friction",
+    "relay": "switches with the sign",
+}
+
+
+def _laws(symbols: Sequence[Symbol]) -> str:
+    """Return what the laws that occur are, in words."""
+    found = dict.fromkeys(n.law for n in symbols if n.law)
+    return ", ".join(f"{law} = {_MEANING[law]}" if law in _MEANING else law for law in found)
+
+
 def _solid_late(arrow: Arrow) -> bool:
     return any(end in arrow.late for end in arrow.strokes)
 
@@ -157,4 +174,12 @@ def _controlled() -> tuple[Mark, ...]:
         Frame("switch", Box(2.0, -8.5, _SAMPLE - 1.0, 8.5), 5.0),
         Text("sample junction", "0", 10.5, 4.3),
         Text("subscript", "c", 15.0, 7.0, "start"),
+    )
+
+
+def _law() -> tuple[Mark, ...]:
+    """Return the frame in which the name of a law stands."""
+    return (
+        Frame("badge grey", Box(1.0, -7.0, _SAMPLE + 1.0, 7.0), 4.0),
+        Text("badge grey", "law", _SAMPLE / 2 + 1.0, 3.1),
     )

@@ -46,6 +46,14 @@ def lanes(result: Any) -> tuple[list[int], int]:
     return sorted((moving + still)[:LANES]), max(0, len(machines) - LANES)
 
 
+def slides(result: Any, machine: int, factor: float) -> list[tuple[float, float]]:
+    """Return from when to when a machine slides along its switching surface."""
+    path = result.graph.machines[machine].path
+    return [
+        (s.t0 * factor, s.t1 * factor) for s in getattr(result, "sliding", ()) if path in s.machines
+    ]
+
+
 def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches: float) -> None:
     """Draw the lanes of the machines `shown` on axes of their own.
 
@@ -88,6 +96,17 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
         PolyCollection(corners, facecolors=colours, edgecolors="white", linewidths=border),
         autolim=False,
     )
+    # while a machine slides it is in both of its states at once
+    both = [
+        [(a, lane - 0.4), (b, lane - 0.4), (b, lane + 0.4), (a, lane + 0.4)]
+        for lane, m in enumerate(shown)
+        for a, b in slides(result, m, factor)
+    ]
+    if both:
+        ax.add_collection(
+            PolyCollection(both, facecolors="none", edgecolors="#777777", hatch="////", lw=0.0),
+            autolim=False,
+        )
     ax.set_ylim(len(shown) - 0.5, -0.5)
     ax.set_yticks(range(len(shown)))
     ax.set_yticklabels([result.graph.machines[m].path for m in shown], fontsize=8, parse_math=False)

@@ -1,7 +1,8 @@
 """What a picture of a bond graph shows, before it has a place: symbols and arrows.
 
 A switched element is drawn as one symbol: the hidden junction that stands for its switch, and
-the bond between the two, are merged into it.
+the bond between the two, are merged into it. A junction with a law has the law's name beside it;
+the source by which the law is opened into ordinary parts is no element of the model and not drawn.
 """
 
 from __future__ import annotations
@@ -49,6 +50,8 @@ class Symbol:
     derivative: bool = False
     """A storage in derivative causality."""
     badge: Badge | None = None
+    law: str = ""
+    """The law of a junction that has one: ``diode``."""
 
     @property
     def is_junction(self) -> bool:
@@ -118,13 +121,15 @@ def sketch(
     off = graph.off_nodes(mode) if mode is not None else frozenset()
     inner = _inner_bonds(graph)
     element_of = {s: e for s, (e, _) in inner.items()}
-    hidden_bonds = {b for _, b in inner.values()}
-    shown = [n for n in graph.nodes if n.index not in element_of]
+    implied = _implied(graph)
+    hidden_bonds = {b for _, b in inner.values()} | {b for _, b in implied.values()}
+    shown = [n for n in graph.nodes if n.index not in element_of and n.index not in implied]
     place = {n.index: k for k, n in enumerate(shown)}
     switch_of = {e: s for s, e in element_of.items()}
 
     derivative = {graph.storages[k].node for k in (causality.derivative if causality else ())}
-    badges = _badges(graph, marks or {}, element_of)
+    owners = element_of | {s: j for s, (j, _) in implied.items()}
+    badges = _badges(graph, marks or {}, owners)
     symbols = []
     for node in shown:
         switch = graph.nodes[switch_of.get(node.index, node.index)]
@@ -208,6 +213,17 @@ def _inner_bonds(graph: FlatGraph) -> dict[int, tuple[int, int]]:
     return found
 
 
+def _implied(graph: FlatGraph) -> dict[int, tuple[int, int]]:
+    """Return for each source that a law brought in its junction and the bond between them."""
+    found = {}
+    for node in graph.nodes:
+        if node.implied:
+            bond = graph.bonds[node.ends[0].bond]
+            junction = bond.tail if bond.head == node.index else bond.head
+            found[node.index] = (junction, bond.index)
+    return found
+
+
 def _symbol(
     graph: FlatGraph,
     node: Node,
@@ -221,12 +237,16 @@ def _symbol(
     if node.kind == "G" and parameter:
         # Drawn as R like in the textbooks: the value must say that it is a conductance.
         parameter = f"G = {parameter}"
-    machine = graph.machines[switch.machine].path if switch.machine is not None else ""
+    owner = None if switch.machine is None else graph.machines[switch.machine]
+    law = "" if owner is None or owner.law is None else owner.law.kind
+    machine = "" if owner is None or law else owner.path
     about = f"{node.path}: {node.about.meaning}"
     if node.label:
         about += f", {node.label}"
     if machine:
         about += f"; switched by {machine}"
+    if law:
+        about += f"; {law}"
     if derivative:
         about += "; in derivative causality"
     if badge is not None:
@@ -242,6 +262,7 @@ def _symbol(
         off=off,
         derivative=derivative,
         badge=badge,
+        law=law,
     )
 
 
@@ -265,7 +286,7 @@ def _typeset(text: str) -> str:
 def _badges(
     graph: FlatGraph, marks: Mapping[str, Badge], element_of: Mapping[int, int]
 ) -> dict[int, Badge]:
-    """Return the badges by node; one on a hidden switch goes to its element.
+    """Return the badges by node; one on a hidden switch or implied source goes to its owner.
 
     Raises
     ------

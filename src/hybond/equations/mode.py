@@ -111,6 +111,8 @@ class ModeEquations:
     freedom: Matrix = field(default_factory=lambda: np.zeros((0, 0)))
     guess: Vector | None = None
     newton_steps: int = 0
+    ways: object = None
+    """The impulses that the mode allows, once they are known and if they are always the same."""
 
     @property
     def linear(self) -> bool:

@@ -35,6 +35,9 @@ from hybond.model.expressions import (
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
 
+Given = Literal["common", "net"]
+"""Which variable of a junction's conjugate pair is given from outside."""
+
 
 @dataclass(frozen=True, slots=True)
 class Dynamic:
@@ -117,8 +120,18 @@ def configure(e: Expr, values: Mapping[str, Expr]) -> Expr:
     return simplify(substitute(e, {k: values[k] for k in read})) if read else e
 
 
-def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tableau:
-    """Return the tableau of one configuration."""
+def build(
+    graph: FlatGraph,
+    mode: Mode,
+    discrete: Mapping[str, float],
+    ports: Mapping[int, Given] | None = None,
+) -> Tableau:
+    """Return the tableau of one configuration.
+
+    `ports` are junctions whose law is left open: whether their ``"common"`` or their ``"net"``
+    variable is given from outside, as a source at the end of `sources`, in the order of `ports`.
+    """
+    ports = {} if ports is None else ports
     bonds = len(graph.bonds)
     off = graph.off_nodes(mode)
     values = settings(graph, mode, discrete)
@@ -168,7 +181,17 @@ def build(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> Tablea
             second.extend({column(k): c for k, c in row.items()} for row in second_rows)
             dynamic.extend(laws_rows)
     known = first
-    known += [r for n in graph.nodes if n.is_junction for r in _junction(n, n.index in off, bonds)]
+    for index, given in ports.items():
+        own = value0 + len(sources)
+        known += _port(graph.nodes[index], given, own, bonds)
+        bond = graph.nodes[index].ends[0].bond
+        sources.append(Source(index, bond, Number(0.0), Number(0.0)))
+    known += [
+        r
+        for n in graph.nodes
+        if n.is_junction and n.index not in ports
+        for r in _junction(n, n.index in off, bonds)
+    ]
 
     power = Elimination(2 * bonds)
     leftover = [power.add(row) for row in known]
@@ -220,6 +243,16 @@ def _junction(node: Node, off: bool, bonds: int) -> list[Row]:
     base = node.ends[0].bond
     rows: list[Row] = [{common + end.bond: 1.0, common + base: -1.0} for end in node.ends[1:]]
     rows.append({other + end.bond: float(end.sign) for end in node.ends})
+    return rows
+
+
+def _port(node: Node, given: Given, own: int, bonds: int) -> list[Row]:
+    """Return the rows of a junction one of whose pair of variables is the known column `own`."""
+    common = 0 if node.kind == "0" else bonds
+    if given == "common":
+        return [{common + end.bond: 1.0, own: -1.0} for end in node.ends]
+    rows = _junction(node, False, bonds)
+    rows[-1] = {**rows[-1], own: -1.0}
     return rows
 
 

@@ -115,9 +115,20 @@ class GYElement(Struct, forbid_unknown_fields=True):
 
 
 class JunctionElement(Struct, forbid_unknown_fields=True):
-    """A 0-junction (common effort) or a 1-junction (common flow)."""
+    """A 0-junction (common effort) or a 1-junction (common flow), perhaps with a law of its own.
+
+    A junction with a law is an ideal diode, a contact or dry friction: it needs no machine.
+    """
 
     junction: Literal[0, 1]
+    law: Literal["diode", "thyristor", "unilateral", "coulomb", "relay"] | UnsetType = UNSET
+    gate: str | UnsetType = UNSET
+    gap: str | UnsetType = UNSET
+    restitution: Scalar | UnsetType = UNSET
+    stiffness: Scalar | UnsetType = UNSET
+    limit: Scalar | UnsetType = UNSET
+    breakaway: Scalar | UnsetType = UNSET
+    impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 
 
@@ -192,10 +203,13 @@ class Experiment(Struct, forbid_unknown_fields=True):
     atol: Number | UnsetType = UNSET
     step: Scalar | UnsetType = UNSET
     max_step: Scalar | UnsetType = UNSET
+    theta: Number | UnsetType = UNSET
     plot: list[str] | UnsetType = UNSET
     outputs: list[str] | UnsetType = UNSET
     max_writes: int | UnsetType = UNSET
     event_tol: Scalar | UnsetType = UNSET
+    sliding: Literal["filippov", "hysteresis", "refuse"] | UnsetType = UNSET
+    hysteresis: Scalar | UnsetType = UNSET
     points: int | UnsetType = UNSET
 
 

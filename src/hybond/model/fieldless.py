@@ -39,7 +39,23 @@ def active(graph: FlatGraph, node: Node, off: frozenset[int]) -> bool:
 def fieldless_laws(graph: FlatGraph, mode: Mode) -> list[Node]:
     """Return the elements whose active law reads ``pre()`` in `mode`."""
     off = graph.off_nodes(mode)
-    return [n for n in graph.nodes if reads_pre(n) and active(graph, n, off)]
+    return [
+        n
+        for n in graph.nodes
+        if reads_pre(n)
+        and active(graph, n, off)
+        and any(_reads_in(graph, n, m, mode[m.index]) for m in graph.machines)
+    ]
+
+
+def _reads_in(graph: FlatGraph, node: Node, machine: Machine, state: int) -> bool:
+    """Whether the law still reads ``pre()`` when `machine` is in this state.
+
+    A source that the law of a junction brought in does so in the state ``impact`` only.
+    """
+    if machine.law is None or machine.law.source != node.index:
+        return not node.implied
+    return machine.states[state] == "impact"
 
 
 def checked(graph: FlatGraph) -> FlatGraph:
@@ -73,7 +89,7 @@ def checked(graph: FlatGraph) -> FlatGraph:
     for machine in graph.machines:
         flags = tuple(_is_fieldless(graph, machine, k, laws) for k in range(len(machine.states)))
         for k, flag in enumerate(flags):
-            if flag:
+            if flag and machine.law is None:
                 _check_exits(graph, machine, k)
         machines.append(replace(machine, fieldless=flags))
     return replace(graph, machines=tuple(machines))
@@ -83,6 +99,8 @@ def _is_fieldless(graph: FlatGraph, machine: Machine, state: int, laws: list[Nod
     for node in laws:
         switches = [s.index for s in switches_of(graph, node)]
         mine = [s for s in switches if s in machine.controls]
+        if not _reads_in(graph, node, machine, state):
+            continue
         if mine and all(s in machine.on[state] for s in mine):
             return True
     return False

@@ -32,6 +32,7 @@ from hybond.model.expressions import (
 from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
+from hybond.model.junction_laws import check_readers, law_of_junction, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.parametric import Parametric, parametric
@@ -57,6 +58,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         For anything that has no meaning; `where` is the path in the model.
     """
     opened = open_model(model, overrides)
+    with_laws = open_laws(opened)
     switched = _switched(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
     ends = ends_of(raw_nodes, raw_bonds)
@@ -77,6 +79,8 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         )
         for k, raw in enumerate(raw_nodes)
     ]
+    sources = set(with_laws.values()) - {""}
+    nodes = [replace(n, implied=n.path in sources) for n in nodes] if sources else nodes
     storages = _storages(raw_nodes, nodes)
     states = {
         path: (k, tuple(part.states)) for k, (path, (_, part)) in enumerate(opened.machines.items())
@@ -93,6 +97,8 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
     machines = _machines(opened, resolver, nodes, switched, dimensions)
+    if with_laws:
+        machines = _with_laws(machines, with_laws, opened, nodes, resolver, dimensions)
     root = Scope("", model, {k: v for k, v in opened.parameters.items() if "." not in k})
     graph = FlatGraph(
         name=model.name,
@@ -116,6 +122,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         read=lambda text: resolver.resolve(parse(text, where=text), root, text),
         parametric=lambda k: _parametric(nodes[k], raw_nodes[k], resolver),
     )
+    check_readers(graph)
     return fieldless.checked(graph)
 
 
@@ -394,6 +401,28 @@ def _machines(
             for j, text in enumerate(part.rules)
         )
         found.append(Machine(k, path, states, tuple(on), states.index(part.start), rules))
+    return tuple(found)
+
+
+def _with_laws(
+    machines: tuple[Machine, ...],
+    with_laws: Mapping[str, str],
+    opened: Opened,
+    nodes: list[Node],
+    resolver: Resolver,
+    dimensions: Mapping[str, Dimension | None],
+) -> tuple[Machine, ...]:
+    """Return the machines, those that stand for the law of a junction with that law."""
+    by_path = {n.path: n for n in nodes}
+    found = []
+    for machine in machines:
+        if machine.path in with_laws:
+            source = by_path.get(with_laws[machine.path])
+            written = opened.nodes[machine.path]
+            junction = by_path[machine.path]
+            law = law_of_junction(junction, source, written, resolver, dimensions)
+            machine = replace(machine, law=law)
+        found.append(machine)
     return tuple(found)
 
 

@@ -30,7 +30,7 @@ from hybond.errors import ModelError
 from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
-from hybond.model.laws import Law
+from hybond.model.laws import JunctionLaw, Law
 from hybond.names import did_you_mean
 from hybond.units import Dimension, Domain
 
@@ -72,6 +72,8 @@ class Node:
     """The parameter as written, for drawings: ``m``, ``1 mm/N``."""
     hidden: bool = False
     """True for the junction that stands for the switch of a switched element."""
+    implied: bool = False
+    """True for the source that the law of a junction brought in."""
 
     @property
     def about(self) -> Kind:
@@ -137,6 +139,8 @@ class Machine:
     rules: tuple[Rule, ...]
     fieldless: tuple[bool, ...] = ()
     """Per state: one of the laws that it makes active reads ``pre()``."""
+    law: JunctionLaw | None = None
+    """The law whose branches are its states: complementarity, not its rules, decides them."""
 
     @property
     def controls(self) -> frozenset[int]:

@@ -1,4 +1,4 @@
-"""Laws: what an element says about the variables of its ports.
+"""Laws: what an element says about the variables of its ports, or a junction about its pair.
 
 A law is data. Local names are ``law:e``, ``law:f``, ``law:q``, ``law:p`` for a one-port and
 ``law:e1``, ``law:f2``, ... for a field; they are the element's own variables, with power
@@ -37,3 +37,54 @@ class Law:
     def linear(self) -> bool:
         """Whether the law is linear with constant coefficients."""
         return self.matrix is not None
+
+
+TWO_SIDED = ("coulomb", "relay")
+"""Laws of junctions whose common variable may have either sign."""
+
+
+@dataclass(frozen=True, slots=True)
+class JunctionLaw:
+    """The law of a junction, in canonical names.
+
+    Parameters
+    ----------
+    kind : str
+        ``diode``, ``thyristor``, ``unilateral``, ``coulomb`` or ``relay``; see `junction_laws`.
+    node : int
+        The junction.
+    common, net : Expr
+        The conjugate pair; `net` leaves out the source that the law itself brought in.
+    limit, breakaway : Expr or None
+        Of ``coulomb`` and ``relay``: what the net variable is while it slides, and at most at rest.
+    gap : Expr or None
+        Distance: the contact can be closed only where it is not positive.
+    gate : Expr or None
+        Condition under which a thyristor may begin to conduct.
+    restitution : Expr or None
+        Newton's coefficient.
+    stiffness : Expr or None
+        Of the contact, for impact laws that spread an impact over several contacts.
+    source : int or None
+        The source that the law brought in.
+    impulsive : bool
+        Whether friction may carry an impulse.
+    """
+
+    kind: str
+    node: int
+    common: Expr
+    net: Expr
+    limit: Expr | None = None
+    breakaway: Expr | None = None
+    gap: Expr | None = None
+    gate: Expr | None = None
+    restitution: Expr | None = None
+    stiffness: Expr | None = None
+    source: int | None = None
+    impulsive: bool = False
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether the common variable may have either sign."""
+        return self.kind in TWO_SIDED

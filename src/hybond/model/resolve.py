@@ -253,7 +253,15 @@ class Resolver:
                 where=where,
                 hint=f'{node.path}.{common}, or a bond\'s: "a -> {node.path}".{variable}',
             )
-        return balance(node, variable)
+        return balance(node, variable, without=self._implied(node))
+
+    def _implied(self, node: Node) -> int | None:
+        """Return the bond of the source that the law of a junction brought in."""
+        for end in node.ends:
+            bond = self.bonds[end.bond]
+            if self.nodes[bond.head if bond.tail == node.index else bond.tail].implied:
+                return end.bond
+        return None
 
     def bonds_called(self, text: str, scope: Scope) -> list[int]:
         """Return the bonds with this name or label; more than one if it is ambiguous."""
@@ -339,10 +347,15 @@ def as_written(name: str, nodes: Sequence[Node], bonds: Sequence[Bond], opened: 
     return name
 
 
-def balance(node: Node, variable: str) -> Expr:
-    """Return a junction's net variable, in minus out: zero when it is ON."""
+def balance(node: Node, variable: str, *, without: int | None = None) -> Expr:
+    """Return a junction's net variable, in minus out: zero when it is ON.
+
+    The bond `without` is left out: that of a source which the law of the junction brought in.
+    """
     total: Expr = Number(0.0)
     for end in node.ends:
+        if end.bond == without:
+            continue
         term = Name(f"{variable}:{end.bond}")
         if total == Number(0.0):
             total = term if end.inward else Neg(term)

@@ -11,6 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.storage import StorageLaws
+from hybond.modes.sliding_view import equations_of
+from hybond.modes.step_values import created_by_steps
+from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Trace
@@ -27,9 +31,11 @@ class Audit:
     power : float
         Of the power over the junction structure, at any accepted point.
     energy : float
-        Of stored + dissipated - supplied over any segment, as a part of the largest energy.
+        Of stored + dissipated - supplied over any segment, as a part of the largest energy. Of
+        time-stepping, which loses energy in impacts and by damping: the sum of its rises.
     created : float
-        Energy that jumps created without a source, as a part of the largest energy.
+        Energy that jumps (or steps of time-stepping) created without a source, as a part of the
+        largest energy.
     """
 
     power: float
@@ -53,15 +59,39 @@ def audit(program: Program, trace: Trace) -> Audit:
     ]
     bond = np.array([end.bond for end in ends], dtype=np.intp)
     sign = np.array([float(end.sign) for end in ends])
-    power = energy = created = 0.0
+    power = energy = created = stepped = 0.0
     largest = 0.0
+    storage = StorageLaws.of(graph, program.slots)
+    fastest = np.zeros(len(bond))
+    for segment in trace.segments:
+        if segment.bonds is not None:
+            moved = np.abs(segment.bonds[:, bond + len(graph.bonds)])
+            fastest = np.maximum(fastest, moved.max(axis=0, initial=0.0))
+    domains = [graph.bonds[b].domain.name for b in bond]
+    fastest = np.array([max(fastest[[d == e for e in domains]]) for d in domains])
     totals: list[Vector] = []
     sizes: list[Vector] = []
     for segment in trace.segments:
         assert isinstance(segment.interval, Interval)
-        equations = program.equations(segment.mode, segment.interval, float(segment.t[0]))
-        values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
-        w = values[program.slots.w]
+        if segment.bonds is not None:
+            w = segment.bonds.T
+            e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
+            flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
+            totals.append(np.abs(flows.sum(axis=0)))
+            # what rests under a load moves by the rounding of the fastest motion in its domain
+            sizes.append((e * (f + 0.1 * fastest[:, None])).sum(axis=0))
+            wrong, made, size_of = created_by_steps(program, storage, segment)
+            stepped += wrong
+            created += made
+            largest = max(largest, size_of)
+            continue
+        equations = equations_of(program, segment)
+        if isinstance(equations, Combined):
+            # averages of effort and flow are not the average power: each mode has its own
+            w = equations.each(segment.t, segment.y)
+        else:
+            values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
+            w = values[program.slots.w]
         flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
         totals.append(total)
@@ -74,6 +104,8 @@ def audit(program: Program, trace: Trace) -> Audit:
         energy = max(energy, float(np.ptp(balance)) if len(balance) else 0.0)
     for event in trace.events:
         for step in event.steps:
+            if event.cause == "step":
+                continue  # counted with the segments
             if step.energy is not None and step.kind != "mythical":
                 created = max(created, -step.energy.lost)
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
@@ -83,5 +115,6 @@ def audit(program: Program, trace: Trace) -> Audit:
         size = np.maximum(size, 1e-9 * size.max(initial=0.0))
         ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
         power = float(ratio.max(initial=0.0))
+    energy = max(energy, stepped)
     scale = largest if largest > 0.0 else 1.0
     return Audit(power, energy / scale, created / scale)

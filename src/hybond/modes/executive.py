@@ -15,7 +15,9 @@ The whole algorithm::
         note the step
       until a guard holds, or the timed event, or `until`
       settle with inputs before and after the instant; note the event if anything changed
-      if the last events follow each other ever faster: stop, status "accumulation"
+      slide along surfaces into which both sides push (sliding.py), leave those that they do not
+      land what was hit and whose next flight would be none (landing.py), at the extrapolated limit
+      if events still follow each other ever faster: stop, status "accumulation"
 
 Nothing else changes the state: a jump is made by `settle` alone.
 """
@@ -23,7 +25,7 @@ Nothing else changes the state: a jump is made by `settle` alone.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,21 +34,19 @@ from hybond.equations.mode import ModeEquations
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
 from hybond.modes.jump import on_constraints
+from hybond.modes.landing import Landings
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settler, event_of
+from hybond.modes.sliding import Slider
+from hybond.modes.sliding_view import View
+from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.solvers import Field, Solver, Step, StepFailure
-from hybond.trace import Accumulation, Cause, Segment, Trace
+from hybond.trace import Cause, Segment, Trace
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, int], None]
-
-SHRINKING = 12
-"""Events in a row whose intervals must shrink before an accumulation is suspected."""
-REMAINING = 1e-10
-"""An accumulation is reached if what is left of it is below this part of the time."""
-
 
 BEYOND = 50
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten,
@@ -80,6 +80,9 @@ class _Recorder:
     t: list[float]
     y: list[Vector]
     interpolants: list[Callable[[float], Vector]]
+    landed: tuple[str, ...] = ()
+    view: View | None = None
+    equations: ModeEquations | None = None
 
     def segment(self) -> Segment:
         return Segment(
@@ -88,6 +91,9 @@ class _Recorder:
             np.array(self.t),
             np.array(self.y),
             tuple(self.interpolants),
+            self.landed,
+            sliding=None if self.view is None else self.view.number,
+            combined=None if self.view is None else self.equations,
         )
 
 
@@ -102,6 +108,8 @@ class Executive:
         *,
         max_writes: int = 1000,
         progress: Progress | None = None,
+        sliding: bool = True,
+        impact: tuple[str, float] = ("newton", 1.0),
     ) -> None:
         self.program = program
         self.solver = solver
@@ -109,10 +117,13 @@ class Executive:
         self.progress = progress
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
+        self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
+        self.settler.trials.impact_law, self.settler.trials.impact_exponent = impact
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None
-        self._watched: dict[Mode, Watched] = {}
+        self.landings = Landings(program, self.settler, self.trace, limits.until)
+        self._watched: dict[tuple[Mode, tuple[str, ...]], Watched] = {}
         self._steps = 0
         self._rejected = 0
 
@@ -130,6 +141,7 @@ class Executive:
         interval = interval_after(program.graph, 0.0)
         y = self._settle(y, interval, interval, "start")
         interval = interval_after(program.graph, 0.0)
+        y = self._rest(y, interval)
         try:
             while self.t < self.limits.until:
                 y, cause = self._flow(y, interval)
@@ -137,10 +149,13 @@ class Executive:
                 following = interval_after(program.graph, self.t)
                 y = self._settle(y, interval, following, cause)
                 interval = following
-                if self._accumulates():
+                y = self._rest(y, interval)
+                if self.landings.stuck(self.t):
                     return "accumulation"
         finally:
             self._close()
+            if self.slider is not None:
+                self.slider.close(self.t)
             self.trace.stats.update(
                 steps=float(self._steps),
                 rejected=float(self._rejected),
@@ -154,14 +169,21 @@ class Executive:
     def _flow(self, y: Vector, interval: Interval) -> tuple[Vector, Cause]:
         """Let time pass in the mode; return the state at the instant that ends it, and why."""
         program = self.program
-        equations = program.equations(self.mode, interval, self.t)
-        if self.mode not in self._watched:
-            self._watched[self.mode] = watch(program, self.mode)
-        locator = Locator(program, self.settler, equations, interval, self._watched[self.mode])
+        view = None if self.slider is None else self.slider.view
+        equations = (view.program if view else program).equations(self.mode, interval, self.t)
+        key = self.mode, self.landings.names
+        if view is None and key not in self._watched:
+            self._watched[key] = watch(program, self.mode, self.landings.machines)
+        locator = (
+            view.locator(equations, interval)
+            if view
+            else Locator(program, self.settler, equations, interval, self._watched[key])
+        )
         end = min(interval.end, self.limits.until)
         tolerance = self.limits.event_tol * max(self.limits.until, abs(self.t))
-        self._recorder = _Recorder(self.mode, interval, [self.t], [y], [])
-        field = program.field(equations, interval)
+        landed = self.landings.names
+        self._recorder = _Recorder(self.mode, interval, [self.t], [y], [], landed, view, equations)
+        field = (view.program if view else program).field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
         beyond = 0.0
         while True:
@@ -212,6 +234,17 @@ class Executive:
             y,
             energy=self.trace.energy,
         )
+        if isinstance(equations, Combined):
+            y = equations.onto(t, y)
+        y = self.landings.still(y, equations)
+        laws = self.settler.trials.laws
+        if laws.laws:
+            nx, ns = self.program.nx, self.program.ns
+            interval = self._recorder.interval
+            laws.observe(self.program.values(t, interval, self.mode, y[:nx], y[nx : nx + ns]))
+            if equations.storage.linear:
+                stored = equations.storage.energy(y[:nx])
+                self.trace.energy = max(self.trace.energy, abs(stored))
         self._recorder.t.append(t)
         self._recorder.y.append(y)
         self._recorder.interpolants.append(step.interpolant)
@@ -258,12 +291,14 @@ class Executive:
     def _settle(self, y: Vector, before: Interval, after: Interval, cause: Cause) -> Vector:
         nx, ns = self.program.nx, self.program.ns
         x, s = y[:nx].copy(), y[nx : nx + ns].copy()
-        settled = self.settler.settle(
+        view = None if self.slider is None else self.slider.view
+        settled = (view.settler if view else self.settler).settle(
             self.t, x, s, self.mode, before, after, start=cause == "start"
         )
         if settled.steps:
-            event = event_of(self.t, cause, settled, x, s)
-            self.trace.events.append(event)
+            noted = event_of(self.t, cause, settled, x, s)
+            self.landings.observe(noted, self.mode, before)
+            self.trace.events.append(replace(noted, landed=self.landings.names))
         if len(self.trace.events) > self.limits.max_events:
             raise NumericsError(
                 f"more than {self.limits.max_events} events by t = {self.t:.9g} s",
@@ -272,33 +307,20 @@ class Executive:
                 hint="look for chattering, or raise max_events",
             )
         self.mode = settled.mode
-        return np.concatenate([settled.x, settled.s, y[nx + ns :]])
+        y = np.concatenate([settled.x, settled.s, y[nx + ns :]])
+        if self.slider is not None:
+            event = self.trace.events[-1] if settled.steps else None
+            y, self.mode = self.slider.after(self.t, y, self.mode, event, after, cause=cause)
+        return y
 
-    def _accumulates(self) -> bool:
-        """Whether the last events follow each other ever faster and time has run out of room."""
-        events = self.trace.events
-        if len(events) < SHRINKING + 2:
-            return False
-        t = np.array([e.t for e in events[-SHRINKING - 1 :]])
-        gaps = np.diff(t)
-        room = REMAINING * max(abs(float(t[-1])), 1e-6 * self.limits.until)
-        if gaps.sum() <= room:
-            self.trace.accumulations.append(Accumulation(float(t[-1]), None, len(events)))
-            self.trace.warn(
-                f"{SHRINKING} events within {gaps.sum():.3g} s at t = {t[-1]:.9g} s: "
-                "the run stops; if the guards chatter, give them a hysteresis"
-            )
-            return True
-        if not (gaps[1:] < gaps[:-1]).all():
-            return False
-        ratio = float(gaps[-1] / gaps[-2])
-        left = float(gaps[-1]) * ratio / (1.0 - ratio)
-        if left > room:
-            return False
-        limit = float(t[-1]) + left
-        self.trace.accumulations.append(Accumulation(limit, ratio, len(events)))
-        self.trace.warn(
-            f"events accumulate at t = {limit:.9g} s, intervals shrinking by {ratio:.6g}: "
-            "the run stops there"
-        )
-        return True
+    def _rest(self, y: Vector, interval: Interval) -> Vector:
+        """Land what was hit and does not rebound: time goes on from the limit of its impacts."""
+        view = None if self.slider is None else self.slider.view
+        if view is None:
+            self.landings.use(self.program, self.settler)
+        else:
+            self.landings.use(view.program, view.settler)
+        while (landed := self.landings.land(self.t, y, self.mode, interval)) is not None:
+            self.t, y, self.mode, event = landed
+            self.trace.events.append(event)
+        return y

@@ -35,6 +35,8 @@ CONSISTENT = 1e-12
 AGREE = 1e-9
 """Contradicting sources agree if they differ by less than this part of their values."""
 JUMP_STEPS = 60
+NOTHING = 1e-20
+"""A stored quantity that a constraint moves is zero below this part of what it may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,16 +93,14 @@ def enter(
     if not residual.any():
         return Jump(x, nothing, (), happened=False)
 
-    directions = impulse_directions(equations, v)
-    rates = equations.storage.rates @ directions
-    moving, shares = _split(rates)
-    d = rates @ moving
-    nu = _newton(problem, x, d, where)
+    ways = _ways(equations, v, problem, x)
+    nu = _newton(problem, x, ways, where)
+    directions, moving, d = ways.directions, ways.moving, ways.d
     if (np.abs(residual) <= CONSISTENT * size).all():
         # rounding, not a jump: dust is swept up without an impulse
         return Jump(x + d @ nu, nothing, (), happened=False)
     impulses = directions @ (moving @ nu)
-    free = directions @ shares
+    free = directions @ _complement(moving)
     if free.shape[1]:
         impulses = least_leakage(free, equations.junctions) @ impulses
     names = tuple(undetermined_names(equations.graph, free)) if free.shape[1] else ()
@@ -228,6 +228,17 @@ def reach_of(storage: StorageLaws, x: Vector, energy: float) -> Vector:
     return np.where(np.isfinite(reach), reach, 0.0)
 
 
+def reach_of_bonds(equations: ModeEquations, x: Vector, energy: float) -> Vector:
+    """Return what each bond variable would be with all of `energy` in one storage.
+
+    Rounding of what is stored shows itself in bond variables in these proportions. Shape
+    (2 * bonds,).
+    """
+    reach = reach_of(equations.storage, x, energy) * stiffness_of(equations.storage, x)
+    seen = np.abs(equations.x2[:, : len(x)]) * np.where(np.isfinite(reach), reach, 0.0)
+    return np.asarray(seen.max(axis=1, initial=0.0))
+
+
 def impulse_directions(equations: ModeEquations, v: list[float]) -> Matrix:
     """Return all impulses that the power structure allows, shape (2 * bonds, k), as columns."""
     rows: list[Vector] = []
@@ -248,28 +259,84 @@ def impulse_directions(equations: ModeEquations, v: list[float]) -> Matrix:
     return np.asarray(equations.n1 @ null_space(np.array(rows) @ equations.n1))
 
 
-def _split(rates: Matrix) -> tuple[Matrix, Matrix]:
-    """Return combinations of impulses that move the state, and those that are only shares."""
+def _moving(rates: Matrix) -> Matrix:
+    """Return the combinations of impulses that move the state, orthonormal columns."""
     if rates.shape[1] == 0:
-        return np.eye(0), np.eye(0)
-    _, values, vt = np.linalg.svd(rates)
+        return np.eye(0)
+    _, values, vt = np.linalg.svd(rates, full_matrices=False)
     rank = int((values > 1e-10 * max(float(values.max(initial=0.0)), 1e-300)).sum())
-    return vt[:rank].T, vt[rank:].T
+    return np.asarray(vt[:rank].T)
 
 
-def _newton(problem: _Constraints, x: Vector, d: Matrix, where: str) -> Vector:
+def _complement(basis: Matrix) -> Matrix:
+    """Return an orthonormal basis of what is orthogonal to the columns of `basis`."""
+    whole, _ = np.linalg.qr(basis, mode="complete")
+    return np.asarray(whole[:, basis.shape[1] :])
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """The impulses that a mode allows, and what they do to what is stored.
+
+    Parameters
+    ----------
+    directions : array, shape (2 * bonds, k)
+        All impulses that the power structure allows.
+    moving : array, shape (k, areas)
+        Combinations of them that move the state; the others are only shares.
+    d : array, shape (storages, areas)
+        How the former move it.
+    slope, inverse : arrays or None
+        From areas to residuals of the constraints and back, where that is the same everywhere.
+    rank : int
+        Of `slope`.
+    """
+
+    directions: Matrix
+    moving: Matrix
+    d: Matrix
+    slope: Matrix | None = None
+    inverse: Matrix | None = None
+    rank: int = 0
+
+
+def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Vector) -> Ways:
+    """Return the impulses of a mode; in a linear mode they are found once."""
+    if equations.ways is not None:
+        return equations.ways  # type: ignore[return-value]
+    directions = impulse_directions(equations, v)
+    rates = equations.storage.rates @ directions
+    moving = _moving(rates)
+    d = rates @ moving
+    if not (equations.linear and equations.storage.linear):
+        return Ways(directions, moving, d)
+    slope = problem.slope(x, d)
+    inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
+    found = Ways(directions, moving, d, slope, inverse, _rank(slope))
+    equations.ways = found
+    return found
+
+
+def _rank(slope: Matrix) -> int:
+    if not slope.size:
+        return 0
+    return int(np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0)))
+
+
+def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
+    d = ways.d
     nu = np.zeros(d.shape[1])
     best = np.inf
     for _ in range(JUMP_STEPS):
         here = x + d @ nu
         residual, size = problem.residual(here)
-        slope = problem.slope(here, d)
-        rank = (
-            np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0))
-            if slope.size
-            else 0
-        )
-        step, *_ = np.linalg.lstsq(slope, residual, rcond=1e-12)
+        if ways.slope is not None and ways.inverse is not None:
+            slope, rank = ways.slope, ways.rank
+            step = np.asarray(ways.inverse @ residual, dtype=float)
+        else:
+            slope = problem.slope(here, d)
+            rank = _rank(slope)
+            step = np.asarray(np.linalg.lstsq(slope, residual, rcond=1e-12)[0], dtype=float)
         worst = float((np.abs(residual) / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
         converged = worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best)
         if converged and best < np.inf:
@@ -316,4 +383,8 @@ def on_constraints(
     v = program.evaluate(t, y, interval, equations)
     x = y[: program.nx]
     jump = enter(equations, v, x, where=where, energy=energy)
-    return y if jump.x is x else np.concatenate([jump.x, y[program.nx :]])
+    if jump.x is x:
+        return y
+    # what a constraint holds at zero is zero, not ever smaller numbers
+    held = np.abs(jump.x) <= NOTHING * reach_of(equations.storage, x, energy)
+    return np.concatenate([np.where(held, 0.0, jump.x), y[program.nx :]])

@@ -20,15 +20,18 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.model.expressions import (
     Binary,
+    Call,
     Compare,
     Expr,
+    Neg,
     Pre,
     comparisons,
     names,
     transform,
 )
-from hybond.model.graph import Mode, Rule
-from hybond.modes.dirac import Pair
+from hybond.model.graph import Machine, Mode, Rule
+from hybond.modes.dirac import ROUNDING, Pair
+from hybond.modes.jump import reach_of_bonds
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -63,7 +66,8 @@ SEARCH = 40
 class Watched:
     """The guards that may leave the current mode.
 
-    `atoms` are the differences of their comparisons, over floats and over arrays.
+    `atoms` are the differences of their comparisons, over floats and over arrays; `sizes` what
+    the magnitudes of their two sides add up to.
     """
 
     rules: tuple[Rule, ...]
@@ -71,28 +75,45 @@ class Watched:
     atoms: tuple[tuple[Callable[[Sequence[float]], float], ...], ...]
     arrays: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...]
     array_tests: tuple[Callable[[Sequence[Vector]], Vector], ...]
+    sizes: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...] = ()
 
 
-def watch(program: Program, mode: Mode) -> Watched:
-    """Compile the guards that leave `mode`; while time passes, ``pre(a)`` is ``a``."""
+def watch(program: Program, mode: Mode, machines: Sequence[Machine] | None = None) -> Watched:
+    """Compile the guards that leave `mode`; while time passes, ``pre(a)`` is ``a``.
+
+    `machines` are those of the graph with the rules in force, if not their own.
+    """
     rules = [
         rule
-        for m, k in zip(program.graph.machines, mode, strict=True)
+        for m, k in zip(machines or program.graph.machines, mode, strict=True)
         for rule in m.rules
         if rule.source == k and any(not n.startswith(_STILL) for n in names(rule.guard))
     ]
     guards = [transform(r.guard, _without_pre) for r in rules]
-    differences = [
-        [Binary("-", c.left, c.right) for c in comparisons(g) if isinstance(c, Compare)]
-        for g in guards
-    ]
+    compared = [[c for c in comparisons(g) if isinstance(c, Compare)] for g in guards]
+    differences = [[Binary("-", c.left, c.right) for c in cs] for cs in compared]
+    sizes = [[_magnitude(Binary("-", c.left, c.right)) for c in cs] for cs in compared]
     return Watched(
         tuple(rules),
         tuple(program.compile(g) for g in guards),
         tuple(tuple(program.compile(d) for d in ds) for ds in differences),
         tuple(tuple(program.compile_arrays(d) for d in ds) for ds in differences),
         tuple(program.compile_arrays(g) for g in guards),
+        tuple(tuple(program.compile_arrays(d) for d in ds) for ds in sizes),
     )
+
+
+def _magnitude(e: Expr) -> Expr:
+    """Return what the magnitudes of the terms of `e` add up to."""
+    match e:
+        case Binary(op="+" | "-"):
+            return Binary("+", _magnitude(e.left), _magnitude(e.right))
+        case Binary(op="*"):
+            return Binary("*", _magnitude(e.left), _magnitude(e.right))
+        case Neg():
+            return _magnitude(e.arg)
+        case _:
+            return Call("abs", (e,))
 
 
 def _without_pre(e: Expr) -> Expr:
@@ -124,7 +145,7 @@ class Locator:
                 atoms = [
                     [np.broadcast_to(f(values), t.shape) for f in fs] for fs in self.watched.arrays
                 ]
-                if depth < DEEPEST and not all(_resolved(d) for ds in atoms for d in ds):
+                if depth < DEEPEST and not self._resolved(atoms, values):
                     middle = 0.5 * (low + high)
                     blocks += [(middle, high, depth + 1), (low, middle, depth + 1)]
                     continue
@@ -136,6 +157,33 @@ class Locator:
                 if found is not None:
                     return found
         return None
+
+    def _resolved(self, atoms: list[list[Vector]], values: list[Vector]) -> bool:
+        """Whether the samples show all that the guards do, rounding left out."""
+        sizes = self.watched.sizes
+        doubtful = [
+            (d, sizes[k][j] if k < len(sizes) else None)
+            for k, ds in enumerate(atoms)
+            for j, d in enumerate(ds)
+            if not _resolved(d)
+        ]
+        if not doubtful:
+            return True
+        if any(f is None for _, f in doubtful):
+            return False
+        # what a bond variable cancels from: its own value may be nothing but rounding
+        slots, nx = self.program.slots, self.program.nx
+        v = [float(a[0]) for a in values]
+        x = np.array(v[slots.x])[:nx]
+        bonds = self.equations.solution(v, x).size
+        if self.settler.trials.laws.laws:
+            reach = reach_of_bonds(self.equations, x, self.settler.trace.energy)
+            bonds = np.maximum(bonds, 10.0 * reach)
+        magnitudes: list[Vector] = list(values)
+        magnitudes[slots.w] = [
+            np.maximum(np.abs(a), b) for a, b in zip(values[slots.w], bonds, strict=True)
+        ]
+        return all(_resolved(d, float(np.max(f(magnitudes)))) for d, f in doubtful if f is not None)
 
     def _sample(self, step: Step, t: Vector) -> list[Vector]:
         rows = [
@@ -172,10 +220,11 @@ class Locator:
             candidates.update(roots)
             candidates.update(0.5 * (x + y) for x, y in pairwise(marks) if y - x > 0.0)
         for c in sorted(candidates):
-            if before is not None and c > before:
+            # true at c: it may have become so at any time after the candidate before
+            low = max([float(t[0]), *(a for a in (*t.tolist(), *candidates) if a < c)])
+            if before is not None and low >= before:
                 break
             if c > step.t0 and self._test(k, step, c):
-                low = max([float(t[0]), *(a for a in (*t.tolist(), *candidates) if a < c)])
                 return self._bracket(k, step, low, c)
         return None
 
@@ -204,6 +253,10 @@ class Locator:
         n = program.slots.size
         size = [abs(a) for a in v[:n]]
         size[program.slots.w] = solution.size.tolist()
+        if self.settler.trials.laws.laws:
+            # junction laws count rounding of what is stored as zero (complementarity.clean)
+            reach = reach_of_bonds(self.equations, y[:nx], self.settler.trace.energy)
+            size[program.slots.w] = np.maximum(solution.size, 10.0 * reach).tolist()
         now = [Pair(a, 0.0, a, b, 0.0) for a, b in zip(v, size, strict=False)]
         return now + now
 
@@ -321,9 +374,14 @@ def _crosses(
     return atom(before) * atom(after) < 0.0
 
 
-def _resolved(d: Vector) -> bool:
-    """Whether a polynomial explains the samples of an atom, so that they show all there is."""
+def _resolved(d: Vector, size: float = 0.0) -> bool:
+    """Whether a polynomial explains the samples of an atom, so that they show all there is.
+
+    What it leaves is rounding if it is small beside the `size` of the two sides compared.
+    """
     rest = float(np.abs(LEFT_OVER @ d).max())
     if not math.isfinite(rest):
+        return True
+    if size * ROUNDING >= rest:
         return True
     return rest <= UNRESOLVED * float(np.ptp(d)) or rest <= 1e-9 * float(np.abs(d).max())

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.expressions import compile_expression
 from hybond.model.fieldless import reads_pre
-from hybond.model.graph import Machine, Rule
+from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
 from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.guards import Guards
 from hybond.modes.signals import named_rows
 from hybond.modes.trial import Trial
 from hybond.programs.program import Program
@@ -23,8 +25,9 @@ Vector = NDArray[np.float64]
 class Recorder:
     """Makes the records of one program's events."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, guards: Guards) -> None:
         self.program = program
+        self.guards = guards
         self.graph = program.graph
         self.named = named_rows(self.graph)
         self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
@@ -58,6 +61,47 @@ class Recorder:
             impulses,
             others,
         )
+
+    def branch(self, machine: Machine, source: int, target: int, pairs: Sequence[Pair]) -> Fired:
+        """Return the record of a law that took another branch, with what its rule reads."""
+        rules = [r for r in machine.rules if r.source == source]
+        names = machine.states[source], machine.states[target]
+        before = [replace(p, finite=p.before, impulse=0.0) for p in pairs]
+        for values in (before, pairs):
+            for rule in rules:
+                if self.guards.holds(rule, values, machine.path):
+                    return replace(self.fired(machine, rule, values, ()), target=names[1])
+        return Fired(machine.path, *names, "complementarity", {}, {})
+
+    def written(
+        self,
+        trial: Trial,
+        x: Vector,
+        entered: tuple[Fired, ...],
+        by_law: Callable[[Mode, Trial, Mode | None], tuple[Fired, ...]],
+    ) -> tuple[Step, ...]:
+        """Return the records of a mode that was written.
+
+        If the junction laws that carried the impulses are not those that last, the former are a
+        pinnacle.
+        """
+        if trial.through is None:
+            return (self.step(trial, x, entered, "continuous"),)
+        struck = {f.machine: f for f in by_law(trial.mode, trial, trial.through)}
+        first = tuple(
+            replace(f, target=struck[f.machine].target) if f.machine in struck else f
+            for f in entered
+        )
+        known = {f.machine for f in first}
+        first += tuple(f for m, f in struck.items() if m not in known)
+        first = tuple(f for f in first if f.source != f.target)
+        pinnacle = self.step(replace(trial, mode=trial.through), x, first, "pinnacle")
+        stored = trial.equations.storage.energy(trial.jump.x)
+        rest = tuple(
+            Fired(f.machine, f.target, f.source, "complementarity", {}, {}) for f in struck.values()
+        )
+        after = Energy(stored, stored, 0.0, 0.0)
+        return (pinnacle, Step(trial.mode, "continuous", rest, {}, after, trial.undetermined))
 
     def step(self, trial: Trial, x: Vector, fired: tuple[Fired, ...], kind: StepKind) -> Step:
         """Return the record of a mode entered from `x`; a mythical step's values are trials."""

@@ -23,7 +23,7 @@ one instant, nothing can ever change: time cannot advance, and the loop is repor
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 
 from hybond.equations.leakage import undetermined
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
-from hybond.model.expressions import compile_expression, names
+from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
-from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.dirac import Pair
 from hybond.modes.record import Recorder
 from hybond.modes.trial import Trial, Trials
 from hybond.programs.interval import Interval
@@ -41,7 +41,6 @@ from hybond.programs.program import Program
 from hybond.trace import Event, Fired, Step, Trace
 
 Vector = NDArray[np.float64]
-Guard = Callable[[Sequence[Pair]], object]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +71,8 @@ class Settler:
         self.trace = trace
         self.max_writes = max_writes
         self.trials = Trials(program, trace)
-        self.records = Recorder(program)
+        self.records = Recorder(program, self.trials.guards)
         self._offset = program.slots.size
-        self._guards: dict[Rule, Guard] = {}
 
     # -- the algorithm
 
@@ -102,9 +100,9 @@ class Settler:
             signal.
         """
         steps: list[Step] = []
-        entered: tuple[Fired, ...] = ()
         pre = self.trials.a_priori(t, x, s, mode, before)
         trial = self.trials.enter(t, x, s, mode, after, pre, jump=True)
+        entered = self.by_law(mode, trial)
         seen: dict[tuple[object, ...], int] = {}
         history: list[tuple[Mode, tuple[Fired, ...]]] = []
         written = -1  # index in steps of the last written mode
@@ -116,25 +114,30 @@ class Settler:
                 self._look_for_cycle(t, x, s, trial, pre, seen, history, entered)
                 if not fired:
                     break
-                if fired_any or trial.jump.happened or (start and not steps):
+                if fired_any or entered or trial.jump.happened or (start and not steps):
                     steps.append(self.records.step(trial, x, entered, "mythical"))
                 elif written >= 0:
                     steps[written] = replace(steps[written], kind="pinnacle")
                 trial = self.trials.enter(t, x, s, target, after, pre, jump=True)
-                entered, fired_any = fired, True
+                entered, fired_any = fired + self.by_law(target, trial), True
             moved = trial.jump.happened
-            if not fired_any and not moved:
+            if not fired_any and not moved and trial.mode == mode:
                 break
             writes += 1
             if writes > self.max_writes:
                 raise self._collapse(t, trial)
-            steps.append(self.records.step(trial, x, entered, "continuous"))
+            if written >= 0:
+                steps[written] = replace(steps[written], kind="pinnacle")
+            steps += self.records.written(trial, x, entered, self.by_law)
             written = len(steps) - 1
             entered = ()
             x, s, mode = trial.jump.x, trial.s, trial.mode
-            trial = self.trials.enter(t, x, s, mode, after, pre, jump=False)
+            # what junction laws strike next; a declared impact law must not act on its own result
+            again = bool(self.trials.laws.laws) and not self.program.fieldless(mode)
+            trial = self.trials.enter(t, x, s, mode, after, pre, jump=False, stay=True)
             pre = trial.v[: self._offset]
-            trial = self.trials.enter(t, x, s, mode, after, pre, jump=False)
+            trial = self.trials.enter(t, x, s, mode, after, pre, jump=again, stay=True)
+            entered = self.by_law(mode, trial)
         if self.program.fieldless(trial.mode):
             raise self._ends_fieldless(t, trial.mode)
         if not steps and start:
@@ -146,29 +149,28 @@ class Settler:
             )
         return Settled(x, s, trial.mode, tuple(steps))
 
-    # -- transitions
+    def by_law(self, mode: Mode, trial: Trial, to: Mode | None = None) -> tuple[Fired, ...]:
+        """Return the records of the laws whose branches changed from `mode` to that of `trial`."""
+        to = to or trial.mode
+        fired = []
+        for index in self.trials.laws.laws:
+            if mode[index] != to[index]:
+                machine = self.graph.machines[index]
+                fired.append(self.records.branch(machine, mode[index], to[index], trial.pairs))
+        return tuple(fired)
 
-    def _guard(self, rule: Rule) -> Guard:
-        found = self._guards.get(rule)
-        if found is None:
-            slots = self.program.slots
-            found = compile_expression(rule.guard, slots.index, DIRAC, pre_offset=slots.size)
-            self._guards[rule] = found
-        return found
+    # -- transitions
 
     def holds(self, rule: Rule, pairs: Sequence[Pair], where: str = "") -> bool:
         """Return the truth of a guard, with the place added to a refusal."""
-        try:
-            return bool(self._guard(rule)(pairs))
-        except ModelError as error:
-            error.where = where or rule.text
-            error.why = f"{error.why} (in the guard {rule.text!r})"
-            raise
+        return self.trials.guards.holds(rule, pairs, where)
 
     def _enabled(self, trial: Trial, t: float) -> tuple[tuple[Fired, ...], Mode]:
         target = list(trial.mode)
         fired: list[Fired] = []
         for machine in self.graph.machines:
+            if machine.law is not None:
+                continue
             chosen: Rule | None = None
             others: list[str] = []
             for rule in machine.rules:

@@ -51,15 +51,20 @@ def named_rows(graph: FlatGraph) -> NamedRows:
         names.append(name)
         rows.append(row)
 
+    implied = {n.ends[0].bond for n in graph.nodes if n.implied}
     for node in graph.nodes:
-        if node.hidden or not node.ends:
+        if node.hidden or node.implied or not node.ends:
             continue
         if node.is_junction:
             common, other = ("e", "f") if node.kind == "0" else ("f", "e")
             first = 0 if common == "e" else bonds
             add(f"{node.path}.{common}", [(first + node.ends[0].bond, 1.0)])
             if node.controlled:
-                net = [(bonds - first + end.bond, float(end.sign)) for end in node.ends]
+                net = [
+                    (bonds - first + end.bond, float(end.sign))
+                    for end in node.ends
+                    if end.bond not in implied
+                ]
                 add(f"{node.path}.{other}", net)
             continue
         for end in node.ends:

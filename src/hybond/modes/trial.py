@@ -7,22 +7,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations, undetermined_names
-from hybond.errors import ModelError
+from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
-from hybond.model.graph import FlatGraph, Mode
-from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair
-from hybond.modes.jump import Jump, enter, reach_of
+from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.modes.complementarity import Complementarity, Instant
+from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair
+from hybond.modes.guards import Guards
+from hybond.modes.impacts import strike
+from hybond.modes.jump import Jump, enter, reach_of, reach_of_bonds
 from hybond.modes.signals import impulse_floor
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
+
+AGAIN = 4
+"""States that differ by rounding from which branches are looked for."""
+DUST = 1e-9
+"""A change of what is stored below this part of what it may be is no impulse."""
 
 
 @dataclass(slots=True)
@@ -57,6 +66,8 @@ class Trial:
     floor: Vector
     freedom: Vector
     undetermined: tuple[str, ...]
+    through: Mode | None = None
+    """The mode whose junction laws carried the impulses, if others last."""
 
 
 class Trials:
@@ -66,6 +77,10 @@ class Trials:
         self.program = program
         self.graph: FlatGraph = program.graph
         self.trace = trace
+        self.laws = Complementarity(program, trace)
+        self.impact_law = "newton"
+        self.impact_exponent = 1.0
+        self.guards = Guards(program)
         slots = program.slots
         self._offset = slots.size
         self._rates = [
@@ -100,21 +115,49 @@ class Trials:
         pre: list[float],
         *,
         jump: bool,
+        stay: bool = False,
     ) -> Trial:
-        """Enter `mode` from the state x; without `jump`, stay on x."""
-        program = self.program
-        equations = program.equations(mode, after, t)
-        v = program.values(t, after, mode, x, s)
-        v[self._offset :] = pre
-        v[program.slots.w] = pre[program.slots.w]
-        nothing = np.zeros(equations.tableau.unknowns)
-        done = Jump(x, nothing, (), happened=False)
+        """Enter `mode` from the state x; without `jump`, stay on x.
+
+        Junction laws choose their branches; with `stay` they keep those of `mode`, which were just
+        chosen, unless an impulse or a violation asks for others.
+        """
+        if self.laws.laws:
+            return self._with_laws(t, x, s, mode, after, pre, jump=jump, stay=stay)
+        equations = self.program.equations(mode, after, t)
+        v = self._values(t, x, s, mode, after, pre)
         factors: Vector | None = None
+        done = Jump(x, np.zeros(equations.tableau.unknowns), (), happened=False)
         if jump:
-            self.trace.energy = max(self.trace.energy, abs(equations.storage.energy(x)))
             factors = self._impulsive_factors(equations, v)
-            where = self.graph.mode_text(mode)
-            done = enter(equations, v, x, where=where, energy=self.trace.energy)
+            done = self._jump(equations, v, x)
+        return self._made(t, x, s, v, equations, done, pre, factors)
+
+    def _values(
+        self, t: float, x: Vector, s: Vector, mode: Mode, after: Interval, pre: list[float]
+    ) -> list[float]:
+        v = self.program.values(t, after, mode, x, s)
+        v[self._offset :] = pre
+        v[self.program.slots.w] = pre[self.program.slots.w]
+        return v
+
+    def _jump(self, equations: ModeEquations, v: list[float], x: Vector) -> Jump:
+        self.trace.energy = max(self.trace.energy, abs(equations.storage.energy(x)))
+        where = self.graph.mode_text(equations.mode)
+        return enter(equations, v, x, where=where, energy=self.trace.energy)
+
+    def _made(
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        v: list[float],
+        equations: ModeEquations,
+        done: Jump,
+        pre: list[float],
+        factors: Vector | None,
+    ) -> Trial:
+        """Return the trial of a mode whose jump is known."""
         floor = impulse_floor(
             self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
         )
@@ -129,16 +172,150 @@ class Trials:
         if done.happened and factors is not None:
             self._check_factors(equations, v, factors, done, t)
         names = tuple(undetermined_names(self.graph, solution.freedom))
+        mode = equations.mode
         return Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
+
+    # -- junctions with laws
+
+    def _with_laws(
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        after: Interval,
+        pre: list[float],
+        *,
+        jump: bool,
+        stay: bool,
+    ) -> Trial:
+        """Enter `mode` with the branches that complementarity chooses: jump first, then what lasts.
+
+        Raises
+        ------
+        NumericsError
+            HB-J110 if there are none, HB-J111 if none stands up to its own conditions.
+        """
+        program = self.program
+        stored = program.ports(mode, after, t).equations.storage.energy(x)
+        energy = self.trace.energy = max(self.trace.energy, abs(stored))
+        done: Jump | None = None
+        through: Mode | None = None
+        factors: Vector | None = None
+        struck = None
+        if jump and self.impact_law != "newton":
+            struck = strike(
+                self.laws,
+                self.impact_law,
+                self.impact_exponent,
+                t=t,
+                x=x,
+                s=s,
+                mode=mode,
+                after=after,
+                pre=pre,
+                energy=energy,
+            )
+        if struck is not None:
+            done, through = struck
+        elif jump:
+            for candidate in self.laws.jumping(t, x, s, mode, after, pre, energy=energy):
+                equations = program.equations(candidate, after, t)
+                v = self._values(t, x, s, candidate, after, pre)
+                factors = self._impulsive_factors(equations, v)
+                done, through = self._jump(equations, v, x), candidate
+                break
+        landed = x if done is None else done.x
+        if done is None and jump:
+            landed = self.laws.consistent(Instant(t, s, mode, after, pre), x, energy)[2]
+        tried: list[str] = []
+        states = [landed]
+        for state in states:
+            lasting = self.laws.lasting(t, state, s, mode, after, pre, energy=energy)
+            settled = ((mode, False),) if stay and done is None and state is landed else ()
+            for candidate, kept in chain(settled, lasting):
+                equations = program.equations(candidate, after, t)
+                v = self._values(t, x, s, candidate, after, pre)
+                text = f"({self.graph.mode_text(candidate)}) would need an impulse"
+                try:
+                    swept = self._swept(equations, list(v), state) if jump else state
+                except CausalityError as error:
+                    swept, text = None, str(error.why)
+                if swept is None:
+                    tried += [text] if text not in tried else []
+                    continue
+                if done is not None:
+                    own = done
+                elif jump:
+                    own = self._jump(equations, v, x)
+                else:
+                    own = Jump(x, np.zeros(equations.tableau.unknowns), (), happened=False)
+                trial = self._made(t, x, s, v, equations, own, pre, factors if done else None)
+                if kept and trial.freedom.shape[1]:
+                    continue  # two that share a current at will: let one of them have it
+                broken = self._violated(trial)
+                if not broken:
+                    trial.through = through if own.happened and through != candidate else None
+                    return trial
+                tried += [text for text in broken if text not in tried]
+                # rounding of the state may have spoken: ask again on what these branches hold
+                if len(states) < AGAIN and not any(np.array_equal(swept, a) for a in states):
+                    states.append(swept)
+        raise NumericsError(
+            f"no branches of the junction laws stand at t = {t:.9g} s: {'; '.join(tried)}",
+            code="HB-J111",
+            where=self.graph.mode_text(mode),
+            hint="several answers may fit (Painleve), or values lie too far apart for the "
+            "arithmetic: give contacts a stiffness, sources a resistance",
+        )
+
+    def _swept(self, equations: ModeEquations, v: list[float], x: Vector) -> Vector | None:
+        """Return the state on the constraints of a mode; None if that takes more than dust.
+
+        Impulses of laws were decided before; what remains would be an impulse of dry friction.
+        """
+        landed = self._jump(equations, v, x).x
+        reach = reach_of(equations.storage, x, self.trace.energy)
+        dust = (np.abs(landed - x) <= DUST * (np.abs(x) + reach)).all()
+        return landed if dust else None
+
+    def _violated(self, trial: Trial) -> list[str]:
+        """Return the rules of laws that hold in their own branches, with finite values."""
+        n = self._offset
+        sizes = [p.size for p in trial.pairs[:n]]
+        # rounding of what is stored is not a violation: it was counted as zero
+        reach = reach_of_bonds(trial.equations, trial.jump.x, self.trace.energy)
+        w = self.program.slots.w
+        sizes[w] = np.maximum(sizes[w], 1e-12 / ROUNDING * reach).tolist()
+        finite = [
+            Pair(p.finite, 0.0, p.finite, size, 0.0)
+            for p, size in zip(trial.pairs, sizes, strict=False)
+        ]
+        pairs = [*finite, *finite]
+        found = []
+        for index in self.laws.laws:
+            machine = self.graph.machines[index]
+            assert machine.law is not None
+            state = trial.mode[index]
+            if state == 0 and machine.law.restitution is not None:
+                continue  # what still approaches strikes in the next jump of this instant
+            for rule in machine.rules:
+                if rule.source == state and self.guards.holds(rule, pairs, machine.path):
+                    found.append(f"{machine.path}: {rule.text}")
+        return found
 
     def _impulsive_factors(self, equations: ModeEquations, v: Sequence[float]) -> Vector | None:
         """Return what multiplies impulses in laws declared impulsive, None if there are none."""
         rows = [
             k
             for k, row in enumerate(equations.rows)
-            if row.node >= 0 and self.graph.nodes[row.node].impulsive
+            if row.node >= 0 and self._declared(self.graph.nodes[row.node])
         ]
         return equations.frozen.at(v)[rows] if rows else None
+
+    def _declared(self, node: Node) -> bool:
+        """Whether a written law is impulsive; a junction's own takes the branch after the jump."""
+        return node.impulsive and not node.implied
 
     def _check_factors(
         self, equations: ModeEquations, v: Sequence[float], before: Vector, jump: Jump, t: float
@@ -147,7 +324,7 @@ class Trials:
         after = self._impulsive_factors(equations, v)
         assert after is not None
         nodes = [self.graph.nodes[r.node] for r in equations.rows if r.node >= 0]
-        impulsive = [n for n in nodes if n.impulsive]
+        impulsive = [n for n in nodes if self._declared(n)]
         change = np.abs(after - before) > 1e-9 * (np.abs(after) + np.abs(before))
         for node, moved in zip(impulsive, change, strict=True):
             if (moved & (jump.impulses != 0.0)).any():

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations, prepare
+from hybond.equations.ports import PortEquations, base_mode, port_equations
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.tableau import build
 from hybond.errors import NumericsError
-from hybond.model.expressions import ARRAYS, Expr, compile_expression
-from hybond.model.fieldless import fieldless_laws
+from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
+from hybond.model.fieldless import fieldless_laws, switches_of
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.resolve import prior
 from hybond.programs.interval import Interval, discrete_names, discrete_values
 
 Vector = NDArray[np.float64]
@@ -58,10 +60,15 @@ class Program:
         self.meter = _meter(graph)
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
+        self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
         self._rates = [self.compile(i.rate) for i in graph.integrals]
         self._flags: dict[Mode, list[float]] = {}
         self.refused: NumericsError | None = None
         """The last refusal of a law during a trial step."""
+        self.landed: frozenset[int] = frozenset()
+        """Machines that have landed: their pinnacle state is a mode with a field, its ``pre()``
+        terms being zero."""
+        self._vanishing: dict[Mode, tuple[int, ...]] = {}
         self.built = 0
         self.evaluations = 0
 
@@ -87,9 +94,42 @@ class Program:
         self._equations.move_to_end(key)
         return found
 
+    def ports(self, mode: Mode, interval: Interval, t: float) -> PortEquations:
+        """Return the equations of a mode with its junction laws open, made once."""
+        discrete = discrete_values(self.graph, self._discrete, interval, t)
+        mode = base_mode(self.graph, mode)
+        key = (mode, *discrete.values())
+        found = self._ports.get(key)
+        if found is None:
+            found = port_equations(self.graph, mode, self.slots, discrete)
+            self._ports[key] = found
+            self.built += 1
+            if len(self._ports) > KEPT:
+                self._ports.popitem(last=False)
+        self._ports.move_to_end(key)
+        return found
+
     def fieldless(self, mode: Mode) -> bool:
-        """Whether an active law of `mode` reads ``pre()``."""
-        return bool(fieldless_laws(self.graph, mode))
+        """Whether an active law of `mode` reads ``pre()``, one of a landed machine left out."""
+        return any(
+            not any(s.machine in self.landed for s in switches_of(self.graph, node))
+            for node in fieldless_laws(self.graph, mode)
+        )
+
+    def vanishing(self, mode: Mode) -> tuple[int, ...]:
+        """Return the slots that active laws of `mode` read by ``pre()``: zero at the limit."""
+        found = self._vanishing.get(mode)
+        if found is None:
+            read = {
+                self.slots.index[name]
+                for node in fieldless_laws(self.graph, mode)
+                if node.law is not None
+                for e in node.law.expressions
+                for argument in prior(e)
+                for name in names(argument)
+            }
+            found = self._vanishing[mode] = tuple(sorted(read))
+        return found
 
     # -- values
 
@@ -163,11 +203,16 @@ class Program:
     def evaluate(
         self, t: float, y: Vector, interval: Interval, equations: ModeEquations
     ) -> list[float]:
-        """Return all values at one instant of a motion, a priori copy equal to the current one."""
+        """Return all values at one instant of a motion, a priori copy equal to the current one.
+
+        If time passes in a pinnacle's mode, a machine has landed: what its law reads is zero.
+        """
         x, s = y[: self.nx], y[self.nx : self.nx + self.ns]
         v = self.values(t, interval, equations.mode, x, s)
         equations.solve(v, x)
         v[self.slots.size :] = v[: self.slots.size]
+        for k in self.vanishing(equations.mode):
+            v[self.slots.size + k] = 0.0
         return v
 
     def evaluate_many(
@@ -213,6 +258,7 @@ class Program:
             w = equations.project @ w
         v[self.slots.w] = w
         v[n:] = v[:n]
+        v[[n + k for k in self.vanishing(equations.mode)]] = 0.0
         return v
 
     def compile_arrays(self, e: Expr) -> Callable[[Sequence[Vector]], Vector]:

@@ -13,8 +13,22 @@ SOLVERS: dict[str, str] = {
     "radau": "implicit Runge-Kutta of order 5 (Radau IIA), adaptive; for stiff models",
     "rk4": "classical Runge-Kutta of order 4, fixed step",
     "euler": "forward Euler, fixed step; to reproduce published results",
+    "qss1": "quantised states of order 1: constant between their events; for coarse tolerances",
+    "qss2": "quantised states of order 2: lines between their events",
+    "qss3": "quantised states of order 3: parabolas between their events; also named qss",
+    "liqss1": "linearly implicit quantised states of order 1; stiff, for coarse tolerances",
+    "liqss2": "linearly implicit quantised states of order 2, for stiff models; also named liqss",
+    "liqss3": "linearly implicit quantised states of order 3, for stiff models",
 }
 """Names of the solvers, each with a line that says what it is."""
+
+STEPPING: dict[str, str] = {
+    "moreau-jean": "time-stepping of Moreau and Jean: fixed steps, contacts and diodes within them",
+}
+"""Methods that replace the executive as well, each with a line that says what it is."""
+
+ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
+"""Families of solvers by the member to begin with."""
 
 
 def make_solver(
@@ -30,10 +44,11 @@ def make_solver(
     Parameters
     ----------
     name : str
-        One of `SOLVERS`.
+        One of `SOLVERS` or `ALIASES`.
     scale : callable
         ``scale(y0, y1)``: the error a step may make, per component, shape (n,); ``inf`` for a
-        component that must not influence the step size. Unused by fixed steps.
+        component that must not influence the step size. Unused by fixed steps; the quantum of
+        quantised states.
     rtol : float
         Relative tolerance behind `scale`.
     step : float or None
@@ -60,8 +75,10 @@ def make_solver(
     HB-S101: no solver 'radua'
       try: did you mean 'radau'?
     """
+    name = ALIASES.get(name, name)
     if name not in SOLVERS:
-        raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, SOLVERS))
+        known = (*SOLVERS, *STEPPING)
+        raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
     if name in ("euler", "rk4"):
         if step is None:
             raise UsageError(
@@ -98,6 +115,10 @@ def make_solver(
         from hybond.solvers.implicit import RadauIIA
 
         return RadauIIA(scale, rtol=rtol, max_step=max_step)
+    if "qss" in name:
+        from hybond.solvers.qss import METHODS
+
+        return METHODS[name](scale, rtol=rtol, max_step=max_step)
     from hybond.solvers.dopri import DormandPrince
 
     return DormandPrince(scale, max_step=max_step)

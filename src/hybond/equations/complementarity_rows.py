@@ -1,0 +1,250 @@
+"""The rows of a linear complementarity system: rates and answers in states, sources and laws.
+
+Three eliminations follow one another. The switch form has one variable per switch; those of
+machines written by hand are closed in their mode. What is still free then are the efforts and
+flows of storage in derivative causality: the constraints on what is stored, differentiated, give
+them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from hybond.equations.calculus import partial_time
+from hybond.equations.element_rows import laws_of
+from hybond.equations.peeling import Peeling
+from hybond.equations.ports import PortEquations
+from hybond.equations.ring import Ring, Row
+from hybond.equations.switch_form import SwitchForm, switch_form
+from hybond.errors import CausalityError
+from hybond.model.expressions import Expr, Number
+from hybond.model.graph import FlatGraph, Mode
+
+T = TypeVar("T")
+
+
+@dataclass
+class Derived(Generic[T]):
+    """Rows of a linear complementarity system.
+
+    Parameters
+    ----------
+    rates, answers : list of Row
+        One per stored quantity, one per law.
+    constraints : list of Row
+        Zero in every branch of the laws.
+    states, inputs, laws : tuple of int
+        The columns of the rows.
+    names, formulas : dict
+        Of the inputs, by column.
+    """
+
+    rates: list[Row[T]]
+    answers: list[Row[T]]
+    constraints: list[Row[T]]
+    states: tuple[int, ...]
+    inputs: tuple[int, ...]
+    laws: tuple[int, ...]
+    names: dict[int, str]
+    formulas: dict[int, Expr]
+
+
+def derive_rows(
+    graph: FlatGraph, mode: Mode, ports: PortEquations, ring: Ring[T], *, symbolic: bool
+) -> Derived[T] | None:
+    """Return the rows in a mode of the machines written by hand.
+
+    None if something that the rows read stays undetermined.
+    """
+    reference = list(mode)
+    for port in ports.ports:
+        reference[port.machine] = 1 if port.given == "net" else 0
+    form = switch_form(graph, ring, tuple(reference), symbolic=symbolic)
+    nodes = {p.law.node: p for p in ports.ports}
+    own: dict[int, int] = {}
+    for s in form.switches:
+        column = form.column(s)
+        assert column is not None
+        if column.index in nodes and graph.nodes[column.index].is_junction:
+            own[column.index] = s
+    closed = _Closed(form, mode, set(own.values()))
+    laws = [own[p.law.node] for p in ports.ports]
+    sign = {own[p.law.node]: ring.of(1.0 if p.given == "common" else -1.0) for p in ports.ports}
+
+    def in_l(row: Row[T]) -> Row[T]:
+        return {k: sign[k] * c if k in sign else c for k, c in row.items()}  # type: ignore[operator]
+
+    rates = [
+        in_l(closed.reduce(form.targets[form.partner["rate", s.index, 0]])) for s in graph.storages
+    ]
+    answers = []
+    for p in ports.ports:
+        other = 1 if p.given == "common" else 0
+        row = closed.reduce(form.closing(own[p.law.node], (other,)))
+        way = ring.of(-1.0 if p.given == "common" else 1.0)
+        answers.append(in_l({k: way * c for k, c in row.items()}))  # type: ignore[operator]
+    constraints = [in_l(row) for row in closed.constraints]
+    stored = _in_stored(form, ring, symbolic=symbolic)
+    rates = [_replaced(r, stored, ring) for r in rates]
+    answers = [_replaced(r, stored, ring) for r in answers]
+    constraints = [_replaced(r, stored, ring) for r in constraints]
+    constraints = [r for r in constraints if r]
+    labels = {
+        k: _source_name(form, k)
+        for k in range(form.rows.unknowns, _end(form))
+        if _is(form, k, "source")
+    }
+    formulas: dict[int, Expr] = {k: _formula(form, k) for k in labels}
+    states = [form.partner["stored", s.index, 0] for s in graph.storages]
+    free = closed.free
+    if free or constraints:
+        hidden = [
+            _differentiated(row, rates, states, set(laws), form, ring, labels, formulas)
+            for row in constraints
+        ]
+        last = _Renumbered(ring, hidden, free)
+        if any(row for row in last.constraints):
+            raise _too_high(graph, mode)
+        rates, answers = ([last.reduce(r) for r in rows] for rows in (rates, answers))
+        if any(k in last.free for r in (*rates, *answers) for k in r):
+            return None
+    read = {k for r in (*rates, *answers) for k in r}
+    return Derived(
+        rates,
+        answers,
+        constraints,
+        tuple(states),
+        tuple(k for k in sorted(labels) if k in read),
+        tuple(laws),
+        labels,
+        formulas,
+    )
+
+
+class _Renumbered(Generic[T]):
+    """A peeling whose unknowns are some columns, wherever they stand."""
+
+    def __init__(self, ring: Ring[T], rows: list[Row[T]], unknowns: list[int]) -> None:
+        self._at = {k: j for j, k in enumerate(unknowns)}
+        self._back = list(unknowns)
+        self._n = len(unknowns)
+        self._peeling = Peeling(ring, [self._there(r) for r in rows], self._n)
+        self.constraints = [self._here(self._peeling.settled(r)) for r in self._peeling.constraints]
+        self.free = [self._back[k] for k in self._peeling.free()]
+
+    def _there(self, row: Row[T]) -> Row[T]:
+        return {self._at.get(k, k + self._n): c for k, c in row.items()}
+
+    def _here(self, row: Row[T]) -> Row[T]:
+        return {self._back[k] if k < self._n else k - self._n: c for k, c in row.items()}
+
+    def reduce(self, row: Row[T]) -> Row[T]:
+        """Return a row with the unknowns replaced, as far as they are determined."""
+        return self._here(self._peeling.settled(self._peeling.reduce(self._there(row))))
+
+
+class _Closed(_Renumbered[T]):
+    """The switch form with all switches closed but those of junctions with laws."""
+
+    def __init__(self, form: SwitchForm[T], mode: Mode, left: set[int]) -> None:
+        others = [s for s in form.switches if s not in left]
+        rows = [form.closing(s, tuple(mode[m] for m in form.closer(s).machines)) for s in others]
+        super().__init__(form.ring, [*rows, *form.constraints], [*others, *form.tears])
+
+
+def _end(form: SwitchForm[T]) -> int:
+    return form.rows.unknowns + len(form.rows.columns)
+
+
+def _is(form: SwitchForm[T], k: int, kind: str) -> bool:
+    column = form.column(k)
+    return column is not None and column.kind == kind
+
+
+def _formula(form: SwitchForm[T], k: int) -> Expr:
+    column = form.column(k)
+    assert column is not None and column.formula is not None
+    return column.formula
+
+
+def _source_name(form: SwitchForm[T], k: int) -> str:
+    """Return the name of a source column, with a number if its element has several."""
+    column = form.column(k)
+    assert column is not None
+    same = [
+        j
+        for j in range(form.rows.unknowns, _end(form))
+        if _is(form, j, "source")
+        and form.rows.columns[j - form.rows.unknowns].index == column.index
+    ]
+    path = form.graph.nodes[column.index].path
+    return path if len(same) == 1 else f"{path}#{same.index(k) + 1}"
+
+
+def _in_stored(form: SwitchForm[T], ring: Ring[T], *, symbolic: bool) -> dict[int, Row[T]]:
+    """Return the co-energy variable of each storage port in stored quantities."""
+    graph = form.graph
+    at = {(s.node, s.port): s.index for s in graph.storages}
+    found: dict[int, Row[T]] = {}
+    for s in graph.storages:
+        law = laws_of(graph, graph.nodes[s.node], symbolic=symbolic)
+        assert law.matrix is not None
+        row = {
+            form.partner["stored", at[s.node, j], 0]: ring.read(e)
+            for j, e in enumerate(law.matrix[s.port])
+        }
+        found[form.partner["storage", s.index, 0]] = {k: c for k, c in row.items() if ring.there(c)}
+    return found
+
+
+def _replaced(row: Row[T], values: dict[int, Row[T]], ring: Ring[T]) -> Row[T]:
+    parts = [(c, values[k]) for k, c in row.items() if k in values]
+    if not parts:
+        return row
+    rest = {k: c for k, c in row.items() if k not in values}
+    return ring.collect([(ring.one, rest), *parts])
+
+
+def _differentiated(
+    row: Row[T],
+    rates: list[Row[T]],
+    states: list[int],
+    laws: set[int],
+    form: SwitchForm[T],
+    ring: Ring[T],
+    labels: dict[int, str],
+    formulas: dict[int, Expr],
+) -> Row[T]:
+    """Return the time derivative of a constraint; rates of sources get columns of their own."""
+    parts: list[tuple[T, Row[T]]] = []
+    for k, c in row.items():
+        if k in states:
+            parts.append((c, rates[states.index(k)]))
+            continue
+        if k in laws:
+            raise CausalityError(
+                "a law is tied to a constraint on what is stored",
+                code="HB-C104",
+                where=form.graph.name,
+                hint="look at what stands in parallel or in series with it",
+            )
+        rate = partial_time(formulas[k], form.graph)
+        if rate == Number(0.0):
+            continue
+        label = f"{labels[k]}'"
+        at = next((j for j, name in labels.items() if name == label), None)
+        if at is None:
+            at = _end(form) + len(labels)
+            labels[at], formulas[at] = label, rate
+        parts.append((c, {at: ring.one}))
+    return ring.collect(parts)
+
+
+def _too_high(graph: FlatGraph, mode: Mode) -> CausalityError:
+    return CausalityError(
+        "a constraint on storage leaves no rate free that could keep it",
+        code="HB-C103",
+        where=graph.mode_text(mode),
+        hint="a controlled source prescribes what it also measures; add storage or resistance",
+    )

@@ -1,0 +1,321 @@
+"""Switching surfaces: where a machine's two rules, forth and back, share one switching function.
+
+A pair of states ``below`` and ``above`` has a surface ``g = 0`` if one comparison of the rule
+``below -> above`` asks for ``g > 0`` and one of the rule ``above -> below`` for ``g < 0``, with
+the same g and no hysteresis between them; other comparisons joined by ``and`` only allow it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.slots import Slots
+from hybond.equations.tableau import configure, settings, stored_names
+from hybond.model.expressions import (
+    And,
+    Binary,
+    Compare,
+    Expr,
+    Name,
+    Not,
+    Number,
+    Pre,
+    compile_expression,
+    differentiate,
+    names,
+    simplify,
+    substitute,
+    transform,
+)
+from hybond.model.graph import FlatGraph, Machine, Mode, Rule
+
+Vector = NDArray[np.float64]
+Closure = Callable[[Sequence[float]], float]
+
+SCALES = (1.0, 1e-4, 1e-8, 1e-12)
+"""Sizes of the values at which two switching functions are compared: a small band shows."""
+_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """The surface ``g = 0`` between two states of a machine.
+
+    Parameters
+    ----------
+    machine : int
+    below, above : int
+        The states in which the machine is for ``g < 0`` and ``g > 0``.
+    g : Expr
+        The switching function, in canonical names.
+    text : str
+        The surface as written: ``v.f = 0``.
+    up, down : Rule
+        The rules ``below -> above`` and ``above -> below``.
+    up_rest, down_rest : tuple of Expr
+        What else each of them asks for.
+    """
+
+    machine: int
+    below: int
+    above: int
+    g: Expr
+    text: str
+    up: Rule
+    down: Rule
+    up_rest: tuple[Expr, ...]
+    down_rest: tuple[Expr, ...]
+
+
+def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
+    """Return the switching surfaces of all machines with rules of their own.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("relay")
+    >>> m.add(c=hb.C(1.0, q=1.0), u=hb.Sf('if r.state == "plus" then 1 else -1'), n=hb.Zero())
+    >>> m.bond("u -> n -> c")
+    >>> m.machine("r", states={"plus": [], "minus": []}, start="minus",
+    ...           rules=["plus -> minus when c.q > 0", "minus -> plus when c.q < 0"])
+    >>> [s.text for s in surfaces_of(m.flatten())]
+    ['c.q = 0']
+    """
+    found: list[Surface] = []
+    for machine in graph.machines:
+        if machine.law is not None:
+            continue
+        for up in machine.rules:
+            for down in machine.rules:
+                if (down.source, down.target) == (up.target, up.source) and up is not down:
+                    found += _between(machine, up, down)
+    # each surface was met from both of its sides
+    seen: set[tuple[int, frozenset[int]]] = set()
+    kept = []
+    for s in found:
+        key = (s.machine, frozenset((s.below, s.above)))
+        if key not in seen:
+            seen.add(key)
+            kept.append(s)
+    return tuple(kept)
+
+
+def _between(machine: Machine, up: Rule, down: Rule) -> list[Surface]:
+    pair = {(up.source, up.target), (down.source, down.target)}
+    if sum((r.source, r.target) in pair for r in machine.rules) != 2:
+        # a second rule between the same states: which of them decides is not for us to say
+        return []
+    forth, back = _parts(up.guard), _parts(down.guard)
+    for one in forth:
+        for other in back:
+            if not (isinstance(one, Compare) and isinstance(other, Compare)):
+                continue
+            g, h = _positive(one), _positive(other)
+            if g is None or h is None or not _steered(g) or not _opposite(g, h):
+                continue
+            text = _text(up, one, len(forth))
+            up_rest = tuple(e for e in forth if e is not one)
+            down_rest = tuple(e for e in back if e is not other)
+            return [
+                Surface(machine.index, up.source, up.target, g, text, up, down, up_rest, down_rest)
+            ]
+    return []
+
+
+def _text(rule: Rule, atom: Compare, count: int) -> str:
+    """Return the surface as the modeller would write it."""
+    if count == 1:
+        for op in ("<=", ">=", "<", ">"):
+            if rule.text.count(op) == 1 and "not" not in rule.text:
+                left, right = rule.text.split(op)
+                return f"{left.strip()} = {right.strip()}"
+    back: dict[Expr, Expr] = {e: Name(text) for text, e in rule.reads}
+    sides = [transform(e, lambda n: back.get(n, n)) for e in (atom.left, atom.right)]
+    return f"{sides[0]} = {sides[1]}"
+
+
+def _parts(guard: Expr) -> list[Expr]:
+    """Return what a guard asks for, all at once."""
+    plain = transform(guard, lambda e: e.arg if isinstance(e, Pre) else e)
+    todo: list[Expr] = [plain]
+    parts: list[Expr] = []
+    while todo:
+        e = todo.pop(0)
+        if isinstance(e, And):
+            todo = [*e.args, *todo]
+        elif isinstance(e, Not) and isinstance(e.arg, Compare) and e.arg.op in _OPPOSITE:
+            parts.append(Compare(_OPPOSITE[e.arg.op], e.arg.left, e.arg.right))
+        else:
+            parts.append(e)
+    return parts
+
+
+def _positive(atom: Compare) -> Expr | None:
+    """Return what is positive where a comparison holds."""
+    if atom.op in (">", ">="):
+        return simplify(Binary("-", atom.left, atom.right))
+    if atom.op in ("<", "<="):
+        return simplify(Binary("-", atom.right, atom.left))
+    return None
+
+
+def moves(e: Expr) -> bool:
+    """Whether an expression changes while time passes."""
+    return any(n == "time" or n.startswith(("u:", "s:", "x:", "e:", "f:")) for n in names(e))
+
+
+def _steered(g: Expr) -> bool:
+    """Whether a quantity is one that the motion can hold: more than time and inputs."""
+    return any(n.startswith(("s:", "x:", "e:", "f:")) for n in names(g))
+
+
+def _opposite(g: Expr, h: Expr) -> bool:
+    """Whether ``h = -g`` for all values: at generic ones, of several sizes."""
+    wanted = sorted(names(g) | names(h))
+    slot = {name: k for k, name in enumerate(wanted)}
+    f, k = (compile_expression(e, slot, pre_offset=0) for e in (g, h))
+    generator = np.random.default_rng(7)
+    compared = 0
+    for scale in SCALES:
+        for _ in range(3):
+            v = (scale * generator.uniform(0.3, 1.7, len(wanted))).tolist()
+            a, b = float(f(v)), float(k(v))
+            if not np.isfinite(a + b):
+                continue
+            compared += 1
+            if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
+                return False
+    return compared > 0
+
+
+def coincide(one: Surface, other: Surface) -> bool:
+    """Whether two machines switch on the same surface, whichever side each calls above."""
+    if names(one.g) != names(other.g):
+        return False
+    return _opposite(one.g, other.g) or _opposite(one.g, Binary("-", Number(0.0), other.g))
+
+
+def with_hysteresis(surfaces: Sequence[Surface], band: float) -> dict[Rule, Expr]:
+    """Return the guards of the surfaces' rules, moved `band` beyond their surface."""
+    moved = {}
+    for s in surfaces:
+        for rule, g, rest in (
+            (s.up, s.g, s.up_rest),
+            (s.down, Binary("-", Number(0.0), s.g), s.down_rest),
+        ):
+            beyond: Expr = Compare(">", g, Number(band))
+            moved[rule] = And((beyond, *rest)) if rest else beyond
+    return moved
+
+
+@dataclass(slots=True)
+class Rates:
+    """Value and slope of a switching function that is known by what is stored.
+
+    ``dg/dt = x_slopes . x' + s_slopes . s' + drift``.
+    """
+
+    value: Closure
+    x: list[tuple[int, Closure]]
+    s: list[tuple[int, Closure]]
+    drift: Closure
+
+    def along(self, v: Sequence[float], x_rates: Vector, s_rates: Vector) -> Vector:
+        """Return dg/dt along some fields, one per row, at the values `v`."""
+        total = np.full(len(x_rates), float(self.drift(v)))
+        for k, f in self.x:
+            total += float(f(v)) * x_rates[:, k]
+        for k, f in self.s:
+            total += float(f(v)) * s_rates[:, k]
+        return total
+
+
+class SurfaceLaws:
+    """The slopes of a graph's switching functions, compiled once for each structure around."""
+
+    def __init__(self, graph: FlatGraph, slots: Slots) -> None:
+        self.graph = graph
+        self.slots = slots
+        self._stored: dict[frozenset[int], dict[str, Expr]] = {}
+        self._known: dict[tuple[object, ...], Rates | None] = {}
+
+    def of(self, surface: Surface, modes: Iterable[Mode]) -> Rates | None:
+        """Return the slopes of a switching function, None if it reads what can jump.
+
+        Efforts of C and flows of I stand for what is stored, along the junctions that all `modes`
+        have ON; then g is a function of state and time alone, the same in every mode.
+        """
+        modes = list(modes)
+        off = frozenset().union(*(self.graph.off_nodes(m) for m in modes))
+        flags: dict[str, Expr] = {}
+        if any(n.startswith(("on:", "in:")) for n in names(surface.g)):
+            flags = settings(self.graph, modes[0], {})
+            for m in modes[1:]:
+                there = settings(self.graph, m, {})
+                flags = {k: e for k, e in flags.items() if there[k] == e}
+        key = (surface, off, *flags.items())
+        if key not in self._known:
+            if off not in self._stored:
+                self._stored[off] = _stored(self.graph, off)
+            g = configure(substitute(surface.g, self._stored[off]), flags)
+            self._known[key] = self._rates(g)
+        return self._known[key]
+
+    def _compiled(self, e: Expr) -> Closure:
+        slots = self.slots
+        f: Closure = compile_expression(e, slots.index, pre_offset=slots.size)
+        return f
+
+    def _rates(self, g: Expr) -> Rates | None:
+        if any(n.startswith(("e:", "f:", "on:", "in:")) for n in names(g)):
+            return None
+        x, s = [], []
+        drift: Expr = Number(0.0)
+        for name in sorted(names(g)):
+            kind, _, index = name.partition(":")
+            if kind == "at":
+                continue
+            slope = differentiate(g, name)
+            if kind == "x":
+                x.append((int(index), self._compiled(slope)))
+            elif kind == "s":
+                s.append((int(index), self._compiled(slope)))
+            else:
+                rate: Expr = Number(1.0) if kind == "time" else Name(f"du:{index}")
+                drift = Binary("+", drift, Binary("*", slope, rate))
+        return Rates(self._compiled(g), x, s, self._compiled(simplify(drift)))
+
+
+def _stored(graph: FlatGraph, off: frozenset[int]) -> dict[str, Expr]:
+    """Return bond variables that are co-energy variables, by canonical name."""
+    found: dict[str, Expr] = {}
+    for s in graph.storages:
+        node = graph.nodes[s.node]
+        assert node.law is not None
+        if node.law.matrix is not None:
+            z: Expr = Number(0.0)
+            for other in graph.storages:
+                if other.node == s.node and node.law.matrix[s.port][other.port] != 0.0:
+                    c = Number(node.law.matrix[s.port][other.port])
+                    z = Binary("+", z, Binary("*", c, Name(f"x:{other.index}")))
+        else:
+            z = substitute(node.law.expressions[s.port], stored_names(node, graph))
+        if s.kind == "I" and s.sign < 0:
+            z = Binary("-", Number(0.0), z)
+        z = simplify(z)
+        kind = "e" if s.kind == "C" else "f"
+        todo = [s.bond]
+        while todo:
+            bond = todo.pop()
+            if f"{kind}:{bond}" in found:
+                continue
+            found[f"{kind}:{bond}"] = z
+            for n in (graph.bonds[bond].tail, graph.bonds[bond].head):
+                joint = graph.nodes[n]
+                if joint.kind == ("0" if kind == "e" else "1") and n not in off:
+                    todo += [end.bond for end in joint.ends]
+    return found

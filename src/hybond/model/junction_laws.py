@@ -1,0 +1,320 @@
+"""Junctions with a law of their own: ideal diodes, contacts, dry friction.
+
+A junction that carries a *law* has no machine written for it. Its common variable (the flow of a
+1-junction, the effort of a 0-junction) and its net variable (what its bonds bring in minus what
+they take out) are tied by complementarity:
+
+=========================  ====================================================================
+``diode``, ``unilateral``  common >= 0, net <= 0, one of them zero
+``thyristor``              a diode that begins to conduct only while its gate holds
+``coulomb``, ``relay``     net in limit * Sgn(common); at rest anything between the limits
+=========================  ====================================================================
+
+Here such a junction is opened into ordinary parts, so that causality, equations and drawing need
+to know nothing new: a machine of its name, whose states are the branches of the law and whose
+rules say when a branch is violated, and a source where the branch asks for one (the friction force
+of a sliding branch, Newton's rebound in the branch ``impact``). Which branches are taken is decided
+for all junctions at once, by complementarity, never rule by rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hybond.errors import ModelError, UnitError
+from hybond.model.expressions import Expr, Name, Number, posterior_names, simplify
+from hybond.model.graph import FlatGraph, Machine, Node
+from hybond.model.hierarchy import (
+    BondEnd,
+    Opened,
+    Scope,
+    Written,
+    WrittenBond,
+    literal,
+    without_units,
+)
+from hybond.model.kinds import JUNCTIONS
+from hybond.model.laws import TWO_SIDED, JunctionLaw
+from hybond.model.parts import MachinePart, Part, Value
+from hybond.model.resolve import Resolver, balance
+from hybond.names import did_you_mean, join
+from hybond.units import Dimension, parse_unit
+
+_TIME = parse_unit("s")[1]
+
+LAWS: dict[str, tuple[str, ...]] = {
+    "diode": (),
+    "thyristor": ("gate",),
+    "unilateral": ("gap", "restitution", "stiffness"),
+    "coulomb": ("limit", "breakaway", "impulsive"),
+    "relay": ("limit", "breakaway", "impulsive"),
+}
+"""Each law and the options that it may have."""
+NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
+_COMMON_OPTIONS = ("law", "domain", "label")
+
+
+def open_laws(opened: Opened) -> dict[str, str]:
+    """Add the machine, and the source if there is one, of each junction with a law.
+
+    Returns
+    -------
+    dict
+        Path of the junction to the path of its source, empty if it has none.
+
+    Raises
+    ------
+    ModelError
+        HB-M200 an unknown law, HB-M201 an option that is missing or that the law does not have,
+        HB-M202 a name that is taken.
+    """
+    found: dict[str, str] = {}
+    for path, written in list(opened.nodes.items()):
+        part = written.part
+        if part.kind not in JUNCTIONS:
+            continue
+        kind = _kind(path, part)
+        if kind is None:
+            continue
+        name = path.removeprefix(f"{written.scope.prefix}.") if written.scope.prefix else path
+        if path in opened.machines:
+            raise ModelError(
+                f"the junction {path!r} has a law, so its name is also that of its machine",
+                code="HB-M202",
+                where=path,
+                hint="rename the machine that you wrote, or leave it out",
+            )
+        machine, source = _parts(kind, name, part)
+        opened.machines[path] = (written.scope, machine)
+        found[path] = ""
+        if source is not None:
+            own, text = source
+            found[path] = _add_source(opened, written.scope, path, own, text, part)
+    return found
+
+
+def _kind(path: str, part: Part) -> str | None:
+    """Return the law of a junction, None if it has none; check its options."""
+    kind = part.options.get("law")
+    where = f"elements.{path}"
+    if kind is not None and kind not in LAWS:
+        raise ModelError(
+            f"there is no law {kind!r} for a junction",
+            code="HB-M200",
+            where=where,
+            hint=did_you_mean(str(kind), LAWS) or "one of " + ", ".join(LAWS),
+        )
+    if kind == "thyristor" and part.kind == "0":
+        raise ModelError(
+            "a thyristor is a 1-junction: it blocks a flow",
+            code="HB-M200",
+            where=where,
+            hint="junction = 1, in series with what it switches",
+        )
+    allowed = (*_COMMON_OPTIONS, *(LAWS[kind] if kind is not None else ()))
+    for option in part.options:
+        if option not in allowed:
+            raise ModelError(
+                f"a junction with law {kind!r} has no option {option!r}"
+                if kind
+                else f"a junction has no option {option!r} without a law",
+                code="HB-M201",
+                where=where,
+                hint=did_you_mean(option, allowed) or "options: " + ", ".join(allowed),
+            )
+    needed = NEEDED.get(str(kind))
+    if needed is not None and needed not in part.options:
+        raise ModelError(
+            f"the law {kind!r} needs {needed!r}",
+            code="HB-M201",
+            where=where,
+            hint='limit = "mu*N"' if needed == "limit" else 'gate = "u > 0.5"',
+        )
+    return None if kind is None else str(kind)
+
+
+def _parts(kind: str, name: str, part: Part) -> tuple[MachinePart, tuple[str, str] | None]:
+    """Return the machine of a law, and name and value of its source."""
+    common, net = ("f", "e") if part.kind == "1" else ("e", "f")
+    x, y = f"{name}.{common}", f"{name}.{net}"
+    options = part.options
+    if kind in TWO_SIDED:
+        limit = _text(options["limit"])
+        rest = _text(options.get("breakaway", options["limit"]))
+        rules: tuple[str, ...] = (
+            f"sticks -> forward when {y} > ({rest})",
+            f"sticks -> backward when -{y} > ({rest})",
+            f"forward -> sticks when {x} < 0",
+            f"backward -> sticks when {x} > 0",
+        )
+        states: dict[str, tuple[str, ...]] = {
+            "sticks": (),
+            "forward": (name,),
+            "backward": (name,),
+        }
+        value = (
+            f'if {name}.state == "forward" then ({limit}) '
+            f'else if {name}.state == "backward" then -({limit}) else 0*({limit})'
+        )
+        return MachinePart(states, "sticks", rules), ("friction", value)
+    off, on = ("open", "closed") if kind == "unilateral" else ("blocks", "conducts")
+    begins = f"{y} > 0"
+    if "gap" in options:
+        begins = f"({_text(options['gap'])}) <= 0 and {begins}"
+    if "gate" in options:
+        begins = f"({_text(options['gate'])}) and {begins}"
+    rules = (f"{off} -> {on} when {begins}", f"{on} -> {off} when {x} < 0")
+    states = {off: (), on: (name,)}
+    if "restitution" not in options:
+        return MachinePart(states, off, rules), None
+    states["impact"] = (name,)
+    value = (
+        f'if {name}.state == "impact" then ({_text(options["restitution"])})*pre({y}) else 0*{y}'
+    )
+    return MachinePart(states, off, rules), ("rebound", value)
+
+
+def _text(value: Value) -> str:
+    return value if isinstance(value, str) else repr(value)
+
+
+def _add_source(opened: Opened, scope: Scope, path: str, own: str, text: str, part: Part) -> str:
+    """Add the source of a law and its bond; return its path.
+
+    Friction takes what the junction's balance leaves, a rebound gives to it.
+    """
+    source = join(path, own)
+    if source in opened.nodes:
+        raise ModelError(
+            f"the law of {path!r} makes an element {source!r}, but that name is taken",
+            code="HB-M202",
+            where=path,
+            hint="rename the submodel",
+        )
+    options = {"impulsive": True} if part.options.get("impulsive") else {}
+    kind = "Se" if part.kind == "1" else "Sf"
+    opened.nodes[source] = Written(scope, Part(kind, text, options))
+    ends = (BondEnd(path, ""), BondEnd(source, ""))
+    tail, head = ends if own == "friction" else ends[::-1]
+    name = f"{tail.path} -> {head.path}"
+    opened.bonds.append(WrittenBond(tail, head, name, "", f"elements.{path}.law"))
+    return source
+
+
+def law_of_junction(
+    node: Node,
+    source: Node | None,
+    written: Written,
+    resolver: Resolver,
+    dimensions: Mapping[str, Dimension | None],
+) -> JunctionLaw:
+    """Return the law of a junction with its expressions resolved and their units checked.
+
+    Raises
+    ------
+    UnitError
+        HB-U103 for a limit or gap in the wrong unit.
+    ModelError
+        HB-M203 for a coefficient of restitution below zero, or a breakaway below the limit.
+    """
+    part, scope = written.part, written.scope
+    where = f"elements.{node.path}"
+    common, net = ("f", "e") if node.kind == "1" else ("e", "f")
+    own = node.ends[0].bond if node.ends else 0
+    domain = {
+        "e": dimensions.get(f"e:{own}"),
+        "f": dimensions.get(f"f:{own}"),
+    }
+    wanted = {
+        "limit": domain[net],
+        "breakaway": domain[net],
+        "gap": None if domain[net] is None else domain[net] * _TIME,  # type: ignore[operator]
+    }
+    given: dict[str, Expr] = {}
+    for option in ("limit", "breakaway", "gap", "gate", "restitution", "stiffness"):
+        if option not in part.options:
+            continue
+        at = f"{where}.{option}"
+        tree = resolver.resolve(literal(part.options[option], at), scope, at)
+        found = resolver.dimension(tree, dimensions, at)
+        target = wanted.get(option)
+        if target is not None and found is not None and found != target:
+            raise UnitError(
+                f"{part.options[option]!r} is in {found}; {option} is in {target}",
+                code="HB-U103",
+                where=at,
+                hint=f"give it in {target}",
+            )
+        given[option] = simplify(without_units(tree))
+    _check_values(given, where)
+    return JunctionLaw(
+        kind=str(part.options["law"]),
+        node=node.index,
+        common=_common(node, common),
+        net=balance(node, net, without=None if source is None else source.ends[0].bond),
+        source=None if source is None else source.index,
+        impulsive=bool(part.options.get("impulsive", False)),
+        **given,
+    )
+
+
+def _common(node: Node, variable: str) -> Expr:
+    return Name(f"{variable}:{node.ends[0].bond}") if node.ends else Number(0.0)
+
+
+def _check_values(given: Mapping[str, Expr], where: str) -> None:
+    values = {k: e.value for k, e in given.items() if isinstance(e, Number)}
+    wrong = ""
+    for option in ("restitution", "limit", "stiffness"):
+        if values.get(option, 0.0) < 0.0:
+            wrong = f"{option} = {values[option]:g} is negative"
+    if "limit" in values and values.get("breakaway", values["limit"]) < values["limit"]:
+        wrong = f"breakaway = {values['breakaway']:g} is below the limit, {values['limit']:g}"
+    if wrong:
+        raise ModelError(
+            wrong,
+            code="HB-M203",
+            where=where,
+            hint="what breaks loose holds at least as much as what slides",
+        )
+
+
+def check_readers(graph: FlatGraph) -> None:
+    """Refuse what the equations read of a law's branch: the branches are decided from them.
+
+    Signals, and guards of machines written by hand, may read them.
+
+    Raises
+    ------
+    ModelError
+        HB-M204 for an element's law, or an option of a law, that does.
+    """
+    owner: dict[str, Machine] = {}
+    for machine in graph.machines:
+        if machine.law is not None:
+            owner.update({f"in:{machine.index}:{k}": machine for k in range(len(machine.states))})
+            owner.update({f"on:{n}": machine for n in machine.controls})
+    if not owner:
+        return
+    read: list[tuple[str, Expr]] = [
+        (node.path, e)
+        for node in graph.nodes
+        if node.law is not None and not node.implied
+        for e in node.law.expressions
+    ]
+    for machine in graph.machines:
+        if machine.law is not None:
+            options = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
+            given = [(f"{machine.path}.{o}", getattr(machine.law, o)) for o in options]
+            read += [(path, e) for path, e in given if e is not None]
+    for path, e in read:
+        for name in sorted(posterior_names(e)):
+            if name in owner:
+                raise ModelError(
+                    f"{path} reads which branch the law of {owner[name].path!r} takes, "
+                    "and that branch is decided from what is read",
+                    code="HB-M204",
+                    where=f"elements.{path}",
+                    hint="read a variable (its effort or flow), or write a machine; "
+                    "signals and guards may read the branch",
+                )

@@ -1,0 +1,468 @@
+"""Which branches the laws of junctions take: decided together, impulses first.
+
+At an instant, in the mode that the machines are in, the graph seen from its junction laws is
+(`equations.ports`)::
+
+    w = y + D l;    y moves by C E nu under impulses nu, and at the rate y' + C E l
+
+1. *Impulses.* Where some law is violated by what is stored (``y < 0``), the branches that carry
+   impulses are those of the complementarity problem ``0 <= nu  |  y + C E nu >= 0``. Entering the
+   mode of these branches is the jump (`jump.enter`): conservation of state, as for any other mode.
+   Newton's restitution adds ``eps pre(y)``: its contacts take the branch ``impact``.
+2. *Finite values, then rates.* From the state after the jump, the branches that last are those of
+   an implicit step of vanishing length ``h``: ``0 <= l  |  (y + h y') + (D + h C E) l >= 0``. The
+   finite values decide; where both of a pair are zero, the rates do.
+
+Each answer is checked: in the mode found, no rule of a law may hold. Dry friction has two pairs
+per junction, sliding forward and backward; its limit may follow a contact force of the same
+problem. Sources: Heemels, Schumacher & Weiland, *Linear complementarity systems*, SIAM J. Appl.
+Math. 60 (2000); Camlibel et al. on passive ones (2002). SEMANTICS: all junctions at once, never
+one after another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.calculus import gradient
+from hybond.equations.ports import Port, PortEquations, Response, base_mode
+from hybond.errors import NumericsError
+from hybond.model.expressions import Expr, Number
+from hybond.model.graph import Mode
+from hybond.modes.jump import enter, reach_of_bonds
+from hybond.modes.law_problem import (
+    BACKWARD,
+    CUT,
+    FORWARD,
+    HELD,
+    ONE_SIDED,
+    TWO_SIDED,
+    Answer,
+    Branches,
+    Friction,
+    ambiguous,
+    solve_laws,
+)
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.solvers.lcp import positive_semidefinite
+from hybond.trace import Trace
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+ZERO = 1e-12
+"""Part of its terms below which a value counts as zero; guards are located a tenth before that, so
+that what passes through zero at an event is decided by its rate."""
+DUST = 1e-9
+"""Part of its terms up to which a violation without a solution is rounding."""
+SHORT = 1e-6
+"""The vanishing step, as a part of the shortest time that feedthrough and storage make."""
+TRIES = (
+    (1.0, True, True),
+    (1.0, False, True),
+    (1.0, False, False),
+    (1.0, None, True),
+    (1e-3, True, True),
+    (1e-3, False, True),
+    (1e3, False, True),
+    (1e-6, False, True),
+)
+"""Factors of the vanishing step; whether what is open is left as it was (None: friction exactly at
+its limit breaks loose); and whether rounding of what is stored counts as zero; in turn."""
+CLOSED = 1e-10
+"""Part of the largest gap so far below which a gap is closed."""
+
+
+@dataclass(slots=True)
+class Instant:
+    """Everything at one instant that the branches depend on."""
+
+    t: float
+    s: Vector
+    mode: Mode
+    after: Interval
+    pre: Sequence[float]
+
+
+class Complementarity:
+    """Chooses branches for one program."""
+
+    def __init__(self, program: Program, trace: Trace) -> None:
+        self.program = program
+        self.trace = trace
+        self.graph = program.graph
+        self.laws = tuple(m.index for m in self.graph.machines if m.law is not None)
+        self._largest: dict[int, float] = {}
+
+    # -- the two problems
+
+    def jumping(
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        after: Interval,
+        pre: Sequence[float],
+        *,
+        energy: float,
+    ) -> Iterator[Mode]:
+        """Yield modes whose branches may carry impulses, the likeliest first.
+
+        None if no law is violated by what is stored.
+        """
+        at = Instant(t, s, mode, after, pre)
+        ports, v, x = self.consistent(at, x, energy)
+        response = ports.response(v, x)
+        y = self.clean(response, ports, x, energy)
+        one_sided = np.array([not p.law.two_sided for p in ports.ports])
+        taking = one_sided & self.able(ports, v, at)
+        sequential = np.array([p.law.restitution is not None for p in ports.ports])
+        taking &= ~sequential | (y < 0.0)
+        # OFF where the common variable follows from what is stored alone: it must be zero
+        shut = one_sided & ~self.able(ports, v, at) & ~response.D.any(axis=1)
+        shut &= np.array([p.given == "net" for p in ports.ports])
+        wrong = (taking & (y < 0.0)) | (shut & (y != 0.0))
+        if not wrong.any():
+            return
+        taking |= np.array([p.law.impulsive for p in ports.ports])
+        roles = [_role(p, takes) for p, takes in zip(ports.ports, taking, strict=True)]
+        # friction that is no impulse lets its junction slide through a jump
+        for k, port in enumerate(ports.ports):
+            if port.law.two_sided and not port.law.impulsive:
+                roles[k] = HELD if port.given == "common" else CUT
+        start = self._branches(ports, at.mode)
+        for factor in dict.fromkeys(f for f, _, _ in TRIES):
+            h = factor * self._step(response, y)
+            found = self._solve(ports, v, response, y, h, roles, start, sliding=set())
+            if found is not None:
+                yield self._mode(at, ports, found, keep=False, impact=True)
+        if (np.abs(y) <= DUST * self._size(response, ports, x, energy))[wrong].all():
+            return  # rounding has no solution; what lasts is decided without it
+        raise self._unsolvable(at, ports, taking, "impulses")
+
+    def lasting(
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        after: Interval,
+        pre: Sequence[float],
+        *,
+        energy: float,
+    ) -> Iterator[tuple[Mode, bool]]:
+        """Yield modes whose branches may last from the state `x`, the likeliest first."""
+        at = Instant(t, s, mode, after, pre)
+        ports, v, x = self.consistent(at, x, energy)
+        response = ports.response(v, x, later=lambda dt, field: self._later(at, x, dt, field))
+        able = self.able(ports, v, at)
+        state_like = np.abs(np.diag(response.D)) == 0.0
+        start = self._branches(ports, at.mode)
+        solved = False
+        for factor, keep, clean in TRIES:
+            y = self.clean(response, ports, x, energy) if clean else response.y
+            roles = [
+                _lasting_role(p, bool(a), bool(state), float(value))
+                for p, a, state, value in zip(ports.ports, able, state_like, y, strict=True)
+            ]
+            h = factor * self._step(response, y)
+            q = y + h * response.rate
+            found = self._slide(ports, v, response, y, q, h, roles, start)
+            if found is not None and keep is None:
+                found = self._loosened(ports, v, response, y, q, h, roles, found)
+            if found is None:
+                continue
+            solved = True
+            yield self._mode(at, ports, found, keep=bool(keep), impact=False), bool(keep)
+        if not solved:
+            raise self._unsolvable(at, ports, able, "finite values")
+
+    def _slide(
+        self,
+        ports: PortEquations,
+        v: list[float],
+        response: Response,
+        y: Vector,
+        q: Vector,
+        h: float,
+        roles: list[str],
+        start: Branches,
+        loose: set[int] | None = None,
+    ) -> Answer | None:
+        """Solve, with breakaway where a friction junction is at rest, sliding limits elsewhere.
+
+        `loose` are junctions at rest that break loose now.
+        """
+        broken_loose = loose or set()
+        loose = {k for k, p in enumerate(ports.ports) if p.law.breakaway is not None}
+        moving = {k for k in loose if ports.ports[k].given == "net" and abs(y[k]) > 0.0}
+        moving |= broken_loose
+        while True:
+            found = self._solve(ports, v, response, q, h, roles, start, moving)
+            if found is None:
+                return None
+            broken = {k for k in loose - moving if found.branch[k] != 0}
+            if not broken:
+                return found
+            moving |= broken
+
+    def _loosened(
+        self,
+        ports: PortEquations,
+        v: list[float],
+        response: Response,
+        y: Vector,
+        q: Vector,
+        h: float,
+        roles: list[str],
+        found: Answer,
+    ) -> Answer | None:
+        """Let friction slide that holds with all it has; None if there is none."""
+        w = (response.D + h * response.CE) @ found.l + q
+        force = [-found.l[k] if p.given == "net" else -w[k] for k, p in enumerate(ports.ports)]
+        edge = [
+            k
+            for k, p in enumerate(ports.ports)
+            if p.law.two_sided and found.open[k] and found.branch[k] == 0 and force[k] != 0.0
+        ]
+        if not edge:
+            return None
+        roles = list(roles)
+        start = found.branch.copy()
+        for k in edge:
+            start[k] = 1 if force[k] > 0.0 else -1
+            if ports.ports[k].given == "net":
+                roles[k] = FORWARD if force[k] > 0.0 else BACKWARD
+        again = self._slide(ports, v, response, y, q, h, roles, start, loose=set(edge))
+        if again is None:
+            return None
+        branch = again.branch.copy()
+        branch[edge] = start[edge]
+        return replace(again, branch=branch)
+
+    # -- parts of them
+
+    def consistent(
+        self, at: Instant, x: Vector, energy: float
+    ) -> tuple[PortEquations, list[float], Vector]:
+        """Return the ports, values, and the state on what the machines' mode alone asks for."""
+        program = self.program
+        ports = program.ports(at.mode, at.after, at.t)
+        v = program.values(at.t, at.after, base_mode(self.graph, at.mode), x, at.s)
+        v[program.slots.size :] = list(at.pre)
+        where = self.graph.mode_text(at.mode)
+        energy = max(energy, abs(ports.equations.storage.energy(x)))
+        moved = enter(ports.equations, v, x, where=where, energy=energy).x
+        v[program.slots.x] = moved.tolist()
+        return ports, v, moved
+
+    def _later(self, at: Instant, x: Vector, dt: float, field: Vector) -> list[float]:
+        """Return the values a moment later, for the rates of a nonlinear graph."""
+        program = self.program
+        v = program.values(
+            at.t + dt, at.after, base_mode(self.graph, at.mode), x + dt * field, at.s
+        )
+        v[program.slots.size :] = list(at.pre)
+        return v
+
+    def able(self, ports: PortEquations, v: list[float], at: Instant) -> Mask:
+        """Return which laws may take their ON branch at all: contacts closed, thyristors fired."""
+        able = np.ones(len(ports.ports), dtype=bool)
+        for k, port in enumerate(ports.ports):
+            on = bool(self.graph.machines[port.machine].on[at.mode[port.machine]])
+            if port.law.gap is not None:
+                gap = float(self.value(port.law.gap, v))
+                largest = max(self._largest.get(port.machine, 0.0), abs(gap))
+                self._largest[port.machine] = largest
+                able[k] = on or gap <= CLOSED * largest
+            if port.law.gate is not None:
+                able[k] = on or bool(self.value(port.law.gate, v))
+        return able
+
+    def clean(self, response: Response, ports: PortEquations, x: Vector, energy: float) -> Vector:
+        """Return `y` with rounding counted as zero.
+
+        Rounding of what is stored is measured by what the energy of the run would make of it: a
+        mass that has come to rest need not do so to the last 1e-30.
+        """
+        size = self._size(response, ports, x, energy)
+        return np.where(np.abs(response.y) <= ZERO * size, 0.0, response.y)
+
+    def _size(self, response: Response, ports: PortEquations, x: Vector, energy: float) -> Vector:
+        """Return what rounding of each `y` is measured by."""
+        reach = reach_of_bonds(ports.equations, x, energy)
+        return np.asarray(response.size + 10.0 * np.abs(ports.partner) @ reach)
+
+    def observe(self, v: Sequence[float]) -> None:
+        """Learn how large gaps are in this run, which their rounding is measured by."""
+        for index in self.laws:
+            law = self.graph.machines[index].law
+            assert law is not None
+            if law.gap is not None:
+                gap = abs(float(self.value(law.gap, v)))
+                self._largest[index] = max(self._largest.get(index, 0.0), gap)
+
+    def value(self, e: Expr, v: Sequence[float]) -> float:
+        """Return the value of an expression of a law."""
+        return e.value if isinstance(e, Number) else self.program.compile(e)(v)
+
+    def _branches(self, ports: PortEquations, mode: Mode) -> Branches:
+        """Return the branches of `mode`: 0 OFF or at rest, 1 ON or forward, -1 backward."""
+        found = []
+        for port in ports.ports:
+            machine = self.graph.machines[port.machine]
+            state = mode[port.machine]
+            backward = machine.states[state] == "backward"
+            found.append(-1 if backward else int(bool(machine.on[state])))
+        return np.array(found, dtype=np.int8)
+
+    def _step(self, response: Response, y: Vector) -> float:
+        """Return a step so short that finite values outweigh rates, and feedthrough storage."""
+        through, stored = np.abs(np.diag(response.D)), np.abs(np.diag(response.CE))
+        both = (through > 0.0) & (stored > 0.0)
+        h = SHORT * float((through[both] / stored[both]).min(initial=1.0))
+        quick = (y != 0.0) & (np.abs(response.rate) > 0.0)
+        apart = np.abs(y[quick]) / np.abs(response.rate[quick])
+        return min(h, 1e-3 * float(apart.min(initial=np.inf)))
+
+    def _solve(
+        self,
+        ports: PortEquations,
+        v: list[float],
+        response: Response,
+        q: Vector,
+        h: float,
+        roles: list[str],
+        start: Branches,
+        sliding: set[int],
+    ) -> Answer | None:
+        """Solve one complementarity problem; warn where another answer fits as well."""
+        friction = {
+            k: self._limit(port, v, response, at_rest=k not in sliding)
+            for k, port in enumerate(ports.ports)
+            if roles[k] in (TWO_SIDED, FORWARD, BACKWARD)
+        }
+        m = response.D + h * response.CE
+        common = [p.given == "common" for p in ports.ports]
+        if friction:
+            found = solve_laws(m, q, roles=roles, common=common, friction=friction, start=start)
+        else:
+            # in units in which efforts and flows are of one size: both must show their signs
+            d = self._units(ports, q)
+            found = solve_laws(m * d * d[:, None], q * d, roles=roles, common=common, start=start)
+            found = None if found is None else replace(found, l=found.l * d)
+        if found is None or np.array_equal(found.branch, start):
+            return found
+        coupled = any(f.slope.any() for f in friction.values())
+        if not coupled and positive_semidefinite(m):
+            return found
+        other = ambiguous(m, q, found, roles=roles, common=common, friction=friction)
+        if other:
+            names = ", ".join(ports.ports[k].path for k in other)
+            self.trace.warn(
+                f"at t = {v[0]:.9g} s the laws of {names} have more than one solution (Painleve): "
+                "the one found first is taken; a stiffness in the contact decides"
+            )
+        return found
+
+    def _units(self, ports: PortEquations, q: Vector) -> Vector:
+        """Return factors of `w` that make its efforts and its flows alike, domain by domain.
+
+        The same factors divide `l`, so that powers stay what they are.
+        """
+        effort = np.array(
+            [
+                (self.graph.nodes[p.law.node].kind == "1") == (p.given == "common")
+                for p in ports.ports
+            ]
+        )
+        domain = np.array([self.graph.nodes[p.law.node].domain.name for p in ports.ports])
+        d = np.ones(len(q))
+        for name in dict.fromkeys(domain.tolist()):
+            own = domain == name
+            e = float(np.abs(q[own & effort]).max(initial=0.0))
+            f = float(np.abs(q[own & ~effort]).max(initial=0.0))
+            if e > 0.0 and f > 0.0:
+                d[own] = np.where(effort[own], np.sqrt(f / e), np.sqrt(e / f))
+        return d
+
+    def _limit(self, port: Port, v: list[float], response: Response, *, at_rest: bool) -> Friction:
+        """Return the limit of a friction law, affine in `l`."""
+        law = port.law
+        limit = law.breakaway if at_rest and law.breakaway is not None else law.limit
+        assert limit is not None
+        slots = self.program.slots
+        values = list(v)
+        values[slots.w] = response.bonds.tolist()
+        slope = np.zeros(response.gain.shape[1])
+        bonds = len(self.graph.bonds)
+        for name, d in gradient(limit).items():
+            kind, _, index = name.partition(":")
+            at = int(index) + (bonds if kind == "f" else 0)
+            slope = slope + self.value(d, values) * response.gain[at]
+        return Friction(float(self.value(limit, values)), slope)
+
+    # -- answers
+
+    def _mode(
+        self, at: Instant, ports: PortEquations, found: Answer, *, keep: bool, impact: bool
+    ) -> Mode:
+        """Return the mode with the branches found; what is open stays as it was if `keep`."""
+        mode = list(base_mode(self.graph, at.mode))
+        for k, port in enumerate(ports.ports):
+            machine = self.graph.machines[port.machine]
+            now = at.mode[port.machine]
+            if port.law.two_sided:
+                # sticking would carry impulses, friction does not: it slides through a jump
+                names = {0: "sticks", 1: "forward", -1: "backward"}
+                state = found.branch[k]
+                if impact and not port.law.impulsive:
+                    state = -1 if machine.states[now] == "backward" else 1
+                mode[port.machine] = machine.states.index(names[int(state)])
+                continue
+            on = bool(found.branch[k])
+            if keep and found.open[k] and now < 2:
+                on = bool(machine.on[now])
+            if on and impact and port.law.restitution is not None:
+                mode[port.machine] = machine.states.index("impact")
+            else:
+                mode[port.machine] = int(on)
+        return tuple(mode)
+
+    def _unsolvable(
+        self, at: Instant, ports: PortEquations, taking: Mask, what: str
+    ) -> NumericsError:
+        names = ", ".join(p.path for p, a in zip(ports.ports, taking, strict=True) if a)
+        return NumericsError(
+            f"the {what} of {names} have no solution at t = {at.t:.9g} s",
+            code="HB-J110",
+            where=self.graph.mode_text(at.mode),
+            hint="friction of a rigid contact may leave none (Painleve): give the contact a "
+            "stiffness, or a source a resistance",
+        )
+
+
+def _role(port: Port, takes: bool) -> str:
+    """Return how a port takes part; one that does not is OFF."""
+    if not takes:
+        return CUT if port.given == "common" else HELD
+    return TWO_SIDED if port.law.two_sided else ONE_SIDED
+
+
+def _lasting_role(port: Port, able: bool, state_like: bool, y: float) -> str:
+    """Return how a port takes part in what lasts, `y` being decided by what is stored."""
+    law = port.law
+    if law.two_sided:
+        if state_like and port.given == "net" and y != 0.0:
+            return FORWARD if y > 0.0 else BACKWARD
+        return TWO_SIDED
+    # a contact that still approaches is for the next jump
+    comes = law.restitution is not None and state_like and y < 0.0
+    return _role(port, able and not comes)

@@ -1,0 +1,30 @@
+"""Switching in a band instead of sliding: a relay that is not quite ideal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from hybond.equations.surfaces import surfaces_of, with_hysteresis
+from hybond.model.expressions import Expr
+from hybond.model.graph import FlatGraph, Rule
+
+Choice = Literal["filippov", "hysteresis", "refuse"]
+CHOICES: tuple[Choice, ...] = ("filippov", "hysteresis", "refuse")
+"""What to do on a surface into which both sides push."""
+
+
+def banded(graph: FlatGraph, band: float) -> FlatGraph:
+    """Return a graph in which every switching surface has a hysteresis of ``± band``."""
+    guards: dict[Rule, Expr] = with_hysteresis(surfaces_of(graph), band)
+    machines = tuple(
+        replace(
+            m,
+            rules=tuple(
+                replace(r, guard=guards[r], text=f"{r.text} (by {band:g})") if r in guards else r
+                for r in m.rules
+            ),
+        )
+        for m in graph.machines
+    )
+    return replace(graph, machines=machines)

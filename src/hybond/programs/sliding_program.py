@@ -1,0 +1,144 @@
+"""A program as it is while machines slide: which modes are combined, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from itertools import product
+
+import numpy as np
+
+from hybond.equations.mode import ModeEquations
+from hybond.equations.surfaces import Surface, SurfaceLaws
+from hybond.model.expressions import compile_expression
+from hybond.model.graph import FlatGraph, Mode
+from hybond.programs.combined import KEPT, Combined, Kind
+from hybond.programs.interval import Interval
+from hybond.programs.program import Field, Program
+
+MOST_PRODUCT = 6
+"""Most surfaces of a product combination, which takes 2^k fields."""
+ADDITIVE = 1e-9
+"""Fields are additive if what they lack is below this part of them."""
+
+
+def flipped(mode: Mode, surfaces: Sequence[Surface], above: Sequence[int]) -> Mode:
+    """Return a mode with the surfaces' machines below (0) or above (1)."""
+    states = list(mode)
+    for s, up in zip(surfaces, above, strict=True):
+        states[s.machine] = s.above if up else s.below
+    return tuple(states)
+
+
+def corners_of(k: int, kind: Kind) -> list[tuple[int, ...]]:
+    """Return the corners of the cube of weights whose fields a combination takes."""
+    if kind == "product":
+        return list(product((0, 1), repeat=k))
+    return [(0,) * k, *(tuple(int(i == j) for i in range(k)) for j in range(k))]
+
+
+def combine(
+    program: Program,
+    surfaces: Sequence[Surface],
+    mode: Mode,
+    interval: Interval,
+    t: float,
+    *,
+    laws: SurfaceLaws,
+    kind: Kind = "additive",
+) -> Combined:
+    """Return the equations of sliding on `surfaces`, all other machines being as in `mode`."""
+    corners = corners_of(len(surfaces), kind)
+    modes = [flipped(mode, surfaces, c) for c in corners]
+    parts = [program.equations(m, interval, t) for m in modes]
+    shown = program.equations(mode, interval, t)
+    slots = program.slots
+    return Combined(
+        **{f.name: getattr(shown, f.name) for f in fields(ModeEquations)},
+        program=program,
+        interval=interval,
+        surfaces=tuple(surfaces),
+        kind=kind,
+        corners=corners,
+        parts=parts,
+        laws=[laws.of(s, modes) for s in surfaces],
+        plain=[compile_expression(s.g, slots.index, pre_offset=slots.size) for s in surfaces],
+    )
+
+
+def additive(combined: Combined, v: Sequence[float]) -> bool:
+    """Whether the switches act independently of each other at the values `v`.
+
+    Held against the fields with all machines above, and with every other one: what no switch does
+    alone shows there, unless it cancels.
+    """
+    k = len(combined.surfaces)
+    if k < 2:
+        return True
+    values = list(v)
+    solutions, rates = combined.part_rates(values)
+    n = rates.shape[1] - 2
+    checks = {(1,) * k, tuple(i % 2 for i in range(k)), tuple(1 - i % 2 for i in range(k))}
+    program = combined.program
+    size = np.abs(rates[:, :n]).max(axis=0)
+    bonds = np.array(solutions)
+    bond_size = np.abs(bonds).max(axis=0)
+    x = np.array(values[combined.slots.x])
+    for corner in sorted(checks):
+        mode = flipped(combined.mode, combined.surfaces, corner)
+        part = program.equations(mode, combined.interval, values[0])
+        program.set_mode(values, mode)
+        w = part.solve(values, x)
+        c = np.array([1.0 - sum(corner), *corner])
+        if (np.abs(w - c @ bonds) > ADDITIVE * (k * bond_size + np.abs(w).max())).any():
+            return False
+        s = np.array(program.rates(values))
+        expected = (c @ rates)[program.nx : n]
+        if s.size and (np.abs(s - expected) > ADDITIVE * (k * size[program.nx :] + 1e-300)).any():
+            return False
+    return True
+
+
+class SlidingProgram(Program):
+    """A program as it is while some machines slide: their rules rest, their modes combine."""
+
+    def __init__(
+        self,
+        program: Program,
+        graph: FlatGraph,
+        surfaces: Sequence[Surface],
+        *,
+        kind: Kind,
+        laws: SurfaceLaws,
+    ) -> None:
+        self.__dict__.update(program.__dict__)
+        self.whole = program
+        self.graph = graph
+        self.surfaces = tuple(surfaces)
+        self.kind: Kind = kind
+        self.laws = laws
+        self._combined: dict[tuple[Mode, Interval], ModeEquations] = {}
+
+    def equations(self, mode: Mode, interval: Interval, t: float) -> ModeEquations:
+        """Return the combined equations; plain ones once no machine is between its states."""
+        key = (mode, interval)
+        if key not in self._combined:
+            if len(self._combined) >= KEPT:
+                self._combined.clear()
+            left = [s for s in self.surfaces if mode[s.machine] in (s.below, s.above)]
+            self._combined[key] = (
+                combine(self.whole, left, mode, interval, t, laws=self.laws, kind=self.kind)
+                if left
+                else self.whole.equations(mode, interval, t)
+            )
+        return self._combined[key]
+
+    def fieldless(self, mode: Mode) -> bool:
+        """Whether an active law of `mode` reads ``pre()``."""
+        return self.whole.fieldless(mode)
+
+    def field(self, equations: ModeEquations, interval: Interval) -> Field:
+        """Return ``y' = field(t, y)``."""
+        if isinstance(equations, Combined):
+            return equations.motion()
+        return self.whole.field(equations, interval)
