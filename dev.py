@@ -13,7 +13,14 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 STAMP = VENV / "hybond-installed"
-ENV = {**os.environ, "MPLBACKEND": "Agg", "PYTHONUTF8": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+# One thread for linear algebra: the matrices are small, and the tests run beside each other.
+ENV = {
+    **os.environ,
+    "MPLBACKEND": "Agg",
+    "PYTHONUTF8": "1",
+    "PIP_DISABLE_PIP_VERSION_CHECK": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+}
 PROBE = "import sys, pip; sys.exit(sys.version_info < (3, 11))"
 NO_VENV = """\
 Cannot make a virtual environment with {python}: neither its venv module nor virtualenv works.
@@ -70,7 +77,8 @@ def test():
     codes = {name: run(PYTHON, "-m", *args) for name, args in {**checks, "mypy": ["mypy"]}.items()}
     for name, code in codes.items():
         print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
-    return max(*codes.values(), run(PYTHON, "-m", "pytest", *sys.argv[2:]), key=abs)
+    options = sys.argv[2:] or ["-n", "auto", "--dist", "loadscope"]
+    return max(*codes.values(), run(PYTHON, "-m", "pytest", *options), key=abs)
 
 
 def main():

@@ -31,6 +31,8 @@ Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "error"]
 Side = Literal["left", "right"]
 
+KEPT = 4_000_000
+"""Values that are kept for the next question about the same instants."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
@@ -116,6 +118,8 @@ class Result:
         self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
         self._expressions: dict[str, Expr] = {}
+        self._grids: dict[tuple[int, bytes], tuple[Vector, list[Vector]]] = {}
+        self._kept = 0
         self._starts = [float(s.t[0]) for s in self.segments]
 
     # -- names
@@ -238,6 +242,37 @@ class Result:
             found.append((t, self._of_segment(segment, [name], t)[name]))
         return found
 
+    def _evaluated(self, segment: Segment, t: Vector) -> tuple[Vector, list[Vector]]:
+        """Return states and all values at times of a segment; the last ones asked for are kept."""
+        key = (id(segment), t.tobytes())
+        known = self._grids.get(key)
+        if known is not None:
+            return known
+        interval = segment.interval
+        assert isinstance(interval, Interval)
+        equations = equations_of(self.program, segment)
+        accepted = set(segment.t.tolist())
+        rows = []
+        for a in t.tolist():
+            row = segment.at(a)
+            if a not in accepted:
+                # between accepted points the interpolant is off the constraints by its own error
+                row = on_constraints(
+                    self.program, equations, interval, a, row, energy=self.trace.energy
+                )
+            rows.append(row)
+        y = np.array(rows)
+        if isinstance(equations, Combined):
+            y = np.array([equations.onto(float(a), b) for a, b in zip(t, y, strict=True)])
+        values = self.program.evaluate_many(t, y, interval, equations)
+        found = (y, list(values))
+        if self._kept + values.size > KEPT:
+            self._grids.clear()
+            self._kept = 0
+        self._grids[key] = found
+        self._kept += values.size
+        return found
+
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
         interval = segment.interval
         assert isinstance(interval, Interval)
@@ -249,23 +284,7 @@ class Result:
                 found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
             return found
         equations = equations_of(self.program, segment)
-        # between accepted points the interpolant is off the constraints by its own error
-        y = np.array(
-            [
-                on_constraints(
-                    self.program,
-                    equations,
-                    interval,
-                    float(a),
-                    segment.at(float(a)),
-                    energy=self.trace.energy,
-                )
-                for a in t
-            ]
-        )
-        if isinstance(equations, Combined):
-            y = np.array([equations.onto(float(a), b) for a, b in zip(t, y, strict=True)])
-        columns = list(self.program.evaluate_many(t, y, interval, equations))
+        y, columns = self._evaluated(segment, t)
         found = {}
         for name in names:
             if isinstance(equations, Combined) and equations.switched(self.expression(name)):

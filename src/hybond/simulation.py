@@ -34,6 +34,8 @@ NEGLIGIBLE = 1e-6
 make of it, so that rounding in an idle storage does not steer the step size."""
 IDLE = 1e-12
 """Absolute size, in SI, below which an integrated signal is idle."""
+STEPPING_IMPACT = "newton_simultaneous"
+"""The law of impacts that time-stepping has built in."""
 
 
 def simulate(
@@ -87,6 +89,7 @@ def simulate(
         The law of impacts at several contacts with restitution; see `impact_laws`. Default
         ``"newton"``, contact after contact: the only one that needs no more than what a single
         impact tells, never creates energy, and gives the textbook answer for rows of balls.
+        Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
         ``progress(t, events)`` after each step.
     on_error : {"raise", "return"}
@@ -152,6 +155,9 @@ def simulate(
             max_writes=writes,
             progress=progress,
         )
+        ignored = _ignored_impact(impact, experiment)
+        if ignored is not None:
+            executive.trace.warn(ignored)
         return _finish(graph, program, executive, end, name, on_error)
     if theta is not None:
         raise UsageError(
@@ -312,6 +318,22 @@ def _impact(impact: str | None, experiment: Mapping[str, Any]) -> tuple[str, flo
             hint=did_you_mean(name, known) or ", ".join(known),
         )
     return ("lzb", 1.5) if name == "lzb_hertz" else (name, 1.0)
+
+
+def _ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | None:
+    """Return what time-stepping has to say on a law of impacts that is not its own."""
+    name = impact if impact is not None else experiment.get("impact")
+    if name is None:
+        return None
+    # refuse names that are nobody's
+    _impact(str(name), experiment)
+    if name == STEPPING_IMPACT:
+        return None
+    return (
+        f"impact = {str(name)!r} has no effect with solver 'moreau-jean': its steps are Newton's "
+        f"law for all contacts at once ({STEPPING_IMPACT!r}), and where several contacts meet at "
+        "once the result may differ; take a solver that locates events, or leave impact out"
+    )
 
 
 def _sliding(

@@ -26,8 +26,9 @@ def one_ports(run: hb.Result):
     """Yield ``(name of the effort, name of the flow, sign of power inward)``."""
     for node in run.graph.nodes:
         if node.kind in ("C", "I", "R", "G", "Se", "Sf"):
-            assert len(node.ends) == 1
-            yield f"{node.path}.e", f"{node.path}.f", node.ends[0].sign
+            for end in node.ends:
+                port = f".{end.port + 1}" if len(node.ends) > 1 else ""
+                yield f"{node.path}{port}.e", f"{node.path}{port}.f", end.sign
 
 
 def stored_energy(run: hb.Result, values) -> np.ndarray:
@@ -41,9 +42,14 @@ def stored_energy(run: hb.Result, values) -> np.ndarray:
     return total
 
 
+@functools.cache
+def pieces_of(run: hb.Result, name: str):
+    return run.pieces(name, points_per_segment=0)
+
+
 def at_points(run: hb.Result, k: int, names):
     """Values of `names` at the accepted points of segment `k`."""
-    found = {n: run.pieces(n, points_per_segment=0)[k][1] for n in names}
+    found = {n: pieces_of(run, n)[k][1] for n in names}
     assert all(len(v) == len(run.segments[k].t) for v in found.values())
     return found
 
@@ -103,6 +109,8 @@ def test_energy_balances_over_each_jump(name):
     run = run_of(name)
     scale = max(largest_energy(run), 1e-300)
     nx = len(run.graph.storages)
+    laws = any(m.law is not None for m in run.graph.machines)
+    largest = np.max([np.abs(s.y[:, :nx]).max(axis=0) for s in run.segments], axis=0)
     for event in run.events:
         writes = [s for s in event.steps if s.kind != "mythical" and s.energy is not None]
         for step in writes:
@@ -111,10 +119,13 @@ def test_energy_balances_over_each_jump(name):
             assert e.lost >= -1e-12 * scale
         for one, two in itertools.pairwise(writes):
             assert two.energy.before == pytest.approx(one.energy.after, abs=1e-12 * scale)
-        if not any(s.impulses for s in writes):
+        if event.t0 is None and not any(s.impulses for s in writes):
             # what is left of a velocity at rest is rounding, and is swept up without an impulse
-            dust = 1e-12 * np.abs(event.before[:nx]).max()
-            assert event.after[:nx] == pytest.approx(event.before[:nx], abs=dust, rel=0.0)
+            # (1e-11 of what the energy of the run would make of it); a landing ends a velocity that
+            # is no more than 1e-7 of the largest one
+            part = 1e-7 if event.cause == "accumulation" else 1e-10 if laws else 1e-12
+            dust = part * np.maximum(largest, np.abs(event.before[:nx]).max() if not laws else 0)
+            assert (np.abs(event.after[:nx] - event.before[:nx]) <= dust).all()
 
 
 @every_example
@@ -123,6 +134,7 @@ def test_events_are_in_order(name):
     assert [s.t[0] for s in run.segments] == sorted(s.t[0] for s in run.segments)
     times = [e.t for e in run.events]
     assert times == sorted(times)
+    landings = {e.t for e in run.events if e.cause == "accumulation"}
     for event in run.events:
         kinds = [s.kind for s in event.steps]
         assert kinds[-1] == "continuous"
@@ -134,7 +146,8 @@ def test_events_are_in_order(name):
         if event.cause == "guard":
             assert event.steps[0].fired
     for one, two in zip(run.segments, run.segments[1:], strict=False):
-        assert one.t[-1] == two.t[0]
+        # impacts that accumulate are left out between the last one that was made and their limit
+        assert one.t[-1] == two.t[0] or two.t[0] in landings
         assert (np.diff(one.t) > 0.0).all()
         # energies are not reset at events
         assert (one.y[-1, -2:] == two.y[0, -2:]).all()

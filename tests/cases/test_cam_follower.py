@@ -1,6 +1,7 @@
 """Cam and follower against flights in closed form and an own event search."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -91,3 +92,74 @@ def test_lift_off_and_impacts(rtol, simulate):
     assert sum(1 for _, what in expected if what == "impact") >= 4
     found = [e.t for e in run.events[1:] if any(f.machine == "contact" for f in e.steps[0].fired)]
     assert found == pytest.approx([t for t, _ in expected], rel=1e-6)
+
+
+def ride(until):
+    """Return lift-offs, impacts, and the instants from which it rides again."""
+    t, lifted, hits, rides = 0.0, [], [], []
+
+    def force(s):
+        lift, _, acceleration = cam(s)
+        return M * acceleration + K * lift
+
+    def first(watch, a, step):
+        while watch(a + step) > 0.0:
+            a += step
+            if a > until:
+                return None
+        return brentq(watch, a, a + step, xtol=1e-16, rtol=1e-15)
+
+    while True:
+        t = first(force, t + 1e-9, 2e-5)
+        if t is None:
+            return lifted, hits, rides
+        lifted.append(t)
+        lift, speed, _ = cam(t)
+        at, flights = flight(t, lift, speed), []
+        apart = 1e-3
+        while apart > 2e-6:
+            # the next impact: not before a tenth of the flight that constant rates would give
+            start, step = t + 0.1 * apart, 0.01 * apart
+            hit = first(lambda s, at=at: at(s)[0] - cam(s)[0], start, step)
+            if hit is None:
+                return lifted, hits, rides
+            t = hit
+            lift, speed, acceleration = cam(t)
+            v = speed - EPS_LOW * (at(t)[1] - speed)
+            at = flight(t, lift, v)
+            hits.append(t)
+            apart = 2.0 * (v - speed) / (acceleration + K / M * lift)
+            flights.append(apart)
+        # flights that are this short have constant rates: a geometric series
+        t += flights[-1] / (1.0 - EPS_LOW)
+        rides.append(t)
+
+
+EPS_LOW = 0.3
+
+
+def test_it_rides_again_after_an_accumulation(simulate, monkeypatch):
+    """At 250 turns a minute the flights end on the flank: infinitely many impacts, then contact."""
+    slow = 250.0 * 2.0 * math.pi / 60.0
+    monkeypatch.setitem(globals(), "W", slow)
+    run = simulate("cam_follower", until=0.45, parameters={"eps": EPS_LOW, "rate": slow})
+    lifted, hits, rides = ride(0.45)
+    assert len(rides) == 2
+    assert [a.t for a in run.accumulations] == pytest.approx(rides, rel=1e-6)
+    assert all(a.landed and a.machine == "contact" for a in run.accumulations)
+    assert [a.ratio for a in run.accumulations] == pytest.approx([EPS_LOW] * 2, rel=2e-2)
+    state = [
+        (e.t, run.graph.mode_names(e.steps[-1].mode)["contact"], e.steps[0].fired)
+        for e in run.events[1:]
+    ]
+    own = [(t, now) for t, now, fired in state if any(f.machine == "contact" for f in fired)]
+    begun = [own[0][0]] + [b for (_, a), (b, now) in pairwise(own) if a == "closed"]
+    assert begun == pytest.approx(lifted, rel=1e-6)
+    bounces = [t for t, _ in own if t not in begun]
+    assert bounces[:4] == pytest.approx(hits[:4], rel=1e-6)
+    # it rides: no gap, and the cam bears spring and inertia
+    for t in (0.5 * (rides[0] + lifted[1]), rides[1] + 0.01):
+        lift, speed, acceleration = cam(t)
+        assert run["spring.q"].at(t) == pytest.approx(lift, rel=1e-8)
+        assert run["v.f"].at(t) == pytest.approx(speed, rel=1e-8, abs=1e-9)
+        assert run["contact.e"].at(t) == pytest.approx(M * acceleration + K * lift, rel=1e-6)

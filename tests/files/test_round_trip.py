@@ -104,6 +104,7 @@ experiment = some(
     event_tol=scalars,
     sliding=st.sampled_from(["filippov", "hysteresis", "refuse"]),
     hysteresis=scalars,
+    impact=st.sampled_from(["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]),
     points=st.integers(2, 1000),
 )
 causality = some(

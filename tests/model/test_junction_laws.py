@@ -170,7 +170,87 @@ def test_a_limit_may_be_a_formula_of_parameters() -> None:
     assert machine_of(graph, "v").law.limit == Number(1.0)
 
 
+@pytest.mark.parametrize(
+    ("given", "want"),
+    [("10 mN", 0.01), ("2 N", 2.0), ("2.5e-1 kg*m/s^2", 0.25), ("3 [N]", 3.0), ("2", 2.0)],
+)
+def test_a_quantity_is_read_as_one(given: str, want: float) -> None:
+    # m is an element and N a parameter of this model: neither is meant by a unit
+    graph = block(law="coulomb", limit=given, breakaway=given).flatten()
+    law = machine_of(graph, "v").law
+    assert law.limit == Number(want) and law.breakaway == Number(want)
+    # closed form: 3 m/s and 2 kg slow down by limit/2 kg
+    m = block(law="coulomb", limit=given, breakaway=given)
+    m.signal(speed="v.f")
+    np.testing.assert_allclose(at(hb.simulate(m, until=0.5), "speed", 0.5), 3 - want / 4, rtol=1e-9)
+
+
+def test_a_product_of_units_is_read_as_one() -> None:
+    m = hb.Model("shaft", domain="rotational")
+    m.add(j=hb.I("2 kg*m^2", f="3 rad/s"), w=hb.One(law="coulomb", limit="2 N*m"))
+    m.bond("w -> j")
+    m.signal(speed="w.f")
+    np.testing.assert_allclose(at(hb.simulate(m, until=1), "speed", 1.0), 2.0, rtol=1e-9)
+
+
+def test_a_gap_may_be_a_quantity() -> None:
+    m = block()
+    m.add(c=hb.Zero(law="unilateral", gap="10 mm"))
+    m.bond("c -> v")
+    assert machine_of(m.flatten(), "c").law.gap == Number(0.01)
+
+
 # -- refusals
+
+
+@pytest.mark.parametrize(
+    "options", [{"law": "diode"}, {"restitution": 0.5}, {"gap": "time"}, {"limit": 1}]
+)
+def test_only_junctions_have_laws(options: Any) -> None:
+    m = series()
+    m.add(x=hb.R("1 ohm", **options))
+    m.bond("j -> x")
+    with pytest.raises(hb.HybondError) as caught:
+        m.flatten()
+    assert caught.value.code == "HB-M201" and caught.value.hint == "only junctions have laws"
+
+
+@pytest.mark.parametrize("gate", ["time", "2", 1.0])
+def test_a_gate_is_a_condition(gate: Any) -> None:
+    with pytest.raises(hb.HybondError) as caught:
+        series(law="thyristor", gate=gate).flatten()
+    assert caught.value.code == "HB-M146" and caught.value.where == "elements.j.gate"
+
+
+def test_a_gate_may_be_always_open() -> None:
+    m = series(law="thyristor", gate=True)
+    m.signal(current="j.f")
+    t = np.linspace(0.1, 6.9, 20)
+    want = np.maximum(np.sin(t), 0.0)
+    np.testing.assert_allclose(at(hb.simulate(m, until=7), "current", t), want, atol=1e-9)
+
+
+def test_each_wrong_number_has_its_own_hint() -> None:
+    hints = set()
+    for options in (
+        {"law": "unilateral", "restitution": -0.1},
+        {"law": "coulomb", "limit": -1},
+        {"law": "unilateral", "restitution": 0.5, "stiffness": -1},
+        {"law": "coulomb", "limit": 2, "breakaway": 1},
+    ):
+        with pytest.raises(hb.ModelError) as caught:
+            series(**options).flatten()
+        hints.add(caught.value.hint)
+    assert len(hints) == 4
+
+
+@pytest.mark.parametrize(("eps", "count"), [(1.0, 0), (1.8, 1)])
+def test_a_restitution_above_one_warns(eps: float, count: int) -> None:
+    graph = series(law="unilateral", restitution=eps).flatten()
+    assert sum("creates energy at each impact" in w for w in graph.warnings) == count
+
+
+# -- refusals of one option
 
 
 @pytest.mark.parametrize(

@@ -455,6 +455,55 @@ def test_the_error_estimate_is_of_the_size_of_the_error() -> None:
     assert any("estimated error" in w for w in step_run(rlcd(), 0.005, 2e-5).warnings)
 
 
+def rectifier() -> hb.Model:
+    m = hb.Model("rectifier", domain="electrical")
+    m.add(s=hb.Se("10 [V]*sin(6.283185307179586 [Hz]*50*time)"), d=hb.One(law="diode"))
+    m.add(n=hb.Zero(), c=hb.C("1 mF"), r=hb.R("100 ohm"))
+    m.bond("s -> d -> n", "n -> c", "n -> r")
+    return m
+
+
+@pytest.mark.parametrize(("until", "says"), [(0.06, "cannot be estimated"), (0.1, "means little")])
+def test_a_run_of_few_steps_says_that_it_is_coarse(until: float, says: str) -> None:
+    # steps of the period of the source: it is zero at every one of them
+    run = step_run(rectifier(), until, 0.02)
+    assert abs(run.final["c.e"]) < 1e-9
+    (warning,) = [w for w in run.warnings if "coarse" in w]
+    assert says in warning and f"only {round(until / 0.02)} steps" in warning
+    assert ("step_error" in run.stats) == (until > 0.08)
+
+
+@pytest.mark.parametrize("until", [0.1, 1.0])
+def test_steps_of_the_period_do_not_pass_for_exact(until: float) -> None:
+    run = step_run(rectifier(), until, 0.02)
+    assert run.stats["step_error"] > 0.05 and run.stats["step_advised"] < 0.002
+    assert any("estimated error" in w for w in run.warnings)
+
+
+def test_enough_steps_are_not_called_coarse() -> None:
+    run = step_run(rectifier(), 0.1, 1e-4)
+    assert run.warnings == () and run.final["c.e"] > 8.0
+
+
+def test_a_law_of_impacts_that_is_not_its_own_is_not_ignored_silently() -> None:
+    def of_impacts(run: hb.Result) -> list[str]:
+        return [w for w in run.warnings if "impact = " in w]
+
+    for law in (None, "newton_simultaneous"):
+        assert of_impacts(step_run(ball(), 1.0, 5e-3, impact=law)) == []
+    for law in ("newton", "poisson", "lzb_hertz"):
+        (warning,) = of_impacts(step_run(ball(), 1.0, 5e-3, impact=law))
+        assert repr(law) in warning and "'newton_simultaneous'" in warning
+    m = ball()
+    m.experiment.update(impact="poisson")
+    assert len(of_impacts(step_run(m, 1.0, 5e-3))) == 1
+    # what the call says replaces it
+    assert of_impacts(step_run(m, 1.0, 5e-3, impact="newton_simultaneous")) == []
+    with pytest.raises(UsageError) as caught:
+        step_run(ball(), 1.0, 5e-3, impact="newtonian")
+    assert caught.value.code == "HB-J205"
+
+
 def test_options() -> None:
     for options, code in (
         ({}, "HB-S102"),

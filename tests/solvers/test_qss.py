@@ -222,6 +222,38 @@ def test_quadratures_of_a_ladder(name, n):
     assert end[n] == pytest.approx(y[:n] @ y[:n] - exact @ exact, abs=1e-4)
 
 
+@pytest.mark.parametrize("part", [0.07, 0.4, 0.9])
+@pytest.mark.parametrize("name", ["qss2", "qss3", "liqss2", "liqss3"])
+def test_a_step_cut_off_keeps_the_energies_of_a_field_of_time(name, part):
+    # A mass pushed by a growing force: what the force has done is what the mass has more.
+    def field(t, y):
+        return np.array([0.5 * t + 1.0, (0.5 * t + 1.0) * y[0]])
+
+    solver = METHODS[name](lambda a, b: np.array([1e-5, np.inf]), rtol=1e-5)
+    solver.start(field, 0.0, np.array([-1.0, 0.0]), t_bound=4.0, jumped=True)
+    # the first events make up for what a start does not know: that the field is one of time
+    steps = [solver.step(4.0) for _ in range(2)]
+    cut = steps[-1].t0 + part * (steps[-1].t1 - steps[-1].t0)
+    after = solver.retry(cut)
+    rest = run(solver, 4.0)[-1]
+    for t, y in ((after.t1, after.y1), (rest.t1, rest.y1)):
+        speed = -1.0 + t + 0.25 * t * t
+        assert y[0] == pytest.approx(speed, abs=1e-5)
+        # the integral of the force times a quantum, by which a quantised speed may be off
+        bound = 1e-5 * (t + 0.25 * t * t)
+        assert y[1] == pytest.approx(0.5 * (speed**2 - 1.0), abs=bound)
+
+
+def test_an_event_that_cuts_a_step_leaves_the_audit_right():
+    m = hb.Model("pushed", domain="translational")
+    m.add(S=hb.Se("0.5 [N/s]*time + 1 [N]"), j=hb.One(), L=hb.I(1, f=-1.0))
+    m.bond("S -> j -> L")
+    m.machine("A", states={"a": [], "b": []}, start="a", rules=["a -> b when j.f > 0"])
+    done = hb.simulate(m, until=4.0, solver="qss3", rtol=1e-6)
+    assert len(done.events) == 2
+    assert done.audit().energy < 1e-6
+
+
 def test_a_quadrature_makes_no_events():
     def with_quadrature(t, y):
         return np.array([y[1], -y[0], 1e6 * y[0] ** 2])

@@ -264,3 +264,5 @@ def _solver(parser: ArgumentParser) -> None:
         "--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1: weight of a step's end"
     )
     parser.add_argument("--max-step", metavar="H", help="longest step")
+    impacts = "newton, newton_simultaneous, poisson, lzb, lzb_hertz"
+    parser.add_argument("--impact", metavar="NAME", help=f"law of multiple impacts: {impacts}")

@@ -16,6 +16,8 @@ from hybond.causality.report import causality as modes_report
 from hybond.cli.cross import check_options, cross
 from hybond.cli.running import read_graph
 from hybond.cli.streams import complain, say
+from hybond.equations.ports import law_machines, port_equations
+from hybond.equations.slots import slots_of
 from hybond.model.graph import FlatGraph, Mode
 
 BONDS = 5000
@@ -42,19 +44,24 @@ def check(given: Namespace) -> int:
         say(f"  {line}")
     _other_modes(graph, reference)
     ahead: list[str] = []
-    if graph.machines and len(graph.bonds) <= BONDS:
+    conflicts = causality.conflicts
+    if law_machines(graph):
+        # the laws of junctions choose branches that have a causality; others are never entered
+        conflicts = ()
+        port_equations(graph, start, slots_of(graph), {})
+    elif graph.machines and len(graph.bonds) <= BONDS:
         ahead = list(ahead_lines(graph, modes_report(graph).ahead))
     for line in ahead:
         say(f"warning: {line}" if not line.startswith(" ") else line)
     warnings = sum(not line.startswith(" ") for line in ahead) + len(graph.warnings)
     for warning in graph.warnings:
         say(f"warning: {warning}")
-    for conflict in causality.conflicts:
+    for conflict in conflicts:
         complain(str(conflict_error(graph, start, conflict)))
-    if not causality.conflicts:
+    if not conflicts:
         plural = "s" if warnings > 1 else ""
         say(f"fine, with {warnings} warning{plural}" if warnings else "fine")
-    return 2 if causality.conflicts else 0
+    return 2 if conflicts else 0
 
 
 def _counts(graph: FlatGraph) -> None:
@@ -95,7 +102,9 @@ def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
     if causality.loops:
         names = ", ".join(repr(graph.bonds[b].name) for b in causality.loops)
         lines.append(f"algebraic loop through {names} (solved at each evaluation)")
-    if causality.conflicts:
+    if causality.conflicts and law_machines(graph):
+        lines.append("no causality: the laws of its junctions do not take these branches together")
+    elif causality.conflicts:
         count = len(causality.conflicts)
         lines.append(f"{count} causal conflict{'s' if count > 1 else ''}")
     return lines

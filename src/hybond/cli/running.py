@@ -53,6 +53,7 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
             step=getattr(given, "step", None),
             max_step=getattr(given, "max_step", None),
             theta=getattr(given, "theta", None),
+            impact=getattr(given, "impact", None),
             progress=progress,
             on_error="return",
         )

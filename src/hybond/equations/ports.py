@@ -37,6 +37,9 @@ Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
 Closure = Callable[[Sequence[float]], float]
 
+CANCELLATION = 1e-13
+"""A sum below this part of its terms is zero: a law without effect must be told from a weak one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Port:
@@ -173,7 +176,7 @@ class PortEquations:
         else:
             gain = self.gains(v, x)
             inward = storage.rates @ gain
-            d = self.partner @ gain
+            d = _product(self.partner, gain)
             coupled = self._directional(v, x, inward, y)
             rate = self._ahead(later, x, field, y, step) if later is not None else 0.0 * y
         return Response(
@@ -190,7 +193,12 @@ class PortEquations:
         seen = shown @ e.x2[:, :nz] @ e.storage.matrix
         inward = e.storage.rates @ gain
         return _Constant(
-            gain, self.partner @ gain, inward, seen @ inward, seen, shown @ e.x2[:, nz : nz + nu]
+            gain,
+            _product(self.partner, gain),
+            inward,
+            _product(seen, inward),
+            seen,
+            shown @ e.x2[:, nz : nz + nu],
         )
 
     def _directional(self, v: list[float], x: Vector, inward: Matrix, y: Vector) -> Matrix:
@@ -238,6 +246,12 @@ class _Constant:
     CE: Matrix
     seen: Matrix
     through: Matrix
+
+
+def _product(a: Matrix, b: Matrix) -> Matrix:
+    """Return ``a @ b`` with what is nothing but cancellation as zero."""
+    c = a @ b
+    return np.where(np.abs(c) <= CANCELLATION * (np.abs(a) @ np.abs(b)), 0.0, c)
 
 
 def law_machines(graph: FlatGraph) -> tuple[int, ...]:

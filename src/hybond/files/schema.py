@@ -194,6 +194,10 @@ class Machine(Struct, forbid_unknown_fields=True):
     rules: list[str] | UnsetType = UNSET
 
 
+Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
+"""The law of impacts at several contacts."""
+
+
 class Experiment(Struct, forbid_unknown_fields=True):
     """What a run of the model is, unless the caller says otherwise."""
 
@@ -210,6 +214,7 @@ class Experiment(Struct, forbid_unknown_fields=True):
     event_tol: Scalar | UnsetType = UNSET
     sliding: Literal["filippov", "hysteresis", "refuse"] | UnsetType = UNSET
     hysteresis: Scalar | UnsetType = UNSET
+    impact: Impact | UnsetType = UNSET
     points: int | UnsetType = UNSET
 
 

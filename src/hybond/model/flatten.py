@@ -32,7 +32,7 @@ from hybond.model.expressions import (
 from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
-from hybond.model.junction_laws import check_readers, law_of_junction, open_laws
+from hybond.model.junction_laws import check_readers, law_of_junction, law_warnings, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.parametric import Parametric, parametric
@@ -115,6 +115,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         dimensions=dimensions,
         experiment=dict(model.experiment),
         layout=opened.layout,
+        warnings=law_warnings(machines),
         by_path={n.path: n.index for n in nodes},
         indeterminate=model.indeterminate,
         pins=pins_of(opened, resolver),

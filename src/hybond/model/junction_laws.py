@@ -19,7 +19,8 @@ for all junctions at once, by complementarity, never rule by rule.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 
 from hybond.errors import ModelError, UnitError
 from hybond.model.expressions import Expr, Name, Number, posterior_names, simplify
@@ -38,7 +39,7 @@ from hybond.model.laws import TWO_SIDED, JunctionLaw
 from hybond.model.parts import MachinePart, Part, Value
 from hybond.model.resolve import Resolver, balance
 from hybond.names import did_you_mean, join
-from hybond.units import Dimension, parse_unit
+from hybond.units import Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 
@@ -51,6 +52,8 @@ LAWS: dict[str, tuple[str, ...]] = {
 }
 """Each law and the options that it may have."""
 NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
+_LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway")
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.+)", re.ASCII)
 _COMMON_OPTIONS = ("law", "domain", "label")
 
 
@@ -65,13 +68,15 @@ def open_laws(opened: Opened) -> dict[str, str]:
     Raises
     ------
     ModelError
-        HB-M200 an unknown law, HB-M201 an option that is missing or that the law does not have,
+        HB-M200 an unknown law, HB-M201 an option that is missing, or that the law or element
+        does not have,
         HB-M202 a name that is taken.
     """
     found: dict[str, str] = {}
     for path, written in list(opened.nodes.items()):
         part = written.part
         if part.kind not in JUNCTIONS:
+            _refuse_law(path, part)
             continue
         kind = _kind(path, part)
         if kind is None:
@@ -91,6 +96,18 @@ def open_laws(opened: Opened) -> dict[str, str]:
             own, text = source
             found[path] = _add_source(opened, written.scope, path, own, text, part)
     return found
+
+
+def _refuse_law(path: str, part: Part) -> None:
+    """Refuse a law, or an option of one, at an element that is no junction."""
+    for option in _LAW_ONLY:
+        if option in part.options:
+            raise ModelError(
+                f"a {part.kind} has no option {option!r}",
+                code="HB-M201",
+                where=f"elements.{path}",
+                hint="only junctions have laws",
+            )
 
 
 def _kind(path: str, part: Part) -> str | None:
@@ -175,7 +192,15 @@ def _parts(kind: str, name: str, part: Part) -> tuple[MachinePart, tuple[str, st
 
 
 def _text(value: Value) -> str:
-    return value if isinstance(value, str) else repr(value)
+    """Return an option as part of an expression: a quantity has its unit in brackets there."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if not isinstance(value, str):
+        return repr(value)
+    split = _QUANTITY.fullmatch(value.strip())
+    if try_quantity(value) is None or split is None or "[" in value:
+        return value
+    return f"{split[1]} [{split[2]}]"
 
 
 def _add_source(opened: Opened, scope: Scope, path: str, own: str, text: str, part: Part) -> str:
@@ -215,8 +240,11 @@ def law_of_junction(
     UnitError
         HB-U103 for a limit or gap in the wrong unit.
     ModelError
-        HB-M203 for a coefficient of restitution below zero, or a breakaway below the limit.
+        HB-M146 for a gate that is no condition, HB-M203 for a coefficient of restitution, a limit
+        or a stiffness below zero, or a breakaway below the limit.
     """
+    from hybond.model.flatten import is_condition
+
     part, scope = written.part, written.scope
     where = f"elements.{node.path}"
     common, net = ("f", "e") if node.kind == "1" else ("e", "f")
@@ -235,7 +263,17 @@ def law_of_junction(
         if option not in part.options:
             continue
         at = f"{where}.{option}"
-        tree = resolver.resolve(literal(part.options[option], at), scope, at)
+        value = part.options[option]
+        if option == "gate":
+            value = _text(value)  # True is a gate that is always open
+        tree = resolver.resolve(literal(value, at), scope, at)
+        if option == "gate" and not is_condition(tree):
+            raise ModelError(
+                f"the gate {value!r} is a number, not a condition",
+                code="HB-M146",
+                where=at,
+                hint="compare it with something, such as > 0",
+            )
         found = resolver.dimension(tree, dimensions, at)
         target = wanted.get(option)
         if target is not None and found is not None and found != target:
@@ -262,21 +300,37 @@ def _common(node: Node, variable: str) -> Expr:
     return Name(f"{variable}:{node.ends[0].bond}") if node.ends else Number(0.0)
 
 
+_NOT_NEGATIVE = {
+    "restitution": "0 (plastic) to 1 (elastic)",
+    "limit": "the size of the friction force; its direction follows the motion",
+    "stiffness": "a stiffness above zero; only the ratios between contacts matter",
+}
+
+
 def _check_values(given: Mapping[str, Expr], where: str) -> None:
     values = {k: e.value for k, e in given.items() if isinstance(e, Number)}
-    wrong = ""
-    for option in ("restitution", "limit", "stiffness"):
+    wrong = hint = ""
+    for option, advice in _NOT_NEGATIVE.items():
         if values.get(option, 0.0) < 0.0:
-            wrong = f"{option} = {values[option]:g} is negative"
+            wrong, hint = f"{option} = {values[option]:g} is negative", advice
     if "limit" in values and values.get("breakaway", values["limit"]) < values["limit"]:
         wrong = f"breakaway = {values['breakaway']:g} is below the limit, {values['limit']:g}"
+        hint = "what breaks loose holds at least as much as what slides"
     if wrong:
-        raise ModelError(
-            wrong,
-            code="HB-M203",
-            where=where,
-            hint="what breaks loose holds at least as much as what slides",
-        )
+        raise ModelError(wrong, code="HB-M203", where=where, hint=hint)
+
+
+def law_warnings(machines: Iterable[Machine]) -> tuple[str, ...]:
+    """Return what is allowed in laws but hardly meant: a restitution above 1."""
+    found = []
+    for machine in machines:
+        eps = None if machine.law is None else machine.law.restitution
+        if isinstance(eps, Number) and eps.value > 1.0:
+            found.append(
+                f"restitution = {eps.value:g} of {machine.path!r} is above 1: "
+                "it creates energy at each impact"
+            )
+    return tuple(found)
 
 
 def check_readers(graph: FlatGraph) -> None:

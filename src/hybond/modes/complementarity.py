@@ -33,6 +33,7 @@ from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
+from hybond.modes.gaps import check_gaps
 from hybond.modes.jump import enter, reach_of_bonds
 from hybond.modes.law_problem import (
     BACKWARD,
@@ -99,6 +100,7 @@ class Complementarity:
         self.graph = program.graph
         self.laws = tuple(m.index for m in self.graph.machines if m.law is not None)
         self._largest: dict[int, float] = {}
+        self._checked = False
 
     # -- the two problems
 
@@ -123,8 +125,14 @@ class Complementarity:
         y = self.clean(response, ports, x, energy)
         one_sided = np.array([not p.law.two_sided for p in ports.ports])
         taking = one_sided & self.able(ports, v, at)
-        sequential = np.array([p.law.restitution is not None for p in ports.ports])
-        taking &= ~sequential | (y < 0.0)
+        rebound = np.array(
+            [
+                0.0 if p.law.restitution is None else float(self.value(p.law.restitution, v))
+                for p in ports.ports
+            ]
+        )
+        # what rebounds enters one after another; what does not stays together, as in one problem
+        taking &= (rebound == 0.0) | (y < 0.0)
         # OFF where the common variable follows from what is stored alone: it must be zero
         shut = one_sided & ~self.able(ports, v, at) & ~response.D.any(axis=1)
         shut &= np.array([p.given == "net" for p in ports.ports])
@@ -138,9 +146,10 @@ class Complementarity:
             if port.law.two_sided and not port.law.impulsive:
                 roles[k] = HELD if port.given == "common" else CUT
         start = self._branches(ports, at.mode)
+        shift = rebound * y
         for factor in dict.fromkeys(f for f, _, _ in TRIES):
             h = factor * self._step(response, y)
-            found = self._solve(ports, v, response, y, h, roles, start, sliding=set())
+            found = self._solve(ports, v, response, y, h, roles, start, set(), shift)
             if found is not None:
                 yield self._mode(at, ports, found, keep=False, impact=True)
         if (np.abs(y) <= DUST * self._size(response, ports, x, energy))[wrong].all():
@@ -261,6 +270,9 @@ class Complementarity:
         energy = max(energy, abs(ports.equations.storage.energy(x)))
         moved = enter(ports.equations, v, x, where=where, energy=energy).x
         v[program.slots.x] = moved.tolist()
+        if not self._checked:
+            self._checked = True
+            check_gaps(program, ports, v, moved)
         return ports, v, moved
 
     def _later(self, at: Instant, x: Vector, dt: float, field: Vector) -> list[float]:
@@ -342,6 +354,7 @@ class Complementarity:
         roles: list[str],
         start: Branches,
         sliding: set[int],
+        shift: Vector | None = None,
     ) -> Answer | None:
         """Solve one complementarity problem; warn where another answer fits as well."""
         friction = {
@@ -350,20 +363,32 @@ class Complementarity:
             if roles[k] in (TWO_SIDED, FORWARD, BACKWARD)
         }
         m = response.D + h * response.CE
+        # a law that neither acts on anything nor feels any other: its value is rounding, or right
+        idle = ~(m.any(axis=1) | m.any(axis=0))
+        q = np.where(idle & (q < 0.0) & (q >= -DUST * response.size), 0.0, q)
         common = [p.given == "common" for p in ports.ports]
         if friction:
-            found = solve_laws(m, q, roles=roles, common=common, friction=friction, start=start)
+            found = solve_laws(
+                m, q, roles=roles, common=common, friction=friction, start=start, shift=shift
+            )
         else:
             # in units in which efforts and flows are of one size: both must show their signs
             d = self._units(ports, q)
-            found = solve_laws(m * d * d[:, None], q * d, roles=roles, common=common, start=start)
+            found = solve_laws(
+                m * d * d[:, None],
+                q * d,
+                roles=roles,
+                common=common,
+                start=start,
+                shift=None if shift is None else shift * d,
+            )
             found = None if found is None else replace(found, l=found.l * d)
         if found is None or np.array_equal(found.branch, start):
             return found
         coupled = any(f.slope.any() for f in friction.values())
         if not coupled and positive_semidefinite(m):
             return found
-        other = ambiguous(m, q, found, roles=roles, common=common, friction=friction)
+        other = ambiguous(m, q, found, roles=roles, common=common, friction=friction, shift=shift)
         if other:
             names = ", ".join(ports.ports[k].path for k in other)
             self.trace.warn(

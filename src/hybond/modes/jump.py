@@ -35,6 +35,8 @@ CONSISTENT = 1e-12
 AGREE = 1e-9
 """Contradicting sources agree if they differ by less than this part of their values."""
 JUMP_STEPS = 60
+CANCELLED = 1e-15
+"""A sum of two terms below this part of their sizes is zero."""
 NOTHING = 1e-20
 """A stored quantity that a constraint moves is zero below this part of what it may be."""
 
@@ -98,13 +100,20 @@ def enter(
     directions, moving, d = ways.directions, ways.moving, ways.d
     if (np.abs(residual) <= CONSISTENT * size).all():
         # rounding, not a jump: dust is swept up without an impulse
-        return Jump(x + d @ nu, nothing, (), happened=False)
+        return Jump(_moved(x, d @ nu), nothing, (), happened=False)
     impulses = directions @ (moving @ nu)
     free = directions @ _complement(moving)
     if free.shape[1]:
         impulses = least_leakage(free, equations.junctions) @ impulses
     names = tuple(undetermined_names(equations.graph, free)) if free.shape[1] else ()
-    return Jump(x + d @ nu, impulses, names, happened=True)
+    return Jump(_moved(x, d @ nu), impulses, names, happened=True)
+
+
+def _moved(x: Vector, change: Vector) -> Vector:
+    """Return ``x + change``, what cancels to rounding being zero."""
+    total = x + change
+    size = np.abs(x) + np.abs(change)
+    return np.where(np.abs(total) <= CANCELLED * size, 0.0, total)
 
 
 def check_agreement(equations: ModeEquations, v: list[float], x: Vector, where: str) -> None:

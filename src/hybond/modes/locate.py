@@ -216,9 +216,10 @@ class Locator:
                 for j, d in enumerate(atoms)
                 for i in np.flatnonzero(np.sign(d[:-1]) * np.sign(d[1:]) < 0)
             ]
-            marks = sorted([*roots, *t.tolist()])
-            candidates.update(roots)
-            candidates.update(0.5 * (x + y) for x, y in pairwise(marks) if y - x > 0.0)
+            if roots:
+                marks = sorted([*roots, *t.tolist()])
+                candidates.update(roots)
+                candidates.update(0.5 * (x + y) for x, y in pairwise(marks) if y - x > 0.0)
         for c in sorted(candidates):
             # true at c: it may have become so at any time after the candidate before
             low = max([float(t[0]), *(a for a in (*t.tolist(), *candidates) if a < c)])

@@ -26,6 +26,10 @@ from hybond.modes.law_problem import (
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+IDLE = 1e-14
+"""Part of the largest response below which a law does nothing."""
+ROUNDED = 1e-12
+"""Part of the largest bond variable below which the value of such a law is rounding."""
 Limit = Callable[[Expr], tuple[float, Vector]]
 
 
@@ -50,6 +54,8 @@ class Laws:
     restitution : array, shape (ports,)
     limits : tuple of (Expr or None, Expr or None)
         Of friction: while it slides, and at rest.
+    size : float
+        Of the largest bond variable at the beginning.
     """
 
     machines: tuple[Machine, ...]
@@ -61,6 +67,7 @@ class Laws:
     w: Vector
     restitution: Vector
     limits: tuple[tuple[Expr | None, Expr | None], ...]
+    size: float = 0.0
 
     @property
     def guess(self) -> Branches:
@@ -81,6 +88,10 @@ class Laws:
         What was at rest stays so up to its breakaway limit, and slides with the other one.
         """
         guess = self.guess
+        # a law that neither acts on anything nor feels any other: its value is rounding, or right
+        small = np.abs(M) <= IDLE * np.abs(M).max(initial=0.0)
+        idle = small.all(axis=1) & small.all(axis=0)
+        q = np.where(idle & (q < 0.0) & (q >= -ROUNDED * self.size), 0.0, q)
         loose = {
             k
             for k, (m, (_, rest)) in enumerate(zip(self.machines, self.limits, strict=True))
@@ -150,6 +161,7 @@ def read_laws(
         np.asarray(ports.partner @ w),
         restitution,
         tuple((p.law.limit, p.law.breakaway) for p in ports.ports),
+        float(np.abs(w).max(initial=0.0)),
     )
 
 

@@ -31,16 +31,23 @@ from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
 from hybond.modes.moreau import Advance, Point, ThetaScheme
 from hybond.modes.settle import Settler, event_of
-from hybond.modes.step_error import BAD, compare
+from hybond.modes.step_error import BAD, StepError, compare
 from hybond.modes.step_record import event_of_step
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.trace import Cause, Event, Segment, Trace
+from hybond.units import format_quantity
 
 Vector = NDArray[np.float64]
 
 SLACK = 1e-9
 """Part of a step within which a time counts as a point of the grid."""
+FEW = 20
+"""With fewer steps a run is warned about: the comparison with longer steps says nothing then."""
+SAME = 1e-12
+"""Two runs that differ by less may have sampled a periodic input at the same phase each time."""
+INCOMMENSURATE = 0.5 * (1.0 + 5.0**0.5)
+"""Then the step is compared with one longer by the ratio that no fraction comes close to."""
 CHATTER = 100
 """Steps in a row at whose ends one machine fires, after which a warning says so."""
 
@@ -81,6 +88,7 @@ class TimeStepping:
         self.progress = progress
         # with two steps in all there is nothing to compare
         self.coarser = coarser if limits.until > 4.0 * step else None
+        self._judged = coarser is not None
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
         self.scheme = ThetaScheme(program, theta)
@@ -123,10 +131,32 @@ class TimeStepping:
             )
         if self.coarser is not None:
             self._compare(y, self.coarser)
+        if self._judged and self._steps < FEW:
+            self._warn_of_few_steps()
         return "ok"
 
+    def _warn_of_few_steps(self) -> None:
+        """Say that the step is coarse, and whether anything was estimated."""
+        estimate = "error estimate means little" if self.coarser else "error cannot be estimated"
+        count = f"{self._steps} step" + "s" * (self._steps != 1)
+        self.trace.warn(
+            f"step = {format_quantity(self.h, 's')} is coarse: the run has only {count}, and its "
+            f"{estimate}; try step = {format_quantity(self.limits.until / 1000.0, 's')} or less"
+        )
+
     def _compare(self, y: Vector, factor: float) -> None:
-        """Run with twice the step, and note what the difference says."""
+        """Run with a longer step, and note what the difference says."""
+        error = self._apart(y, factor)
+        if error is not None and max(error.end, error.mean) <= SAME:
+            error = self._apart(y, INCOMMENSURATE) or error
+        if error is not None:
+            self.trace.stats["step_error"] = max(error.end, error.mean)
+            self.trace.stats["step_advised"] = error.advised
+            if max(error.end, error.mean) > BAD:
+                self.trace.warn(error.text())
+
+    def _apart(self, y: Vector, factor: float) -> StepError | None:
+        """Return how far a run with steps longer by `factor` is from this one, if it can be."""
         coarse = TimeStepping(
             self.program,
             self.limits,
@@ -140,13 +170,8 @@ class TimeStepping:
         try:
             coarse.run(y)
         except (HybondError, KeyboardInterrupt):
-            return
-        error = compare(self.graph, self.h, self.trace, coarse.trace)
-        if error is not None:
-            self.trace.stats["step_error"] = max(error.end, error.mean)
-            self.trace.stats["step_advised"] = error.advised
-            if max(error.end, error.mean) > BAD:
-                self.trace.warn(error.text())
+            return None
+        return compare(self.graph, self.h, self.trace, coarse.trace)
 
     def _progress_at_end(self, _: float, __: int) -> None:
         if self.progress is not None:

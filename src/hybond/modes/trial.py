@@ -6,7 +6,7 @@ Nothing here decides anything; `settle` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
-from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
 from hybond.modes.complementarity import Complementarity, Instant
 from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair
 from hybond.modes.guards import Guards
@@ -28,6 +28,8 @@ from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 
+TURNED = 8
+"""Modes that are tried with what is violated turned."""
 AGAIN = 4
 """States that differ by rounding from which branches are looked for."""
 DUST = 1e-9
@@ -233,7 +235,10 @@ class Trials:
         for state in states:
             lasting = self.laws.lasting(t, state, s, mode, after, pre, energy=energy)
             settled = ((mode, False),) if stay and done is None and state is landed else ()
-            for candidate, kept in chain(settled, lasting):
+            turned: list[tuple[Mode, bool]] = []
+            asked: set[Mode] = set()
+            # `turned` grows while the others are tried
+            for candidate, kept in chain(settled, lasting, turned):
                 equations = program.equations(candidate, after, t)
                 v = self._values(t, x, s, candidate, after, pre)
                 text = f"({self.graph.mode_text(candidate)}) would need an impulse"
@@ -245,7 +250,7 @@ class Trials:
                     tried += [text] if text not in tried else []
                     continue
                 if done is not None:
-                    own = done
+                    own = replace(done, x=swept)
                 elif jump:
                     own = self._jump(equations, v, x)
                 else:
@@ -257,10 +262,17 @@ class Trials:
                 if not broken:
                     trial.through = through if own.happened and through != candidate else None
                     return trial
-                tried += [text for text in broken if text not in tried]
-                # rounding of the state may have spoken: ask again on what these branches hold
+                tried += [r for m, rule in broken if (r := f"{m.path}: {rule.text}") not in tried]
+                # rounding may have spoken: ask again on what these branches hold, and last of all
+                # turn what is violated, which is accepted only if it stands as well
                 if len(states) < AGAIN and not any(np.array_equal(swept, a) for a in states):
                     states.append(swept)
+                other = list(candidate)
+                for m, rule in broken:
+                    other[m.index] = rule.target
+                if tuple(other) not in asked and len(asked) < TURNED:
+                    asked.add(tuple(other))
+                    turned.append((tuple(other), False))
         raise NumericsError(
             f"no branches of the junction laws stand at t = {t:.9g} s: {'; '.join(tried)}",
             code="HB-J111",
@@ -279,7 +291,7 @@ class Trials:
         dust = (np.abs(landed - x) <= DUST * (np.abs(x) + reach)).all()
         return landed if dust else None
 
-    def _violated(self, trial: Trial) -> list[str]:
+    def _violated(self, trial: Trial) -> list[tuple[Machine, Rule]]:
         """Return the rules of laws that hold in their own branches, with finite values."""
         n = self._offset
         sizes = [p.size for p in trial.pairs[:n]]
@@ -301,7 +313,7 @@ class Trials:
                 continue  # what still approaches strikes in the next jump of this instant
             for rule in machine.rules:
                 if rule.source == state and self.guards.holds(rule, pairs, machine.path):
-                    found.append(f"{machine.path}: {rule.text}")
+                    found.append((machine, rule))
         return found
 
     def _impulsive_factors(self, equations: ModeEquations, v: Sequence[float]) -> Vector | None:

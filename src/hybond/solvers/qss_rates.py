@@ -29,6 +29,8 @@ CONFIRMED = 1e-9
 """The field confirms a matrix if it differs by less than this part of the size of the terms."""
 NOTHING = 1e-6
 """Part of a quantum by which a step may be off without a second look."""
+SAME = 1e-9
+"""Part of a step by which it may differ from the time that was fitted."""
 _FIT = 0.1
 """Part of a quantum that the error of a fit at the end of a step, if it lasted, may make."""
 _SAFETY, _SHRINK, _GROW = 0.9, 0.1, 4.0
@@ -209,6 +211,8 @@ class Fitted(Rates):
         everyone = np.arange(len(matrix))
         self.rows = [everyone for _ in everyone]
         self._last: tuple[float, FloatArray] = (math.nan, np.empty(0))
+        self._fitted = (math.nan, math.nan)
+        """Where the fit of the quadratures begins, and how long it is."""
 
     def first(self, t: float, x: FloatArray) -> FloatArray:
         """Evaluate the field."""
@@ -233,6 +237,7 @@ class Fitted(Rates):
         coefficients = _fit(f, h)
         motion.x[1:] = coefficients[:, self.states] / np.arange(1.0, n + 1.0)[:, None]
         motion.r = coefficients[:, self.rest]
+        self._fitted = t, h
         # a little further than the events foreseen, but not than a fit that failed
         self.until = t + max(h, min(1.5 * h, self.reach))
         if moved is not None and moved[1] != 0.0 and self._last[0] == t:
@@ -264,8 +269,24 @@ class Fitted(Rates):
         return False
 
     def quadratures(self, motion: Motion, h: float) -> FloatArray:
-        """Return the fit."""
-        return motion.r
+        """Return the fit; a new one if the step is not the time that was fitted.
+
+        The error of a fit on Gauss nodes has no integral over exactly the time fitted. Over part
+        of it, where an event cuts a step, or beyond, it has one, and no tolerance looks at it.
+        """
+        if not self.rest.size:
+            return motion.r
+        start, length = self._fitted
+        if motion.t == start and abs(h - length) <= SAME * length:
+            return motion.r
+        nodes = NODES[len(motion.q)]
+        rates = np.array(
+            [self.evaluate(motion.t + c * h, motion.quantised(c * h))[self.rest] for c in nodes]
+        )
+        if not np.isfinite(rates).all():
+            return motion.r
+        self._fitted = motion.t, h
+        return _fit(rates, h)
 
 
 def _fit(values: FloatArray, h: float) -> FloatArray:

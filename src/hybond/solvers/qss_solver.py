@@ -360,7 +360,10 @@ class QuantizedState(Solver):
         return Step(t0, t1, y0, y1, interpolant, math.nan, self._counted(), rejected)
 
     def retry(self, t_end: float) -> Step:
-        """Cut the last step off at `t_end`: the same polynomials, no evaluation."""
+        """Cut the last step off at `t_end`: the same polynomials of the states.
+
+        Only quadratures may have to be sampled anew: a fit of theirs is good over all of a step.
+        """
         _, y0, _ = self._last(t_end)
         with np.errstate(all="ignore"):
             return self._take(self._before, y0, float(t_end), 0)

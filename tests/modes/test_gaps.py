@@ -1,0 +1,49 @@
+"""A gap that is not the distance that the bonds close is refused; so is nothing else."""
+
+import pytest
+
+import hybond as hb
+
+
+def ball(gap: str, bond: str) -> hb.Model:
+    m = hb.Model("ball", domain="translational", parameters={"g": "9.81 m/s^2"})
+    m.add(weight=hb.Se("-1 [kg]*g"), ball=hb.I("1 kg"), v=hb.One())
+    m.add(contact=hb.Zero(law="unilateral", gap=gap, restitution=0.5))
+    m.bond("weight -> v -> ball", bond)
+    m.signal(height=hb.Integral("v.f", "1 m"))
+    return m
+
+
+@pytest.mark.parametrize(
+    ("gap", "bond"),
+    [("-height", "contact -> v"), ("height", "v -> contact"), ("2*height", "contact -> v")],
+)
+def test_a_gap_that_is_not_the_distance(gap, bond):
+    with pytest.raises(hb.ModelError) as caught:
+        hb.simulate(ball(gap, bond), until=1)
+    assert caught.value.code == "HB-M205"
+    assert caught.value.where == "elements.contact.gap"
+
+
+@pytest.mark.parametrize(
+    ("gap", "bond"), [("height", "contact -> v"), ("0.5 [m] - height", "v -> contact")]
+)
+def test_a_gap_that_is(gap, bond):
+    assert hb.simulate(ball(gap, bond), until=0.1).status == "ok"
+
+
+def test_plastic_bodies_struck_from_both_sides_at_once_stay_together():
+    """Masses 1, 3, 0.5, 7 at 4, 1, 1, -2 m/s: all end at the speed of the whole, -6.5/11.5 m/s."""
+    m = hb.Model("row", domain="translational")
+    places = (0.0, 4.0, 5.0, 9.0)
+    bodies = zip((1.0, 3.0, 0.5, 7.0), (4.0, 1.0, 1.0, -2.0), places, strict=True)
+    for k, (mass, speed, place) in enumerate(bodies):
+        m.add(**{f"m{k}": hb.I(mass, f=speed), f"v{k}": hb.One()})
+        m.bond(f"v{k} -> m{k}")
+        m.signal(**{f"x{k}": hb.Integral(f"v{k}.f", place)})
+    for k in range(3):
+        gap = f"x{k + 1} - x{k} - 1 [m]"
+        m.add(**{f"c{k}": hb.Zero(law="unilateral", gap=gap, restitution=0.0)})
+        m.bond(f"v{k} -> c{k} -> v{k + 1}")
+    run = hb.simulate(m, until=2)
+    assert [run[f"v{k}.f"].at(2.0) for k in range(4)] == pytest.approx([-6.5 / 11.5] * 4)
