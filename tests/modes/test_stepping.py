@@ -259,8 +259,8 @@ def test_three_balls_in_one_problem_share_the_blow() -> None:
     for k, v in ((1, 1.0), (2, 0.0), (3, 0.0)):
         m.add(**{f"m{k}": hb.I(1.0, f=v), f"v{k}": hb.One()})
         m.bond(f"v{k} -> m{k}")
-    m.signal(x1=hb.Integral("v1.f", start=-0.1))
-    for k, gap in ((1, "-x1"), (2, "0")):
+    m.signal(**{f"x{k}": hb.Integral(f"v{k}.f", start=s) for k, s in ((1, -0.1), (2, 0), (3, 0))})
+    for k, gap in ((1, "x2 - x1"), (2, "x3 - x2")):
         law = hb.Zero(law="unilateral", gap=gap, restitution=1.0)
         m.add(**{f"hit{k}": law})
         m.bond(f"hit{k} -> v{k + 1}", f"v{k} -> hit{k}")

@@ -200,6 +200,8 @@ def _text(value: Value) -> str:
     split = _QUANTITY.fullmatch(value.strip())
     if try_quantity(value) is None or split is None or "[" in value:
         return value
+    if not split[1].strip() or not split[2].strip():
+        return value  # a bare number
     return f"{split[1]} [{split[2]}]"
 
 

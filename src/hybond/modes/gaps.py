@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hybond.equations.calculus import partial_time
 from hybond.equations.ports import PortEquations
 from hybond.errors import ModelError
+from hybond.model.expressions import names
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
@@ -31,7 +32,8 @@ def check_gaps(program: Program, ports: PortEquations, v: list[float], x: Vector
     ModelError
         HB-M205 with both speeds.
     """
-    contacts = [p for p in ports.ports if p.law.gap is not None]
+    # a constant gap says that the sides touch at all times, or never
+    contacts = [p for p in ports.ports if p.law.gap is not None and names(p.law.gap)]
     if not contacts:
         return
     graph = program.graph
