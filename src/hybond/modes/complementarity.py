@@ -104,22 +104,11 @@ class Complementarity:
 
     # -- the two problems
 
-    def jumping(
-        self,
-        t: float,
-        x: Vector,
-        s: Vector,
-        mode: Mode,
-        after: Interval,
-        pre: Sequence[float],
-        *,
-        energy: float,
-    ) -> Iterator[Mode]:
+    def jumping(self, at: Instant, x: Vector, *, energy: float) -> Iterator[Mode]:
         """Yield modes whose branches may carry impulses, the likeliest first.
 
         None if no law is violated by what is stored.
         """
-        at = Instant(t, s, mode, after, pre)
         ports, v, x = self.consistent(at, x, energy)
         response = ports.response(v, x)
         y = self.clean(response, ports, x, energy)
@@ -156,19 +145,8 @@ class Complementarity:
             return  # rounding has no solution; what lasts is decided without it
         raise self._unsolvable(at, ports, taking, "impulses")
 
-    def lasting(
-        self,
-        t: float,
-        x: Vector,
-        s: Vector,
-        mode: Mode,
-        after: Interval,
-        pre: Sequence[float],
-        *,
-        energy: float,
-    ) -> Iterator[tuple[Mode, bool]]:
+    def lasting(self, at: Instant, x: Vector, *, energy: float) -> Iterator[tuple[Mode, bool]]:
         """Yield modes whose branches may last from the state `x`, the likeliest first."""
-        at = Instant(t, s, mode, after, pre)
         ports, v, x = self.consistent(at, x, energy)
         response = ports.response(v, x, later=lambda dt, field: self._later(at, x, dt, field))
         able = self.able(ports, v, at)

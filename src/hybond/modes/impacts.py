@@ -6,8 +6,6 @@ Newton's law contact after contact needs none of this: it is a branch of the con
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +14,6 @@ from hybond.model.graph import Mode
 from hybond.modes.complementarity import Complementarity, Instant
 from hybond.modes.impact_laws import impact
 from hybond.modes.jump import Jump, enter
-from hybond.programs.interval import Interval
 
 Vector = NDArray[np.float64]
 
@@ -25,17 +22,7 @@ REACHED = 1e-6
 
 
 def strike(
-    laws: Complementarity,
-    law: str,
-    exponent: float,
-    *,
-    t: float,
-    x: Vector,
-    s: Vector,
-    mode: Mode,
-    after: Interval,
-    pre: Sequence[float],
-    energy: float,
+    laws: Complementarity, law: str, exponent: float, at: Instant, x: Vector, *, energy: float
 ) -> tuple[Jump, Mode] | None:
     """Return the jump of an impact at all closed contacts and the mode that carries it.
 
@@ -46,7 +33,6 @@ def strike(
     HybondError
         Those of `impact_laws.impact`; HB-J206 if storage does not follow the law.
     """
-    at = Instant(t, s, mode, after, pre)
     ports, v, start = laws.consistent(at, x, energy)
     response = ports.response(v, start)
     y = laws.clean(response, ports, start, energy)
@@ -84,14 +70,14 @@ def strike(
     missed = np.abs(reached[who] - found.after).max(initial=0.0)
     if missed > REACHED * np.abs(y[who]).max():
         raise NumericsError(
-            f"after the impact at t = {t:.9g} s the contacts move {missed:.3g} off what the law "
+            f"after the impact at t = {at.t:.9g} s the contacts move {missed:.3g} off what the law "
             f"{law!r} says",
             code="HB-J206",
-            where=laws.graph.mode_text(mode),
+            where=laws.graph.mode_text(at.mode),
             hint="an impact law takes masses as constant: give them linear laws",
         )
-    first = enter(ports.equations, list(v), x, where=laws.graph.mode_text(mode), energy=energy)
-    struck = list(mode)
+    first = enter(ports.equations, list(v), x, where=laws.graph.mode_text(at.mode), energy=energy)
+    struck = list(at.mode)
     for k, port in enumerate(ports.ports):
         states = laws.graph.machines[port.machine].states
         if nu[k] > 0.0:

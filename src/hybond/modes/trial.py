@@ -201,39 +201,15 @@ class Trials:
         program = self.program
         stored = program.ports(mode, after, t).equations.storage.energy(x)
         energy = self.trace.energy = max(self.trace.energy, abs(stored))
-        done: Jump | None = None
-        through: Mode | None = None
-        factors: Vector | None = None
-        struck = None
-        if jump and self.impact_law != "newton":
-            struck = strike(
-                self.laws,
-                self.impact_law,
-                self.impact_exponent,
-                t=t,
-                x=x,
-                s=s,
-                mode=mode,
-                after=after,
-                pre=pre,
-                energy=energy,
-            )
-        if struck is not None:
-            done, through = struck
-        elif jump:
-            for candidate in self.laws.jumping(t, x, s, mode, after, pre, energy=energy):
-                equations = program.equations(candidate, after, t)
-                v = self._values(t, x, s, candidate, after, pre)
-                factors = self._impulsive_factors(equations, v)
-                done, through = self._jump(equations, v, x), candidate
-                break
+        at = Instant(t, s, mode, after, pre)
+        done, through, factors = self._struck(at, x, pre) if jump else (None, None, None)
         landed = x if done is None else done.x
         if done is None and jump:
-            landed = self.laws.consistent(Instant(t, s, mode, after, pre), x, energy)[2]
+            landed = self.laws.consistent(at, x, energy)[2]
         tried: list[str] = []
         states = [landed]
         for state in states:
-            lasting = self.laws.lasting(t, state, s, mode, after, pre, energy=energy)
+            lasting = self.laws.lasting(at, state, energy=energy)
             settled = ((mode, False),) if stay and done is None and state is landed else ()
             turned: list[tuple[Mode, bool]] = []
             asked: set[Mode] = set()
@@ -280,6 +256,27 @@ class Trials:
             hint="several answers may fit (Painleve), or values lie too far apart for the "
             "arithmetic: give contacts a stiffness, sources a resistance",
         )
+
+    def _struck(
+        self, at: Instant, x: Vector, pre: list[float]
+    ) -> tuple[Jump | None, Mode | None, Vector | None]:
+        """Return the jump that laws ask for, the mode that carries it, factors of impulsive laws.
+
+        All None if no law is violated by what is stored.
+        """
+        if self.impact_law != "newton":
+            energy = self.trace.energy
+            law, exponent = self.impact_law, self.impact_exponent
+            struck = strike(self.laws, law, exponent, at, x, energy=energy)
+            if struck is not None:
+                return *struck, None
+        candidate = next(self.laws.jumping(at, x, energy=self.trace.energy), None)
+        if candidate is None:
+            return None, None, None
+        equations = self.program.equations(candidate, at.after, at.t)
+        v = self._values(at.t, x, at.s, candidate, at.after, pre)
+        factors = self._impulsive_factors(equations, v)
+        return self._jump(equations, v, x), candidate, factors
 
     def _swept(self, equations: ModeEquations, v: list[float], x: Vector) -> Vector | None:
         """Return the state on the constraints of a mode; None if that takes more than dust.
