@@ -15,8 +15,8 @@ from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.modes.audit import Audit, audit
 from hybond.modes.jump import on_constraints
-from hybond.modes.sliding_view import equations_of
-from hybond.modes.step_values import values_of_steps
+from hybond.modes.sliding.view import equations_of
+from hybond.modes.stepping.values import values_of_steps
 from hybond.names import did_you_mean
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval

@@ -14,9 +14,9 @@ from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive, Limits
-from hybond.modes.impact_laws import IMPACT_LAWS
-from hybond.modes.sliding_bands import CHOICES, Choice, banded
-from hybond.modes.stepping import TimeStepping
+from hybond.modes.impacts.laws import IMPACT_LAWS
+from hybond.modes.sliding.bands import CHOICES, Choice, banded
+from hybond.modes.stepping.executive import TimeStepping
 from hybond.names import did_you_mean
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
@@ -86,7 +86,7 @@ def simulate(
     hysteresis : float or str
         Half the width of that band, in the unit of the switching functions or in SI.
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
-        The law of impacts at several contacts with restitution; see `impact_laws`. Default
+        The law of impacts at several contacts with restitution; see `hybond.modes.impacts.laws`. Default
         ``"newton"``, contact after contact: the only one that needs no more than what a single
         impact tells, never creates energy, and gives the textbook answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.

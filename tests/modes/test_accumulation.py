@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import hybond as hb
-from hybond.modes.accumulation import Clock, Series, aitken, chatter, limit_of
+from hybond.modes.landing.accumulation import Clock, Series, aitken, chatter, limit_of
 
 G = 9.81
 

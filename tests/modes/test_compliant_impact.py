@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import hybond as hb
-from hybond.modes.compliant_impact import compliant_impact
-from hybond.modes.impact_laws import Impact, impact
+from hybond.modes.impacts.compliant import compliant_impact
+from hybond.modes.impacts.laws import Impact, impact
 
 Array = np.ndarray
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 import hybond as hb
-from hybond.modes.impact_laws import IMPACT_LAWS, Impact, impact
-from hybond.modes.impact_sequence import sequence
+from hybond.modes.impacts.laws import IMPACT_LAWS, Impact, impact
+from hybond.modes.impacts.sequence import sequence
 
 Array = np.ndarray
 

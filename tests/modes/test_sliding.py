@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import hybond as hb
 from hybond.equations.surfaces import surfaces_of
-from hybond.modes.filippov import future, futures
+from hybond.modes.sliding.filippov import future, futures
 
 
 def signum(machine: str) -> str:

@@ -19,7 +19,7 @@ from hybond.equations.calculus import gradient
 from hybond.equations.storage import StorageLaws
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph, Integral, Machine
-from hybond.modes.sliding_view import equations_of
+from hybond.modes.sliding.view import equations_of
 from hybond.programs.interval import Interval
 from hybond.result import Result
 from hybond.trace import Event, Segment

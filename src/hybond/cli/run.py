@@ -13,7 +13,7 @@ from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError
-from hybond.modes.step_error import GOOD
+from hybond.modes.stepping.error import GOOD
 from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity

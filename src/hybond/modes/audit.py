@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.storage import StorageLaws
-from hybond.modes.sliding_view import equations_of
-from hybond.modes.step_values import created_by_steps
+from hybond.modes.sliding.view import equations_of
+from hybond.modes.stepping.values import created_by_steps
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program

@@ -34,11 +34,11 @@ from hybond.equations.mode import ModeEquations
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
 from hybond.modes.jump import on_constraints
-from hybond.modes.landing import Landings
+from hybond.modes.landing.landing import Landings
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settler, event_of
-from hybond.modes.sliding import Slider
-from hybond.modes.sliding_view import View
+from hybond.modes.sliding.motion import Slider
+from hybond.modes.sliding.view import View
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program

@@ -16,11 +16,11 @@ from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
-from hybond.modes.complementarity import Complementarity, Instant
 from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair
 from hybond.modes.guards import Guards
-from hybond.modes.impacts import strike
+from hybond.modes.impacts.strike import strike
 from hybond.modes.jump import Jump, enter, reach_of, reach_of_bonds
+from hybond.modes.laws.complementarity import Complementarity, Instant
 from hybond.modes.signals import impulse_floor
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Machine, Mode
-from hybond.modes.accumulation import POSITION, Clock, Limit, Series, chatter
-from hybond.modes.contacts import Contact, Reaction, at_rest, contact_of, with_states
+from hybond.modes.landing.accumulation import POSITION, Clock, Limit, Series, chatter
+from hybond.modes.landing.contacts import Contact, Reaction, at_rest, contact_of, with_states
+from hybond.modes.landing.rest import moved, rest, still
 from hybond.modes.locate import Locator, watch
-from hybond.modes.rest import moved, rest, still
 from hybond.modes.settle import Settler
 from hybond.modes.trial import Trial
 from hybond.programs.interval import Interval

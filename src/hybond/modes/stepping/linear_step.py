@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from hybond.equations.calculus import gradient, reads_bonds
 from hybond.equations.ports import PortEquations
 from hybond.model.expressions import Expr, Number, names
-from hybond.modes.law_problem import Answer
-from hybond.modes.step_laws import Laws, closed_half_way
+from hybond.modes.laws.problem import Answer
+from hybond.modes.stepping.laws import Laws, closed_half_way
 from hybond.programs.interval import Interval
 
 if TYPE_CHECKING:
-    from hybond.modes.moreau import Point, ThetaScheme
+    from hybond.modes.stepping.moreau import Point, ThetaScheme
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

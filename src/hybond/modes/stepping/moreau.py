@@ -14,7 +14,7 @@ contact takes part only if it would close in the first half of the step, ``gap +
 Integrated signals follow the same formula as what is stored.
 
 Where everything is linear the matrices are factorised once per mode of the machines and `h`;
-elsewhere Newton's method (`moreau_newton`) solves the step with the laws inside (Josephy-Newton).
+elsewhere Newton's method (`newton_step`) solves the step with the laws inside (Josephy-Newton).
 
 References
 ----------
@@ -39,9 +39,9 @@ from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
 from hybond.modes.jump import enter
-from hybond.modes.law_problem import CUT, ONE_SIDED, Answer
-from hybond.modes.moreau_linear import KEPT, LinearSteps
-from hybond.modes.step_laws import Laws, read_laws
+from hybond.modes.laws.problem import CUT, ONE_SIDED, Answer
+from hybond.modes.stepping.laws import Laws, read_laws
+from hybond.modes.stepping.linear_step import KEPT, LinearSteps
 from hybond.programs.interval import Interval, discrete_names, discrete_values
 from hybond.programs.program import Program
 
@@ -148,7 +148,7 @@ class ThetaScheme:
                 start, interval, t1, ports, laws, v, energy
             )
         else:
-            from hybond.modes.moreau_newton import newton_step
+            from hybond.modes.stepping.newton_step import newton_step
 
             y, w, mean, laws, answer, ambiguous = newton_step(
                 self, start, interval, t1, ports, laws, v, energy

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybond.errors import ModelError, NumericsError, UsageError
-from hybond.modes.impulse_shares import least_shares
+from hybond.modes.impacts.shares import least_shares
 from hybond.names import did_you_mean
 from hybond.solvers.lcp import lemke
 
@@ -75,7 +75,7 @@ class Case:
     law : str
         Name in `IMPACT_LAWS`.
     W, v, eps : ndarray
-        See `impact_laws.impact`.
+        See `laws.impact`.
     names : tuple of str
         What errors call the contacts.
     still : float
@@ -99,7 +99,7 @@ class Case:
         names: Sequence[str],
         floor: float,
     ) -> Case:
-        """Check the numbers of a call of `impact_laws.impact`."""
+        """Check the numbers of a call of `laws.impact`."""
         if law not in IMPACT_LAWS:
             remedy = did_you_mean(law, IMPACT_LAWS)
             raise UsageError(f"there is no impact law {law!r}", code="HB-J205", hint=remedy)

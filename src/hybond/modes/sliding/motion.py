@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide, surfaces_of
 from hybond.model.graph import FlatGraph, Mode
-from hybond.modes.filippov import ABOVE, SLIDES
 from hybond.modes.settle import Settler
-from hybond.modes.sliding_view import View, resting
-from hybond.modes.sliding_ways import WaysOn
+from hybond.modes.sliding.filippov import ABOVE, SLIDES
+from hybond.modes.sliding.view import View, resting
+from hybond.modes.sliding.ways import WaysOn
 from hybond.programs.combined import Combined, Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program

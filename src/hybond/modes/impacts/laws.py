@@ -9,7 +9,7 @@ several.
 ``newton``
     Only approaching contacts enter, all of them together: ``0 <= nu ⟂ v+ + eps v >= 0``; and closed
     plastic ones (eps = 0) that are at rest, since these stay together. One step: others may
-    approach after it, so it is repeated (`impact_sequence.sequence`).
+    approach after it, so it is repeated (`sequence.sequence`).
 ``newton_simultaneous``
     All closed contacts, ``0 <= nu ⟂ v+ + eps v >= 0``. One that separated before may approach
     after it: then it is repeated as well.
@@ -17,7 +17,7 @@ several.
     Compression of all, ``0 <= nu_c ⟂ v_c = v + W nu_c >= 0``, then restitution of impulses:
     ``0 <= nu - (1 + eps) nu_c ⟂ v+ >= 0``.
 ``lzb``
-    Compression and expansion of stiff springs, energetic restitution: `compliant_impact`.
+    Compression and expansion of stiff springs, energetic restitution: `compliant.compliant_impact`.
 
 ``newton_simultaneous`` can *create* energy where restitution differs between contacts that act on
 each other. That is a property of the law, not of the arithmetic, so nothing is clamped: the impact
@@ -45,9 +45,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hybond.modes.compliant_impact import compliant_impact
-from hybond.modes.impact_case import IMPACT_LAWS, Case, Impact
-from hybond.modes.impulse_shares import scales, still_impulses
+from hybond.modes.impacts.case import IMPACT_LAWS, Case, Impact
+from hybond.modes.impacts.compliant import compliant_impact
+from hybond.modes.impacts.shares import scales, still_impulses
 
 __all__ = ["IMPACT_LAWS", "Impact", "impact"]
 

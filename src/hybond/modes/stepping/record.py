@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hybond.modes.moreau import Advance, Point
+from hybond.modes.stepping.moreau import Advance, Point
 from hybond.programs.program import Program
 from hybond.trace import Energy, Event, Fired, Step
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
-from hybond.modes.filippov import (
+from hybond.modes.jump import enter
+from hybond.modes.sliding.filippov import (
     ABOVE,
     BELOW,
     FEW,
@@ -20,7 +21,6 @@ from hybond.modes.filippov import (
     futures,
     futures_of,
 )
-from hybond.modes.jump import enter
 from hybond.programs.combined import Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program

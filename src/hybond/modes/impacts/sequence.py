@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hybond.modes.impact_laws import Impact, impact
+from hybond.modes.impacts.laws import Impact, impact
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ def sequence(
     Parameters
     ----------
     W, v, eps, names
-        See `impact_laws.impact`.
+        See `laws.impact`.
     max_steps : int
         Limit on the number of impacts.
 
@@ -86,7 +86,7 @@ def sequence(
     Raises
     ------
     HybondError
-        As `impact_laws.impact`; HB-J201 counts each step by itself.
+        As `laws.impact`; HB-J201 counts each step by itself.
 
     Examples
     --------

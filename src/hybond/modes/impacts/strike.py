@@ -1,4 +1,4 @@
-"""Impacts in a graph by a named law: what `impact_laws` decides, put into bonds and storage.
+"""Impacts in a graph by a named law: what `laws` decides, put into bonds and storage.
 
 Newton's law contact after contact needs none of this: it is a branch of the contact's own law
 (`complementarity`). The other laws look at all closed contacts of an instant together.
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
-from hybond.modes.complementarity import Complementarity, Instant
-from hybond.modes.impact_laws import impact
+from hybond.modes.impacts.laws import impact
 from hybond.modes.jump import Jump, enter
+from hybond.modes.laws.complementarity import Complementarity, Instant
 
 Vector = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def strike(
     Raises
     ------
     HybondError
-        Those of `impact_laws.impact`; HB-J206 if storage does not follow the law.
+        Those of `laws.impact`; HB-J206 if storage does not follow the law.
     """
     ports, v, start = laws.consistent(at, x, energy)
     response = ports.response(v, start)

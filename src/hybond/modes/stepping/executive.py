@@ -29,10 +29,10 @@ from hybond.errors import HybondError, NumericsError
 from hybond.model.expressions import Number
 from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
-from hybond.modes.moreau import Advance, Point, ThetaScheme
 from hybond.modes.settle import Settler, event_of
-from hybond.modes.step_error import BAD, StepError, compare
-from hybond.modes.step_record import event_of_step
+from hybond.modes.stepping.error import BAD, StepError, compare
+from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
+from hybond.modes.stepping.record import event_of_step
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.trace import Cause, Event, Segment, Trace

@@ -33,9 +33,9 @@ from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
-from hybond.modes.gaps import check_gaps
 from hybond.modes.jump import enter, reach_of_bonds
-from hybond.modes.law_problem import (
+from hybond.modes.laws.gaps import check_gaps
+from hybond.modes.laws.problem import (
     BACKWARD,
     CUT,
     FORWARD,

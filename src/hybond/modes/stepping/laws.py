@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hybond.equations.ports import PortEquations
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Machine, Mode
-from hybond.modes.law_problem import (
+from hybond.modes.laws.problem import (
     CUT,
     HELD,
     ONE_SIDED,
@@ -44,7 +44,7 @@ class Laws:
     start : Mode
         The mode in which the step begins.
     roles : tuple of str
-        See `law_problem`.
+        See `hybond.modes.laws.problem`.
     common : tuple of bool
         Whether `l` is the common variable.
     gap, rate : array, shape (ports,)

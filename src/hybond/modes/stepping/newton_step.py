@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from hybond.equations.ports import PortEquations
 from hybond.errors import NumericsError
 from hybond.modes.jump import reach_of
-from hybond.modes.law_problem import Answer
-from hybond.modes.step_laws import Laws, closed_half_way
+from hybond.modes.laws.problem import Answer
+from hybond.modes.stepping.laws import Laws, closed_half_way
 from hybond.programs.interval import Interval
 
 if TYPE_CHECKING:
-    from hybond.modes.moreau import Point, ThetaScheme
+    from hybond.modes.stepping.moreau import Point, ThetaScheme
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Impact laws: what contacts that are struck at one instant exchange."""

@@ -1,0 +1,1 @@
+"""Accumulation of impacts: seen, landed on, at rest."""

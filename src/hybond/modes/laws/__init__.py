@@ -1,0 +1,1 @@
+"""The laws of junctions: which branches they take, decided together."""

@@ -1,0 +1,1 @@
+"""Sliding along switching surfaces, and switching in a band instead."""
