@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
-    from hybond.analysis.cross_check import CrossCheck, cross_check
-    from hybond.analysis.newton_law import newton_law_model
-    from hybond.analysis.residuals import residuals
-    from hybond.analysis.restitution import restitution
-    from hybond.analysis.structure import structure
+    from hybond.analysis.cross.check import CrossCheck, cross_check
+    from hybond.analysis.residuals.residuals import residuals
+    from hybond.analysis.restitution.newton_law import newton_law_model
+    from hybond.analysis.restitution.restitution import restitution
+    from hybond.analysis.structure.structure import structure
     from hybond.causality.report import causality
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
@@ -75,13 +75,13 @@ _HOME = {
     "Result": "hybond.result",
     "Signal": "hybond.result",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
-    **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross_check"),
+    **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
-    "newton_law_model": "hybond.analysis.newton_law",
-    "residuals": "hybond.analysis.residuals",
-    "restitution": "hybond.analysis.restitution",
-    "structure": "hybond.analysis.structure",
+    "newton_law_model": "hybond.analysis.restitution.newton_law",
+    "residuals": "hybond.analysis.residuals.residuals",
+    "restitution": "hybond.analysis.restitution.restitution",
+    "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
     "state_equations": "hybond.equations.derive",
 }

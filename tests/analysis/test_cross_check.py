@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.analysis import cross_check as module
-from hybond.analysis.cross_reasons import uniqueness
+import hybond.analysis.cross.check as module
+from hybond.analysis.cross.reasons import uniqueness
 from hybond.errors import UsageError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.analysis.generic import generic, with_constants
+from hybond.analysis.structure.generic import generic, with_constants
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph
 

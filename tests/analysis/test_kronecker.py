@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
 
-from hybond.analysis.controllability import controllability, observability
-from hybond.analysis.stored_form import stored_form
+from hybond.analysis.structure.controllability import controllability, observability
+from hybond.analysis.structure.stored_form import stored_form
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 

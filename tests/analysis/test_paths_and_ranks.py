@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from whole_pencil import Net, random_net, whole, with_moduli_in_rings
 
-from hybond.analysis.controllability import controllability, observability
-from hybond.analysis.detectors import detected, paths_to
-from hybond.analysis.paths import paths
+from hybond.analysis.structure.controllability import controllability, observability
+from hybond.analysis.structure.detectors import detected, paths_to
+from hybond.analysis.structure.paths import paths
 from hybond.equations.pencil import analyse
 
 MANY = settings(max_examples=75, deadline=None, derandomize=True)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.analysis.relations import Module
-from hybond.analysis.residuals import residuals
+from hybond.analysis.residuals.relations import Module
+from hybond.analysis.residuals.residuals import residuals
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SENSORS = ["Df", "De1", "De2", "De3"]

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.linalg import null_space
 
 import hybond as hb
-from hybond.analysis.residuals import Residuals, residuals
+from hybond.analysis.residuals.residuals import Residuals, residuals
 from hybond.equations.mode import prepare
 from hybond.equations.parameters import parameter_values
 from hybond.equations.slots import slots_of

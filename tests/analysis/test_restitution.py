@@ -17,12 +17,12 @@ from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 import hybond as hb
-from hybond.analysis.contact import find_contact
-from hybond.analysis.contact_phase import compressive_sign, simulated_phase
-from hybond.analysis.half_period import ENDS, half_period, loaded_half_period
-from hybond.analysis.newton_law import newton_law_model
-from hybond.analysis.restitution import paper_formula, restitution
-from hybond.analysis.restitution_report import derivation, restitution_text
+from hybond.analysis.restitution.contact import find_contact
+from hybond.analysis.restitution.contact_phase import compressive_sign, simulated_phase
+from hybond.analysis.restitution.half_period import ENDS, half_period, loaded_half_period
+from hybond.analysis.restitution.newton_law import newton_law_model
+from hybond.analysis.restitution.report import derivation, restitution_text
+from hybond.analysis.restitution.restitution import paper_formula, restitution
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 BONDS = (

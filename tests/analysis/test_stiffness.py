@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import hybond as hb
-from hybond.analysis.stiffness import STIFF, stiffness
-from hybond.analysis.structure import structure
+from hybond.analysis.structure.stiffness import STIFF, stiffness
+from hybond.analysis.structure.structure import structure
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 

@@ -14,9 +14,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from whole_pencil import Net, random_net, whole
 
-from hybond.analysis.controllability import controllability, observability
-from hybond.analysis.structure import structure
-from hybond.analysis.structure_rows import ModeStructure
+from hybond.analysis.structure.controllability import controllability, observability
+from hybond.analysis.structure.rows import ModeStructure
+from hybond.analysis.structure.structure import structure
 from hybond.equations.pencil import analyse
 
 MANY = settings(max_examples=100, deadline=None, derandomize=True)

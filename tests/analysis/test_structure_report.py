@@ -7,8 +7,8 @@ import json
 import pytest
 
 import hybond as hb
-from hybond.analysis.structure import structure
-from hybond.analysis.structure_report import CAVEAT, HEADER
+from hybond.analysis.structure.report import CAVEAT, HEADER
+from hybond.analysis.structure.structure import structure
 
 
 def clutch() -> hb.Model:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.analysis.controllability import controllability, observability
-from hybond.analysis.structure import structure
+from hybond.analysis.structure.controllability import controllability, observability
+from hybond.analysis.structure.structure import structure
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 

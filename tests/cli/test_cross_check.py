@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-import hybond.analysis.cross_check as module
+import hybond.analysis.cross.check as module
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

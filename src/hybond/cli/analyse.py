@@ -14,7 +14,7 @@ from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph
 
 if TYPE_CHECKING:
-    from hybond.analysis.restitution import Restitution
+    from hybond.analysis.restitution.restitution import Restitution
 
 VERSION = 1
 """Version of the object of ``--json``."""
@@ -64,7 +64,7 @@ def _check(given: Namespace) -> None:
 
 
 def _structure(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
-    from hybond.analysis.structure import structure
+    from hybond.analysis.structure.structure import structure
 
     modes = [mode_of(graph, text) for text in given.mode]
     report = structure(
@@ -90,7 +90,7 @@ def _structure(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> No
 
 
 def _restitution(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
-    from hybond.analysis.restitution import restitution
+    from hybond.analysis.restitution.restitution import restitution
 
     found = restitution(
         graph,
@@ -138,7 +138,7 @@ def _write_newton(given: Namespace, value: float | str) -> None:
     """Write the simplified model with Newton's law of restitution."""
     from pathlib import Path
 
-    from hybond.analysis.newton_law import newton_law_model
+    from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.cli.settings import model_with
     from hybond.files import load, save
 
@@ -150,7 +150,7 @@ def _write_newton(given: Namespace, value: float | str) -> None:
 
 
 def _residuals(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
-    from hybond.analysis.residuals import residuals
+    from hybond.analysis.residuals.residuals import residuals
 
     modes = [mode_of(graph, text) for text in given.mode]
     if len(modes) > 1:

@@ -35,7 +35,7 @@ def check_options(given: Namespace) -> None:
 
 def cross(given: Namespace) -> int:
     """Run a model with two engines and compare; 3 if they differ and should not."""
-    from hybond.analysis.cross_check import cross_check
+    from hybond.analysis.cross.check import cross_check
 
     graph = read_graph(given.file, given.settings)
     with Interruptible() as interruptible:

@@ -1,0 +1,1 @@
+"""The same answer twice: one model run by two engines."""

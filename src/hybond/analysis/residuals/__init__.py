@@ -1,0 +1,1 @@
+"""Relations among sensors and sources that hold in every mode, for diagnosis."""

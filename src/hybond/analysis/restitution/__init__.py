@@ -1,0 +1,1 @@
+"""Restitution derived from the compliance and resistance of a contact."""

@@ -1,0 +1,1 @@
+"""What the structure of a mode says: controllability, observability, stiffness."""
