@@ -86,8 +86,8 @@ def simulate(
     hysteresis : float or str
         Half the width of that band, in the unit of the switching functions or in SI.
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
-        The law of impacts at several contacts with restitution; see `hybond.modes.impacts.laws`. Default
-        ``"newton"``, contact after contact: the only one that needs no more than what a single
+        The law of impacts at several contacts with restitution; see
+        `hybond.modes.impacts.laws`. Default ``"newton"``, contact after contact: the only one that needs no more than what a single
         impact tells, never creates energy, and gives the textbook answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable

@@ -1,7 +1,7 @@
 """Observability read off the graph: causal paths to detectors, and detectors dualised.
 
 A detector of effort is a 0-junction in the bond with a source of no flow on it, one of flow a
-1-junction with a source of no effort. The conditions are those of `hybond.analysis.structure.paths`, dual: a
+1-junction with a source of no effort. The conditions are those of `paths`, dual: a
 causal path from each storage in integral causality to a detector, and derivative causality for
 every storage if detectors are dualised where that helps (C. Sueur and G. Dauphin-Tanguy, J.
 Franklin Institute 328(1), 1991).
