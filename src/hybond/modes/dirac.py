@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,6 +71,45 @@ class Pair:
         return not self.impulsive and abs(self.finite - self.before) <= 1e-9 * max(
             self.size, abs(self.before)
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """All signals at one instant, then their a priori values; a `Pair` is made when it is read.
+
+    Parameters
+    ----------
+    finite, before, impulse, size : sequence of float, shape (at least n,)
+        See `Pair`; `size` has n entries, and entry ``n + k`` of the whole is ``before[k]``.
+    """
+
+    finite: Sequence[float]
+    before: Sequence[float]
+    impulse: Sequence[float]
+    size: Sequence[float]
+
+    def __len__(self) -> int:
+        return 2 * len(self.size)
+
+    def __getitem__(self, k: int) -> Pair:
+        n = len(self.size)
+        if k >= n:
+            b = self.before[k - n]
+            return Pair(b, 0.0, b, max(abs(b), self.size[k - n]), 0.0)
+        p = self.impulse[k]
+        return Pair(self.finite[k], p, self.before[k], self.size[k], abs(p))
+
+    def __iter__(self) -> Iterator[Pair]:
+        return (self[k] for k in range(len(self)))
+
+    def prior(self) -> Pairs:
+        """Return the a priori values, as if nothing had jumped."""
+        return Pairs(self.before, self.before, [0.0] * len(self.size), self.size)
+
+
+def steady(values: Sequence[float], size: Sequence[float]) -> Pairs:
+    """Return signals that do not jump, with the sizes of the terms that made them."""
+    return Pairs(values, values, [0.0] * len(size), size)
 
 
 def still(value: float) -> Pair:

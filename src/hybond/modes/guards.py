@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from hybond.errors import ModelError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import Rule
-from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.dirac import DIRAC, Pairs
 from hybond.programs.program import Program
 
-Guard = Callable[[Sequence[Pair]], object]
+Guard = Callable[[Pairs], object]
 
 
 class Guards:
@@ -20,7 +20,7 @@ class Guards:
         self._slots = program.slots
         self._compiled: dict[Rule, Guard] = {}
 
-    def holds(self, rule: Rule, pairs: Sequence[Pair], where: str = "") -> bool:
+    def holds(self, rule: Rule, pairs: Pairs, where: str = "") -> bool:
         """Return the truth of a guard, with the place added to a refusal."""
         found = self._compiled.get(rule)
         if found is None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -30,7 +30,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.graph import Machine, Mode, Rule
-from hybond.modes.dirac import ROUNDING, Pair
+from hybond.modes.dirac import ROUNDING, Pairs, steady
 from hybond.modes.jump import reach_of_bonds
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
@@ -129,11 +129,14 @@ class Locator:
     equations: ModeEquations
     interval: Interval
     watched: Watched
+    _points: dict[tuple[float, bytes], Pairs] = field(init=False, default_factory=dict)
+    """Signals at points of this step: many guards ask about the same ones."""
 
     def first(self, step: Step) -> float | None:
         """Return the first instant in ``(t0, t1]`` at which a guard holds, or None."""
         if not self.watched.rules:
             return None
+        self._points.clear()
         blocks = [(step.t0, step.t1, 0)]
         # a guard may divide by what is zero at a sample; settling refuses it by name if it must
         with np.errstate(all="ignore"):
@@ -245,8 +248,15 @@ class Locator:
         """Return the truth of a guard at a point of the motion."""
         return self.settler.holds(rule, self.pairs(t, y), rule.text)
 
-    def pairs(self, t: float, y: Vector) -> list[Pair]:
+    def pairs(self, t: float, y: Vector) -> Pairs:
         """Return all signals at a point of the motion; nothing jumps there."""
+        key = t, y.tobytes()
+        found = self._points.get(key)
+        if found is None:
+            found = self._points[key] = self._pairs(t, y)
+        return found
+
+    def _pairs(self, t: float, y: Vector) -> Pairs:
         program = self.program
         nx, ns = program.nx, program.ns
         v = program.values(t, self.interval, self.equations.mode, y[:nx], y[nx : nx + ns])
@@ -258,8 +268,7 @@ class Locator:
             # junction laws count rounding of what is stored as zero (complementarity.clean)
             reach = reach_of_bonds(self.equations, y[:nx], self.settler.trace.energy)
             size[program.slots.w] = np.maximum(solution.size, 10.0 * reach).tolist()
-        now = [Pair(a, 0.0, a, b, 0.0) for a, b in zip(v, size, strict=False)]
-        return now + now
+        return steady(v, size)
 
     def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector) -> list[float]:
         """Return extrema of an atom that reach, or nearly reach, zero between samples.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from hybond.model.expressions import compile_expression
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
-from hybond.modes.dirac import DIRAC, Pair
+from hybond.modes.dirac import DIRAC, Pair, Pairs
 from hybond.modes.guards import Guards
 from hybond.modes.signals import named_rows
 from hybond.modes.trial import Trial
@@ -30,11 +30,11 @@ class Recorder:
         self.guards = guards
         self.graph = program.graph
         self.named = named_rows(self.graph)
-        self._reads: dict[Rule, list[tuple[str, Callable[[Sequence[Pair]], object]]]] = {}
+        self._reads: dict[Rule, list[tuple[str, Callable[[Pairs], object]]]] = {}
         self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
 
     def fired(
-        self, machine: Machine, rule: Rule, pairs: Sequence[Pair], others: tuple[str, ...]
+        self, machine: Machine, rule: Rule, pairs: Pairs, others: tuple[str, ...]
     ) -> Fired:
         """Return the record of a transition, with the values that its guard read."""
         if rule not in self._reads:
@@ -62,12 +62,11 @@ class Recorder:
             others,
         )
 
-    def branch(self, machine: Machine, source: int, target: int, pairs: Sequence[Pair]) -> Fired:
+    def branch(self, machine: Machine, source: int, target: int, pairs: Pairs) -> Fired:
         """Return the record of a law that took another branch, with what its rule reads."""
         rules = [r for r in machine.rules if r.source == source]
         names = machine.states[source], machine.states[target]
-        before = [replace(p, finite=p.before, impulse=0.0) for p in pairs]
-        for values in (before, pairs):
+        for values in (pairs.prior(), pairs):
             for rule in rules:
                 if self.guards.holds(rule, values, machine.path):
                     return replace(self.fired(machine, rule, values, ()), target=names[1])

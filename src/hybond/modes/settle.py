@@ -23,7 +23,7 @@ one instant, nothing can ever change: time cannot advance, and the loop is repor
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,7 +33,7 @@ from hybond.equations.leakage import undetermined
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
 from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
-from hybond.modes.dirac import Pair
+from hybond.modes.dirac import Pairs
 from hybond.modes.record import Recorder
 from hybond.modes.trial import Trial, Trials
 from hybond.programs.interval import Interval
@@ -161,7 +161,7 @@ class Settler:
 
     # -- transitions
 
-    def holds(self, rule: Rule, pairs: Sequence[Pair], where: str = "") -> bool:
+    def holds(self, rule: Rule, pairs: Pairs, where: str = "") -> bool:
         """Return the truth of a guard, with the place added to a refusal."""
         return self.trials.guards.holds(rule, pairs, where)
 
@@ -193,7 +193,7 @@ class Settler:
         """Refuse a guard whose truth depends on what the equations leave open."""
         slots = self.program.slots
         guard = self.program.compile(rule.guard)
-        if any(p.impulsive for p in trial.pairs[slots.w]):
+        if any(trial.pairs.impulse[slots.w]):
             return
         reach = 1e3 * max(1.0, max((abs(a) for a in trial.v[slots.w]), default=1.0))
         base = np.array(trial.v[slots.w])

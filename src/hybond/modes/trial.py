@@ -16,7 +16,7 @@ from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
-from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair
+from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair, Pairs, steady
 from hybond.modes.guards import Guards
 from hybond.modes.impacts.strike import strike
 from hybond.modes.jump import Jump, enter, reach_of, reach_of_bonds
@@ -49,7 +49,7 @@ class Trial:
         Integrated signals after the jump.
     v : list of float
         Finite values, then a priori values.
-    pairs : list of Pair
+    pairs : Pairs
         The same with impulses.
     floor : array, shape (2 * bonds,)
         Below it a bond variable's impulse counts as zero.
@@ -64,7 +64,7 @@ class Trial:
     jump: Jump
     s: Vector
     v: list[float]
-    pairs: list[Pair]
+    pairs: Pairs
     floor: Vector
     freedom: Vector
     undetermined: tuple[str, ...]
@@ -290,17 +290,12 @@ class Trials:
 
     def _violated(self, trial: Trial) -> list[tuple[Machine, Rule]]:
         """Return the rules of laws that hold in their own branches, with finite values."""
-        n = self._offset
-        sizes = [p.size for p in trial.pairs[:n]]
+        sizes = list(trial.pairs.size)
         # rounding of what is stored is not a violation: it was counted as zero
         reach = reach_of_bonds(trial.equations, trial.jump.x, self.trace.energy)
         w = self.program.slots.w
         sizes[w] = np.maximum(sizes[w], 1e-12 / ROUNDING * reach).tolist()
-        finite = [
-            Pair(p.finite, 0.0, p.finite, size, 0.0)
-            for p, size in zip(trial.pairs, sizes, strict=False)
-        ]
-        pairs = [*finite, *finite]
+        pairs = steady(trial.pairs.finite, sizes)
         found = []
         for index in self.laws.laws:
             machine = self.graph.machines[index]
@@ -356,7 +351,7 @@ class Trials:
         )
         return reach_of(storage, x, self.trace.energy)
 
-    def _area(self, rate: Callable[[Sequence[Pair]], object], pairs: list[Pair]) -> float:
+    def _area(self, rate: Callable[[Pairs], object], pairs: Pairs) -> float:
         value = rate(pairs)
         return value.impulse if isinstance(value, Pair) and value.impulsive else 0.0
 
@@ -368,7 +363,7 @@ class Trials:
         s: Vector,
         pre: list[float],
         floor: Vector,
-    ) -> list[Pair]:
+    ) -> Pairs:
         slots = self.program.slots
         v[slots.x] = jump.x.tolist()
         v[slots.s] = s.tolist()
@@ -378,5 +373,4 @@ class Trials:
         impulse = [0.0] * self._offset
         if jump.happened:
             impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()
-        now = [Pair(a, p, b, c, abs(p)) for a, p, b, c in zip(v, impulse, pre, size, strict=False)]
-        return now + [Pair(b, 0.0, b, max(abs(b), c), 0.0) for b, c in zip(pre, size, strict=True)]
+        return Pairs(v[: self._offset], pre, impulse, size)

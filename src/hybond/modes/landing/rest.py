@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.equations.storage import StorageLaws
 from hybond.model.graph import Mode
-from hybond.modes.dirac import Pair
+from hybond.modes.dirac import steady
 from hybond.modes.jump import enter, impulse_directions, reach_of
 from hybond.modes.trial import Trial
 from hybond.programs.interval import Interval
@@ -88,7 +88,7 @@ def rest(
     solution = equations.solution(v, jump.x)
     size = [abs(a) for a in v[:n]]
     size[slots.w] = solution.size.tolist()
-    pairs = [Pair(a, 0.0, a, b, 0.0) for a, b in zip(v, size, strict=False)]
+    pairs = steady(v, size)
     names = tuple(undetermined_names(program.graph, solution.freedom))
     floor = np.zeros(len(solution.w))
     return Trial(mode, equations, jump, s, v, pairs, floor, solution.freedom, names)
