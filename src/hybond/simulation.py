@@ -87,8 +87,8 @@ def simulate(
         Half the width of that band, in the unit of the switching functions or in SI.
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
         The law of impacts at several contacts with restitution; see
-        `hybond.modes.impacts.laws`. Default ``"newton"``, contact after contact: the only one that needs no
-        more than what a single impact tells, never creates energy, and gives the textbook
+        `hybond.modes.impacts.laws`. Default ``"newton"``, contact after contact: the only one that
+        needs no more than what a single impact tells, never creates energy, and gives the textbook
         answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable

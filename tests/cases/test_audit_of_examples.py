@@ -13,7 +13,11 @@ import hybond as hb
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(p.stem for p in EXAMPLES.glob("*.toml"))
-ENDS_WITHOUT_A_MODE = {"diode_inductor_no_mode", "falling_rod_threshold"}
+ENDS_WITHOUT_A_MODE = {
+    "bouncing_ball_no_mode",
+    "diode_inductor_no_mode",
+    "falling_rod_threshold",
+}
 every_example = pytest.mark.parametrize("name", NAMES)
 
 

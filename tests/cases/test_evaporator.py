@@ -53,6 +53,9 @@ def test_every_cycle_is_the_same(rtol, simulate):
     # each closing, but no opening, resets the flow
     resets = [e for e in run.events if any(s.impulses for s in e.steps)]
     assert len(resets) == len(expected) - 1
+    # by which it opens again at once: being closed is a pinnacle
+    assert len(run.events) == 1 + len(expected)
+    assert {tuple(s.kind for s in e.steps) for e in resets} == {("pinnacle", "continuous")}
     t = np.linspace(expected[0], run.until, 4000)
     assert run["level"].at(t).max() - EDGE == pytest.approx(overshoot, rel=1e-4)
 

@@ -205,3 +205,11 @@ def test_example_is_the_ladder_of_four(simulate):
     want = swept(4, 10.0, 400)
     got = [run[f"C{k}.q"].at(0.2) for k in range(1, 5)]
     assert got == pytest.approx(want, abs=1e-6 * C * V)
+
+
+def test_goes_on_where_the_ladder_is_full_but_for_rounding():
+    """Every capacitor holds its limit to the last digits, and the diodes still decide."""
+    run = run_of(4, 200.0)
+    assert run.status == "ok" and run.t_end == pytest.approx(200.0 * PERIOD)
+    full = [run[f"C{k}.e"].at(run.t_end) for k in range(1, 5)]
+    assert full == pytest.approx([V, 2.0 * V, 2.0 * V, 2.0 * V], rel=1e-10)

@@ -1,6 +1,7 @@
 """Woodpecker toy of Glocker and Pfeiffer, against time-stepping written from their equations."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -88,6 +89,59 @@ def test_what_happens(simulate):
         assert np.max(run[n].at(np.linspace(0.0, 0.1, 2001))) <= inside * (1 + 1e-9)
     # locked: the sleeve rests on its lower edge while the bird swings
     assert run["angleM"].at(0.05) == pytest.approx(-(rM - rO) / hM, rel=1e-12)
+
+
+def strikes(run):
+    """Return ``(t, contact)`` of all impacts."""
+    return [
+        (event.t, machine)
+        for event in run.events
+        for step in event.steps
+        for machine, state in run.graph.mode_names(step.mode).items()
+        if state == "impact"
+    ]
+
+
+@pytest.fixture(scope="module")
+def second(simulate):
+    """A second of it: seven pecks."""
+    return simulate("woodpecker", until=1.0)
+
+
+def test_a_second_of_it(second):
+    """The steps meet impacts up to a step late, by which all that follows is late: order one."""
+    h = 4e-5
+    points = march(1.0, h)
+    assert difference(second, points, h, [0.04 * k for k in range(1, 16)]) < 1e3 * h
+    ours = [t for t, contact in strikes(second) if contact == "hit1"]
+    assert ours == pytest.approx(pecks(points[:, 2], h), abs=25 * h)
+    assert second.audit().created < 1e-12
+
+
+def test_cycles_of_one_period(second):
+    """Each cycle frees the upper edge, pecks, and locks again; cycles settle to one period."""
+    ours = [t for t, contact in strikes(second) if contact == "hit1"]
+    assert len(ours) == 7
+    for a, b in pairwise(ours):
+        between = [contact for t, contact in strikes(second) if a < t <= b]
+        kept = [c for k, c in enumerate(between) if k == 0 or c != between[k - 1]]
+        assert kept == ["hit3", "hit2", "hit3", "hit1"]
+    # the periods swing about their limit, and come closer by the same factor
+    steps = np.diff(np.diff(ours))
+    factors = steps[1:] / steps[:-1]
+    assert factors == pytest.approx(np.full(4, factors.mean()), abs=0.03)
+    assert -0.9 < factors.mean() < -0.8
+    # limit of the geometric series of their differences
+    limit = ours[-1] - ours[-2] + steps[-1] * factors[-1] / (1.0 - factors[-1])
+    theirs = pecks(march(1.0, 4e-5)[:, 2], 4e-5)
+    assert limit == pytest.approx((theirs[-1] - theirs[0]) / 6, rel=2e-3)
+
+
+def pecks(angle, h):
+    """Return when the bird's angle is at its largest."""
+    high = [k * h for k in range(1, len(angle) - 1) if angle[k - 1] <= angle[k] > angle[k + 1]]
+    high = [t for t in high if angle[round(t / h)] > 0.115]
+    return [t for k, t in enumerate(high) if k == 0 or t - high[k - 1] > 0.05]
 
 
 @pytest.mark.parametrize("h", [4e-4, 3e-4])

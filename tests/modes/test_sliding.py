@@ -783,3 +783,43 @@ def test_a_machine_that_only_looks_at_the_surface_does_not_disturb(first: str) -
     assert run.weight("relay", "above", 3.0) == pytest.approx(
         0.5 * (1.0 + run["x2.q"].at(3.0)), abs=1e-12
     )
+
+
+# -- Filippov's motion and Utkin's
+
+
+def squared(control: str) -> hb.Model:
+    """x1' = u + 0.5, x2' = u^2: the switch enters the second rate with its square."""
+    m = system([f"{control} + 0.5", f"({control})^2"], [0.0, 0.0])
+    if "relay" in control:
+        add_relay(m, "relay", "x1.q")
+    return m
+
+
+def test_a_square_of_the_switch_is_averaged_as_in_a_band_and_not_at_the_mean_switch() -> None:
+    """u jumps between -1 and 1, so u^2 is 1; u held at its mean -0.5 has the square 0.25."""
+    filippov = hb.simulate(squared(f"(-{signum('relay')})"), until=1.0)
+    assert filippov.final["x2.q"] == pytest.approx(1.0, abs=1e-12)
+    band = hb.simulate(
+        squared(f"(-{signum('relay')})"), until=1.0, sliding="hysteresis", hysteresis=1e-3
+    )
+    assert band.final["x2.q"] == pytest.approx(1.0, abs=1e-12)
+    # equivalent control is another model: an amplifier that saturates, of high gain
+    utkin = hb.simulate(squared("max(-1, min(1, -1e4*x1.q))"), until=1.0, solver="radau")
+    assert utkin.final["x2.q"] == pytest.approx(0.25, abs=1e-3)
+
+
+def test_a_run_goes_on_from_a_sliding_state_as_if_it_had_not_stopped() -> None:
+    whole = hb.simulate(constant_drift("0.9*cos(3*time/(1 s))"), until=3.0, rtol=1e-10)
+    part = hb.simulate(constant_drift("0.9*cos(3*time/(1 s))"), until=1.9, rtol=1e-10)
+    assert part.sliding[-1].t1 == 1.9
+    rest = hb.simulate(
+        constant_drift("0.9*cos(3*(time + 1.9 [s])/(1 s))", x0=part.final["x1.q"]),
+        until=1.1,
+        rtol=1e-10,
+    )
+    assert rest.sliding[0].t0 == 0.0
+    for t in (0.2, 0.7, 1.1):
+        assert rest.weight("r", "above", t) == pytest.approx(
+            whole.weight("r", "above", t + 1.9), abs=1e-12
+        )

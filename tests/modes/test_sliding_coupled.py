@@ -6,8 +6,11 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import hybond as hb
+from hybond.modes.sliding.filippov import future, futures
 
 
 def signum(machine: str) -> str:
@@ -84,3 +87,128 @@ def test_coupled_relays_agree_with_implicit_time_stepping(seed: int) -> None:
     # first order, irregular where an event falls within a step: an eighth of it leaves under half
     assert errors[1] < 2e-3
     assert errors[1] < 0.5 * errors[0]
+
+
+# -- one way on where -B is a P-matrix
+
+
+def is_p(m: np.ndarray) -> bool:
+    k = len(m)
+    return all(
+        np.linalg.det(m[np.ix_(c, c)]) > 1e-3
+        for r in range(1, k + 1)
+        for c in itertools.combinations(range(k), r)
+    )
+
+
+def ways_by_hand(a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+    """Return all w in [0, 1]^k with dg/dt = a + B w such that each g that moves has chosen."""
+    found: list[np.ndarray] = []
+    k = len(a)
+    for choice in itertools.product((0.0, 1.0, None), repeat=k):
+        # a row each: w_j given, or dg_j/dt = 0
+        rows = np.array([np.eye(k)[j] if c is not None else b[j] for j, c in enumerate(choice)])
+        right = np.array([c if c is not None else -a[j] for j, c in enumerate(choice)])
+        if abs(np.linalg.det(rows)) < 1e-12:
+            continue
+        w = np.linalg.solve(rows, right)
+        speed = a + b @ w
+        fits = [
+            -1e-12 <= w[j] <= 1 + 1e-12 if c is None else speed[j] * (2 * c - 1) >= -1e-12
+            for j, c in enumerate(choice)
+        ]
+        if all(fits) and not any(np.abs(w - other).max() < 1e-9 for other in found):
+            found.append(w)
+    return found
+
+
+entries = st.integers(-20, 20).map(lambda n: n / 10.0)
+
+
+@st.composite
+def switching(draw, most: int = 4):
+    k = draw(st.integers(1, most))
+    b = np.array([[draw(entries) for _ in range(k)] for _ in range(k)])
+    b[np.diag_indices(k)] = -np.abs(b.diagonal()) - 0.5
+    a = np.array([draw(entries) + 0.013 * (j + 1) for j in range(k)])
+    return a, b
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(switching())
+def test_a_p_matrix_leaves_one_way_and_pivoting_finds_it(system) -> None:
+    a, b = system
+    expected = ways_by_hand(a, b)
+    found = [w.weights for w in futures(a, b)]
+    for w in expected:
+        assert any(np.abs(w - other).max() < 1e-9 for other in found)
+    for w in found:
+        assert any(np.abs(w - other).max() < 1e-9 for other in expected)
+    if is_p(-b):
+        assert len(expected) == 1
+        way = future(a, b)
+        assert way is not None
+        assert way.weights == pytest.approx(expected[0], abs=1e-9)
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@given(switching(3))
+def test_a_start_on_all_surfaces_goes_the_one_way_or_tells_of_several(system) -> None:
+    a, b = system
+    k = len(a)
+    ways = ways_by_hand(a, b)
+    rates = [
+        " + ".join([f"({a[i]})", *(f"({b[i, j]})*(1 + {signum(f'r{j + 1}')})/2" for j in range(k))])
+        for i in range(k)
+    ]
+    run = hb.simulate(relays(rates, [0.0] * k), until=1e-3, on_error="return")
+    told = [w for w in run.warnings if "not unique" in w or "no way on" in w]
+    if len(ways) != 1:
+        speeds = [a + b @ w for w in ways]
+        if all(
+            np.abs(v[(w == 0) | (w == 1)]).min(initial=1.0) > 1e-6
+            for v, w in zip(speeds, ways, strict=True)
+        ):
+            assert told
+            assert all(f"x{j}.q = 0" in told[0] for j in range(1, k + 1))
+        return
+    assert not told
+    (w,) = ways
+    assert [run.weight(f"r{j + 1}", "above", 5e-4) for j in range(k)] == pytest.approx(
+        list(w), abs=1e-9
+    )
+    end = [run.final[f"x{j + 1}.q"] for j in range(k)]
+    assert end == pytest.approx(list(1e-3 * (a + b @ w)), abs=1e-13)
+
+
+def test_two_surfaces_left_at_one_instant() -> None:
+    """x_k' = t - sgn(x_k): both leave at 1, upwards."""
+    m = relays([f"time - {signum('r1')}", f"time - {signum('r2')}"], [0.0, 0.0])
+    run = hb.simulate(m, until=2.0)
+    (sliding,) = run.sliding
+    assert (sliding.t0, sliding.t1) == pytest.approx((0.0, 1.0), abs=1e-11)
+    assert [run.final["x1.q"], run.final["x2.q"]] == pytest.approx([0.5, 0.5], abs=1e-11)
+    assert not run.warnings
+
+
+def test_two_surfaces_left_to_different_sides_within_rounding() -> None:
+    m = relays([f"time - {signum('r1')}", f"-1.0000000001*time - {signum('r2')}"], [0.0, 0.0])
+    run = hb.simulate(m, until=2.0, atol=1e-9)
+    assert [run.final["x1.q"], run.final["x2.q"]] == pytest.approx([0.5, -0.5], abs=1e-9)
+
+
+def test_a_weight_that_touches_its_bound_does_not_leave() -> None:
+    """The drift 1 - (t - 1)^2 touches 1 at t = 1: an end of the sliding there would be none."""
+    m = relays([f"1 - (time - 1)^2 - {signum('r1')}"], [0.0])
+    run = hb.simulate(m, until=1.9)
+    assert abs(run.final["x1.q"]) < 1e-12
+    assert run.sliding[-1].t1 == 1.9
+    assert run.weight("r1", "above", 1.5) == pytest.approx(0.5 * (2 - 0.25), abs=1e-12)
+
+
+def test_a_surface_grazed_is_not_slid_upon() -> None:
+    """x1 = (t - 1)^2 touches zero: above, both before and after."""
+    m = relays([f"2*(time - 1) - 0.1*(1 - {signum('r1')})"], [1.0])
+    run = hb.simulate(m, until=2.0)
+    assert run.sliding == ()
+    assert run.final["x1.q"] == pytest.approx(1.0, abs=1e-9)

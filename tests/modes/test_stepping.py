@@ -562,3 +562,39 @@ def test_the_diode_inductor_has_its_mythical_modes_and_its_times() -> None:
     with pytest.raises(hb.HybondError) as caught:
         step_run(hb.load(EXAMPLES / "diode_inductor_no_mode.toml"), 0.2, 1e-4)
     assert caught.value.code == "HB-N401"
+
+
+# -- steps that Newton once gave up
+
+
+def woodpecker(*, bent: bool) -> hb.Model:
+    """The toy; with a spring that bends and a drag, so that its steps are not linear."""
+    text = (EXAMPLES / "woodpecker.toml").read_text()
+    if bent:
+        for old, new in (
+            ('spring = { C = "1/c",', 'spring = { C = { e = "c*(q + 2*q^3)" },'),
+            ("fall   =", 'drag   = { R = { e = "1e-3*f*abs(f)" } }\nfall   ='),
+            ('"fall -> y -> body.1"', '"fall -> y -> body.1", "y -> drag"'),
+        ):
+            assert old in text
+            text = text.replace(old, new)
+    return hb.loads(text)
+
+
+@pytest.mark.parametrize(("bent", "h"), [(False, 7e-4), (False, 4e-4), (True, 1e-3)])
+def test_contacts_with_friction_converge_at_any_step(bent: bool, h: float) -> None:
+    # rounding of what carries nothing is no reason to go on
+    run = step_run(woodpecker(bent=bent), 0.1, h)
+    assert run.status == "ok" and run.t_end == pytest.approx(0.1)
+    assert run.audit().power < 1e-12
+    # the beak and both edges of the sleeve strike
+    assert {m for e in run.events for m in _closed(e)} == {"hit1", "hit2", "hit3"}
+
+
+def _closed(event: object) -> list[str]:
+    return [
+        f.machine
+        for s in event.steps  # type: ignore[attr-defined]
+        for f in s.fired
+        if f.target in ("closed", "impact")
+    ]

@@ -326,3 +326,19 @@ def test_redundant_contacts_share_forces_as_they_like_but_part_in_one_way(seed):
     for z, w in every_solution(M, q):
         assert first.w == pytest.approx(w, abs=1e-9)
         assert G.T @ first.z == pytest.approx(G.T @ z, abs=1e-9)
+
+
+def test_a_guess_from_which_rounding_leads_round_in_a_ring_is_left():
+    """A ladder of twenty diodes by Kirchhoff, blocking voltages from 150 V to 1e-8 V."""
+    n = 20
+    stack = np.array([[float(j <= k and (k - j) % 2 == 0) for j in range(n)] for k in range(n)])
+    ends = np.eye(n) - np.eye(n, k=1)  # the charge of a diode enters one node and leaves another
+    M = ends.T @ stack @ stack.T @ ends
+    q = np.zeros(n)
+    q[:15:2] = [149.8, 87.84, 38.97, 13.42, 3.421, 0.6012, 0.06409, 0.003052]
+    q[1] = -7.379e-9
+    start = np.array([int(c) for c in "00010101010101011011"], dtype=bool)
+    found = lemke(M, q, start=start)
+    assert found.status == "solved"
+    assert found.z @ M @ found.z == pytest.approx(-found.z @ q, rel=1e-9)  # z w = 0
+    assert (M @ found.z + q).min() >= -1e-11

@@ -16,7 +16,11 @@ from hybond.cli.streams import complain, say
 from hybond.errors import UsageError
 from hybond.result import Result
 
-EXPECTED = {"diode_inductor_no_mode": "HB-N401", "falling_rod_threshold": "HB-N401"}
+EXPECTED = {
+    "bouncing_ball_no_mode": "HB-N401",
+    "diode_inductor_no_mode": "HB-N401",
+    "falling_rod_threshold": "HB-N401",
+}
 """Examples whose run ends in a report, because that is what they show."""
 SHOWN = 8
 """Lines of the event table that the demo shows."""

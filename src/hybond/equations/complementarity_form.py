@@ -182,7 +182,7 @@ def complementarity(
     Raises
     ------
     EquationError
-        HB-Q109 if no junction has a law.
+        HB-Q109 if no junction has a law, HB-Q110 if friction acts in two directions.
     CausalityError
         HB-C104 if a law is tied to a constraint whichever of its variables is given.
 
@@ -218,6 +218,15 @@ def complementarity(
             where=graph.name,
             hint='a diode is { junction = 1, law = "diode" }; for machines see state_equations',
         )
+    for machine in graph.machines:
+        if machine.law is not None and machine.law.planar:
+            raise EquationError(
+                f"the friction of {machine.path} acts in two directions: its disk is no linear "
+                "complementarity",
+                code="HB-Q110",
+                where=machine.path,
+                hint="state_equations writes the modes in which it sticks and slips",
+            )
     chosen = base_mode(graph, graph.mode_of({} if mode is None else mode))
     slots = slots_of(graph)
     v, x, discrete = start_values(graph, chosen, slots)

@@ -279,9 +279,10 @@ def orientation(graph: FlatGraph, mode: Mode) -> dict[int, Given]:
     part = replace(graph, machines=machines, reference=None, pins={})
     best = reference_mode(part).mode
     return {
-        m.law.node: "net" if m.on[k] else "common"
+        law.node: "net" if m.on[k] else "common"
         for m, k in zip(machines, best, strict=True)
         if m.law is not None
+        for law in m.law.junctions
     }
 
 
@@ -304,7 +305,7 @@ def port_equations(
     """
     mode = base_mode(graph, mode)
     given = orientation(graph, mode) if given is None else given
-    owners = {m.law.node: m for m in graph.machines if m.law is not None}
+    owners = {law.node: (m, law) for m in graph.machines if m.law for law in m.law.junctions}
     seen: set[tuple[Given, ...]] = set()
     while True:
         tableau = build(graph, mode, discrete, given)
@@ -334,7 +335,7 @@ def port_equations(
     equations = prepare(graph, mode, slots, tableau)
     bonds = len(graph.bonds)
     ports = tuple(
-        Port(owners[n].index, _law(owners[n].law), given[n], owners[n].path) for n in nodes
+        Port(owners[n][0].index, owners[n][1], given[n], graph.nodes[n].path) for n in nodes
     )
     partner = np.zeros((len(ports), 2 * bonds))
     for row, port in zip(partner, ports, strict=True):
@@ -360,8 +361,3 @@ def port_equations(
 
 def _other(given: Given) -> Given:
     return "net" if given == "common" else "common"
-
-
-def _law(law: JunctionLaw | None) -> JunctionLaw:
-    assert law is not None
-    return law

@@ -189,7 +189,7 @@ class StateEquations(Generic[T]):
         """Return a signal in terms of states and laws; None if it is not linear in bonds."""
         slopes = gradient(e)
         rest = substitute(e, {name: Number(0.0) for name in slopes})
-        if any(names(d) for d in slopes.values()) or simplify(rest) != Number(0.0):
+        if any(names(d) for d in slopes.values()) or simplify(rest) != Number(0.0) or not slopes:
             return None
         ring = self.ring
         parts = []

@@ -3,6 +3,8 @@
 A pair of states ``below`` and ``above`` has a surface ``g = 0`` if one comparison of the rule
 ``below -> above`` asks for ``g > 0`` and one of the rule ``above -> below`` for ``g < 0``, with
 the same g and no hysteresis between them; other comparisons joined by ``and`` only allow it.
+Where one rule is the negation of the other, ``a > 0 or b > 0`` and ``a <= 0 and b <= 0``, the
+surface is that of the whole: ``max(a, b) = 0``.
 """
 
 from __future__ import annotations
@@ -18,11 +20,13 @@ from hybond.equations.tableau import configure, settings, stored_names
 from hybond.model.expressions import (
     And,
     Binary,
+    Call,
     Compare,
     Expr,
     Name,
     Not,
     Number,
+    Or,
     Pre,
     compile_expression,
     differentiate,
@@ -109,6 +113,9 @@ def _between(machine: Machine, up: Rule, down: Rule) -> list[Surface]:
     if sum((r.source, r.target) in pair for r in machine.rules) != 2:
         # a second rule between the same states: which of them decides is not for us to say
         return []
+    whole = _whole(machine, up, down)
+    if whole is not None:
+        return [whole]
     forth, back = _parts(up.guard), _parts(down.guard)
     for one in forth:
         for other in back:
@@ -126,6 +133,49 @@ def _between(machine: Machine, up: Rule, down: Rule) -> list[Surface]:
     return []
 
 
+def _whole(machine: Machine, up: Rule, down: Rule) -> Surface | None:
+    """Return the surface of two rules with ``or`` of which one is the negation of the other."""
+    forth, back = _plain(up.guard), _plain(down.guard)
+    g = _level(forth)
+    if g is None or not isinstance(g, Call) or not _steered(g) or not _negated(forth, back):
+        return None
+    text = f"{_written(up, g)} = 0"
+    return Surface(machine.index, up.source, up.target, g, text, up, down, (), ())
+
+
+def _level(guard: Expr) -> Expr | None:
+    """Return what is positive where a guard holds and negative where it does not."""
+    match guard:
+        case Compare():
+            return _positive(guard)
+        case And() | Or():
+            levels = [_level(e) for e in guard.args]
+            if any(e is None for e in levels):
+                return None
+            function = "min" if isinstance(guard, And) else "max"
+            return Call(function, tuple(e for e in levels if e is not None))
+        case _:
+            return None
+
+
+def _negated(one: Expr, other: Expr) -> bool:
+    """Whether a guard is the negation of another, comparison by comparison."""
+    if isinstance(one, Compare) and isinstance(other, Compare):
+        g, h = _positive(one), _positive(other)
+        return g is not None and h is not None and _opposite(g, h)
+    if not isinstance(one, And | Or) or not isinstance(other, And | Or):
+        return False
+    if isinstance(one, And) == isinstance(other, And) or len(one.args) != len(other.args):
+        return False
+    left = list(other.args)
+    for e in one.args:
+        match = next((k for k in left if _negated(e, k)), None)
+        if match is None:
+            return False
+        left.remove(match)
+    return True
+
+
 def _text(rule: Rule, atom: Compare, count: int) -> str:
     """Return the surface as the modeller would write it."""
     if count == 1:
@@ -133,22 +183,41 @@ def _text(rule: Rule, atom: Compare, count: int) -> str:
             if rule.text.count(op) == 1 and "not" not in rule.text:
                 left, right = rule.text.split(op)
                 return f"{left.strip()} = {right.strip()}"
-    back: dict[Expr, Expr] = {e: Name(text) for text, e in rule.reads}
-    sides = [transform(e, lambda n: back.get(n, n)) for e in (atom.left, atom.right)]
-    return f"{sides[0]} = {sides[1]}"
+    return f"{_written(rule, atom.left)} = {_written(rule, atom.right)}"
+
+
+def _written(rule: Rule, e: Expr) -> str:
+    """Return an expression with the names that a rule gives what it reads."""
+    back: dict[Expr, Expr] = {known: Name(text) for text, known in rule.reads}
+    return str(transform(e, lambda n: back.get(n, n)))
+
+
+def _plain(guard: Expr) -> Expr:
+    """Return a guard without ``pre``, and with ``not`` carried into its comparisons."""
+    return _carried(transform(guard, lambda e: e.arg if isinstance(e, Pre) else e), negate=False)
+
+
+def _carried(e: Expr, *, negate: bool) -> Expr:
+    match e:
+        case Not():
+            return _carried(e.arg, negate=not negate)
+        case And() | Or():
+            args = tuple(_carried(a, negate=negate) for a in e.args)
+            return And(args) if isinstance(e, And) != negate else Or(args)
+        case Compare() if negate and e.op in _OPPOSITE:
+            return Compare(_OPPOSITE[e.op], e.left, e.right)
+        case _:
+            return Not(e) if negate else e
 
 
 def _parts(guard: Expr) -> list[Expr]:
     """Return what a guard asks for, all at once."""
-    plain = transform(guard, lambda e: e.arg if isinstance(e, Pre) else e)
-    todo: list[Expr] = [plain]
+    todo: list[Expr] = [_plain(guard)]
     parts: list[Expr] = []
     while todo:
         e = todo.pop(0)
         if isinstance(e, And):
             todo = [*e.args, *todo]
-        elif isinstance(e, Not) and isinstance(e.arg, Compare) and e.arg.op in _OPPOSITE:
-            parts.append(Compare(_OPPOSITE[e.arg.op], e.arg.left, e.arg.right))
         else:
             parts.append(e)
     return parts

@@ -128,6 +128,7 @@ class JunctionElement(Struct, forbid_unknown_fields=True):
     stiffness: Scalar | UnsetType = UNSET
     limit: Scalar | UnsetType = UNSET
     breakaway: Scalar | UnsetType = UNSET
+    pair: str | UnsetType = UNSET
     impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 

@@ -35,9 +35,11 @@ from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Wavefor
 from hybond.model.junction_laws import check_readers, law_of_junction, law_warnings, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
+from hybond.model.laws import JunctionLaw
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import InputPart, Value
 from hybond.model.pins import pins_of, reference_of
+from hybond.model.planar_friction import paired, pairs_of
 from hybond.model.resolve import Resolver
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
@@ -415,13 +417,18 @@ def _with_laws(
 ) -> tuple[Machine, ...]:
     """Return the machines, those that stand for the law of a junction with that law."""
     by_path = {n.path: n for n in nodes}
+    pairs = pairs_of(opened.nodes)
+
+    def of(path: str) -> JunctionLaw:
+        source = by_path.get(with_laws[path])
+        return law_of_junction(by_path[path], source, opened.nodes[path], resolver, dimensions)
+
     found = []
     for machine in machines:
         if machine.path in with_laws:
-            source = by_path.get(with_laws[machine.path])
-            written = opened.nodes[machine.path]
-            junction = by_path[machine.path]
-            law = law_of_junction(junction, source, written, resolver, dimensions)
+            law = of(machine.path)
+            if machine.path in pairs:
+                law = paired(law, of(pairs[machine.path]))
             machine = replace(machine, law=law)
         found.append(machine)
     return tuple(found)

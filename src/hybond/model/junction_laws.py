@@ -7,7 +7,8 @@ they take out) are tied by complementarity:
 =========================  ====================================================================
 ``diode``, ``unilateral``  common >= 0, net <= 0, one of them zero
 ``thyristor``              a diode that begins to conduct only while its gate holds
-``coulomb``, ``relay``     net in limit * Sgn(common); at rest anything between the limits
+``coulomb``, ``relay``     net in limit * Sgn(common); at rest anything between the limits;
+                           two junctions in a `planar_friction` share one disk
 =========================  ====================================================================
 
 Here such a junction is opened into ordinary parts, so that causality, equations and drawing need
@@ -37,6 +38,7 @@ from hybond.model.hierarchy import (
 from hybond.model.kinds import JUNCTIONS
 from hybond.model.laws import TWO_SIDED, JunctionLaw
 from hybond.model.parts import MachinePart, Part, Value
+from hybond.model.planar_friction import keep, pairs_of, planar_parts
 from hybond.model.resolve import Resolver, balance
 from hybond.names import did_you_mean, join
 from hybond.units import Dimension, parse_unit, try_quantity
@@ -47,12 +49,12 @@ LAWS: dict[str, tuple[str, ...]] = {
     "diode": (),
     "thyristor": ("gate",),
     "unilateral": ("gap", "restitution", "stiffness"),
-    "coulomb": ("limit", "breakaway", "impulsive"),
-    "relay": ("limit", "breakaway", "impulsive"),
+    "coulomb": ("limit", "breakaway", "impulsive", "pair"),
+    "relay": ("limit", "breakaway", "impulsive", "pair"),
 }
 """Each law and the options that it may have."""
 NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
-_LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway")
+_LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway", "pair")
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.+)", re.ASCII)
 _COMMON_OPTIONS = ("law", "domain", "label")
 
@@ -70,9 +72,11 @@ def open_laws(opened: Opened) -> dict[str, str]:
     ModelError
         HB-M200 an unknown law, HB-M201 an option that is missing, or that the law or element
         does not have,
-        HB-M202 a name that is taken.
+        HB-M202 a name that is taken, HB-M206 a pair that does not fit together.
     """
     found: dict[str, str] = {}
+    firsts = pairs_of(opened.nodes)
+    seconds = set(firsts.values())
     for path, written in list(opened.nodes.items()):
         part = written.part
         if part.kind not in JUNCTIONS:
@@ -81,7 +85,9 @@ def open_laws(opened: Opened) -> dict[str, str]:
         kind = _kind(path, part)
         if kind is None:
             continue
-        name = path.removeprefix(f"{written.scope.prefix}.") if written.scope.prefix else path
+        if path in seconds:
+            continue  # opened with the first of its pair
+        name = _local(path, written)
         if path in opened.machines:
             raise ModelError(
                 f"the junction {path!r} has a law, so its name is also that of its machine",
@@ -89,6 +95,9 @@ def open_laws(opened: Opened) -> dict[str, str]:
                 where=path,
                 hint="rename the machine that you wrote, or leave it out",
             )
+        if path in firsts:
+            found.update(_open_pair(opened, path, firsts[path]))
+            continue
         machine, source = _parts(kind, name, part)
         opened.machines[path] = (written.scope, machine)
         found[path] = ""
@@ -96,6 +105,38 @@ def open_laws(opened: Opened) -> dict[str, str]:
             own, text = source
             found[path] = _add_source(opened, written.scope, path, own, text, part)
     return found
+
+
+def _local(path: str, written: Written) -> str:
+    prefix = written.scope.prefix
+    return path.removeprefix(f"{prefix}.") if prefix else path
+
+
+def _open_pair(opened: Opened, first: str, second: str) -> dict[str, str]:
+    """Add the machine and both sources of friction in two directions; return these by junction."""
+    written, other = opened.nodes[first], opened.nodes[second]
+    part = written.part
+    common, net = _variables(part.kind)
+    limit = _text(part.options["limit"])
+    machine, values = planar_parts(
+        _local(first, written),
+        _local(second, other),
+        limit,
+        _text(part.options.get("breakaway", part.options["limit"])),
+        common=common,
+        net=net,
+    )
+    opened.machines[first] = (written.scope, machine)
+    keep(opened, first)
+    return {
+        path: _add_source(opened, written.scope, path, "friction", text, Part(part.kind))
+        for path, text in zip((first, second), values, strict=True)
+    }
+
+
+def _variables(kind: str) -> tuple[str, str]:
+    """Return the common and the net variable of a junction."""
+    return ("f", "e") if kind == "1" else ("e", "f")
 
 
 def _refuse_law(path: str, part: Part) -> None:
@@ -139,7 +180,7 @@ def _kind(path: str, part: Part) -> str | None:
                 where=where,
                 hint=did_you_mean(option, allowed) or "options: " + ", ".join(allowed),
             )
-    needed = NEEDED.get(str(kind))
+    needed = None if "pair" in part.options else NEEDED.get(str(kind))
     if needed is not None and needed not in part.options:
         raise ModelError(
             f"the law {kind!r} needs {needed!r}",
@@ -152,7 +193,7 @@ def _kind(path: str, part: Part) -> str | None:
 
 def _parts(kind: str, name: str, part: Part) -> tuple[MachinePart, tuple[str, str] | None]:
     """Return the machine of a law, and name and value of its source."""
-    common, net = ("f", "e") if part.kind == "1" else ("e", "f")
+    common, net = _variables(part.kind)
     x, y = f"{name}.{common}", f"{name}.{net}"
     options = part.options
     if kind in TWO_SIDED:
@@ -197,12 +238,20 @@ def _text(value: Value) -> str:
         return "true" if value else "false"
     if not isinstance(value, str):
         return repr(value)
+    if _is_number(value):
+        return value
     split = _QUANTITY.fullmatch(value.strip())
     if try_quantity(value) is None or split is None or "[" in value:
         return value
-    if not split[1].strip() or not split[2].strip():
-        return value  # a bare number
     return f"{split[1]} [{split[2]}]"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _add_source(opened: Opened, scope: Scope, path: str, own: str, text: str, part: Part) -> str:
@@ -249,7 +298,7 @@ def law_of_junction(
 
     part, scope = written.part, written.scope
     where = f"elements.{node.path}"
-    common, net = ("f", "e") if node.kind == "1" else ("e", "f")
+    common, net = _variables(node.kind)
     own = node.ends[0].bond if node.ends else 0
     domain = {
         "e": dimensions.get(f"e:{own}"),
@@ -292,9 +341,14 @@ def law_of_junction(
         node=node.index,
         common=_common(node, common),
         net=balance(node, net, without=None if source is None else source.ends[0].bond),
+        limit=given.get("limit"),
+        breakaway=given.get("breakaway"),
+        gap=given.get("gap"),
+        gate=given.get("gate"),
+        restitution=given.get("restitution"),
+        stiffness=given.get("stiffness"),
         source=None if source is None else source.index,
         impulsive=bool(part.options.get("impulsive", False)),
-        **given,
     )
 
 

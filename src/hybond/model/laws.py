@@ -69,6 +69,10 @@ class JunctionLaw:
         The source that the law brought in.
     impulsive : bool
         Whether friction may carry an impulse.
+    second : JunctionLaw or None
+        Friction in two directions: the law of the other junction of the pair.
+    planar : bool
+        Whether the law is one of such a pair.
     """
 
     kind: str
@@ -83,6 +87,13 @@ class JunctionLaw:
     stiffness: Expr | None = None
     source: int | None = None
     impulsive: bool = False
+    second: JunctionLaw | None = None
+    planar: bool = False
+
+    @property
+    def junctions(self) -> tuple[JunctionLaw, ...]:
+        """The law of each junction that the machine stands for: two of friction in the plane."""
+        return (self,) if self.second is None else (self, self.second)
 
     @property
     def two_sided(self) -> bool:

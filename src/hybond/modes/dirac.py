@@ -205,6 +205,20 @@ def _sign(a: Pair) -> Pair:
     return still(a.sign)
 
 
+def _hypot(a: Pair, b: Pair) -> Pair:
+    """``|(a, b)|``: along the impulse if there is one, which the finite part cannot turn."""
+    p, q = (c.impulse if c.impulsive else 0.0 for c in (a, b))
+    impulse = math.hypot(p, q)
+    along = (a.finite * p + b.finite * q) / impulse if impulse else math.hypot(a.finite, b.finite)
+    return Pair(
+        along,
+        impulse,
+        math.hypot(a.before, b.before),
+        math.hypot(a.size, b.size),
+        math.hypot(a.impulse_size, b.impulse_size),
+    )
+
+
 def _min(*args: Pair) -> Pair:
     best = args[0]
     for a in args[1:]:
@@ -267,6 +281,7 @@ DIRAC = Algebra(
         **{name: _function(name) for name in FLOATS.call},
         "abs": _abs,
         "sign": _sign,
+        "hypot": _hypot,
         "min": _min,
         "max": _max,
     },

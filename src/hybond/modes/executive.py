@@ -34,7 +34,8 @@ from hybond.equations.mode import ModeEquations
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
 from hybond.modes.jump import on_constraints
-from hybond.modes.landing.landing import Landings
+from hybond.modes.landing.landing import MOMENT, Landings
+from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settler, event_of
 from hybond.modes.sliding.motion import Slider
@@ -48,6 +49,10 @@ from hybond.trace import Cause, Segment, Trace
 Vector = NDArray[np.float64]
 Progress = Callable[[float, int], None]
 
+VAIN = 3
+"""Instants in a row without any change after which rounding is swept out of what is stored."""
+IDLE = 100
+"""Instants in a row without any change that end a run."""
 BEYOND = 50
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten,
 and this many at once."""
@@ -119,6 +124,7 @@ class Executive:
         self.settler = Settler(program, self.trace, max_writes=max_writes)
         self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
         self.settler.trials.impact_law, self.settler.trials.impact_exponent = impact
+        self.stops = Stops(program, self.settler.trials.laws.kept, limits.until)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None
@@ -126,6 +132,8 @@ class Executive:
         self._watched: dict[tuple[Mode, tuple[str, ...]], Watched] = {}
         self._steps = 0
         self._rejected = 0
+        self._idle: list[float] = []
+        """Instants in a row at which a guard held and nothing changed."""
 
     def run(self, y: Vector) -> str:
         """Run from the state `y`; return ``"ok"`` or ``"accumulation"``.
@@ -173,7 +181,9 @@ class Executive:
         equations = (view.program if view else program).equations(self.mode, interval, self.t)
         key = self.mode, self.landings.names
         if view is None and key not in self._watched:
-            self._watched[key] = watch(program, self.mode, self.landings.machines)
+            self._watched[key] = watch(
+                self.settler.trials.guards, self.mode, self.landings.machines
+            )
         locator = (
             view.locator(equations, interval)
             if view
@@ -182,6 +192,7 @@ class Executive:
         end = min(interval.end, self.limits.until)
         tolerance = self.limits.event_tol * max(self.limits.until, abs(self.t))
         landed = self.landings.names
+        y = self.stops.begun(self.t, y, self.mode, interval, equations)
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [], landed, view, equations)
         field = (view.program if view else program).field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
@@ -208,7 +219,8 @@ class Executive:
                 self._continue(field, y, step)
                 continue
             state = step.y1 if at == step.t1 else step.interpolant(at)
-            return self._note(step, at, np.asarray(state), equations), "guard"
+            y = self._note(step, at, np.asarray(state), equations)
+            return self._stopped(y, end, equations), "guard"
 
     def _land(self, step: Step, at: float, locator: Locator) -> tuple[Step, float]:
         """Repeat the step so that it ends just past `at`, for the full accuracy of a step."""
@@ -245,6 +257,7 @@ class Executive:
             if equations.storage.linear:
                 stored = equations.storage.energy(y[:nx])
                 self.trace.energy = max(self.trace.energy, abs(stored))
+        y = self.stops.armed(t, y, self.mode, self._recorder.interval, equations)
         self._recorder.t.append(t)
         self._recorder.y.append(y)
         self._recorder.interpolants.append(step.interpolant)
@@ -252,6 +265,26 @@ class Executive:
         if self.progress is not None:
             self.progress(t, len(self.trace.events))
         return y
+
+    def _stopped(self, y: Vector, end: float, equations: ModeEquations) -> Vector:
+        """Follow slip in the plane to its end, if it is about to end."""
+        assert self._recorder is not None
+        interval = self._recorder.interval
+        slip = self.stops.due(self.t, y, self.mode, interval, equations)
+        if slip is None:
+            return y
+        t0, y0 = self.t, y
+        t1, y1 = self.stops.descend(slip, t0, y0, end, interval, equations)
+
+        def between(t: float) -> Vector:
+            part = (t - t0) / (t1 - t0) if t1 > t0 else 1.0
+            return np.asarray(y0 + part * (y1 - y0))
+
+        self._recorder.t.append(t1)
+        self._recorder.y.append(y1)
+        self._recorder.interpolants.append(between)
+        self.t = t1
+        return y1
 
     def _continue(self, field: Field, y: Vector, step: Step) -> None:
         """Tell the solver of a state that was put back on its constraints: no jump, no history."""
@@ -292,6 +325,7 @@ class Executive:
         nx, ns = self.program.nx, self.program.ns
         x, s = y[:nx].copy(), y[nx : nx + ns].copy()
         view = None if self.slider is None else self.slider.view
+        self.settler.trials.sweep = len(self._idle) >= VAIN
         settled = (view.settler if view else self.settler).settle(
             self.t, x, s, self.mode, before, after, start=cause == "start"
         )
@@ -299,6 +333,9 @@ class Executive:
             noted = event_of(self.t, cause, settled, x, s)
             self.landings.observe(noted, self.mode, before)
             self.trace.events.append(replace(noted, landed=self.landings.names))
+        self._idle = [] if settled.steps or cause != "guard" else [*self._idle[-IDLE:], self.t]
+        if len(self._idle) > IDLE and self.t - self._idle[0] <= MOMENT * self.limits.until:
+            raise self._stands_still(y, before)
         if len(self.trace.events) > self.limits.max_events:
             raise NumericsError(
                 f"more than {self.limits.max_events} events by t = {self.t:.9g} s",
@@ -312,6 +349,20 @@ class Executive:
             event = self.trace.events[-1] if settled.steps else None
             y, self.mode = self.slider.after(self.t, y, self.mode, event, after, cause=cause)
         return y
+
+    def _stands_still(self, y: Vector, interval: Interval) -> NumericsError:
+        """Return the refusal of guards that hold again and again without any change."""
+        equations = self.program.equations(self.mode, interval, self.t)
+        watched = watch(self.settler.trials.guards, self.mode, self.landings.machines)
+        locator = Locator(self.program, self.settler, equations, interval, watched)
+        texts = [rule.text for rule in watched.rules if locator.holds(rule, self.t, y)]
+        return NumericsError(
+            f"a guard holds {IDLE} times in a row at t = {self.t:.9g} s, and nothing changes",
+            code="HB-N406",
+            where=", ".join(texts) or self.settler.text(self.mode),
+            hint="what it compares is within rounding of its bound: let another guard lead on "
+            "from there, or keep values that differ by many orders of magnitude apart",
+        )
 
     def _rest(self, y: Vector, interval: Interval) -> Vector:
         """Land what was hit and does not rebound: time goes on from the limit of its impacts."""

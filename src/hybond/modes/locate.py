@@ -18,19 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
-from hybond.model.expressions import (
-    Binary,
-    Call,
-    Compare,
-    Expr,
-    Neg,
-    Pre,
-    comparisons,
-    names,
-    transform,
-)
+from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.modes.dirac import ROUNDING, Pairs, steady
+from hybond.modes.guards import Followed, Guards
 from hybond.modes.jump import reach_of_bonds
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
@@ -64,60 +55,62 @@ SEARCH = 40
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """The guards that may leave the current mode.
+    """The guards that may leave the current mode."""
 
-    `atoms` are the differences of their comparisons, over floats and over arrays; `sizes` what
-    the magnitudes of their two sides add up to.
-    """
+    guards: tuple[Followed, ...]
 
-    rules: tuple[Rule, ...]
-    tests: tuple[Callable[[Sequence[float]], float], ...]
-    atoms: tuple[tuple[Callable[[Sequence[float]], float], ...], ...]
-    arrays: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...]
-    array_tests: tuple[Callable[[Sequence[Vector]], Vector], ...]
-    sizes: tuple[tuple[Callable[[Sequence[Vector]], Vector], ...], ...] = ()
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules that the guards belong to."""
+        return tuple(g.rule for g in self.guards)
 
 
-def watch(program: Program, mode: Mode, machines: Sequence[Machine] | None = None) -> Watched:
-    """Compile the guards that leave `mode`; while time passes, ``pre(a)`` is ``a``.
+def watch(guards: Guards, mode: Mode, machines: Sequence[Machine] | None = None) -> Watched:
+    """Return the guards that leave `mode`.
 
     `machines` are those of the graph with the rules in force, if not their own.
     """
-    rules = [
-        rule
-        for m, k in zip(machines or program.graph.machines, mode, strict=True)
-        for rule in m.rules
-        if rule.source == k and any(not n.startswith(_STILL) for n in names(rule.guard))
-    ]
-    guards = [transform(r.guard, _without_pre) for r in rules]
-    compared = [[c for c in comparisons(g) if isinstance(c, Compare)] for g in guards]
-    differences = [[Binary("-", c.left, c.right) for c in cs] for cs in compared]
-    sizes = [[_magnitude(Binary("-", c.left, c.right)) for c in cs] for cs in compared]
     return Watched(
-        tuple(rules),
-        tuple(program.compile(g) for g in guards),
-        tuple(tuple(program.compile(d) for d in ds) for ds in differences),
-        tuple(tuple(program.compile_arrays(d) for d in ds) for ds in differences),
-        tuple(program.compile_arrays(g) for g in guards),
-        tuple(tuple(program.compile_arrays(d) for d in ds) for ds in sizes),
+        tuple(
+            guards.followed(rule)
+            for m, k in zip(machines or guards.program.graph.machines, mode, strict=True)
+            for rule in m.rules
+            if rule.source == k and any(not n.startswith(_STILL) for n in names(rule.guard))
+        )
     )
 
 
-def _magnitude(e: Expr) -> Expr:
-    """Return what the magnitudes of the terms of `e` add up to."""
-    match e:
-        case Binary(op="+" | "-"):
-            return Binary("+", _magnitude(e.left), _magnitude(e.right))
-        case Binary(op="*"):
-            return Binary("*", _magnitude(e.left), _magnitude(e.right))
-        case Neg():
-            return _magnitude(e.arg)
-        case _:
-            return Call("abs", (e,))
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """What the samples of all atoms of a block look like, at once.
 
+    Parameters
+    ----------
+    rest : array, shape (atoms,)
+        What a polynomial leaves of the samples.
+    doubtful : array of int
+        Atoms of which it leaves too much, unless that is rounding beside the sides compared.
+    calm : array of bool, shape (guards,)
+        All atoms keep their sign, and stay away from zero between samples or on it.
+    """
 
-def _without_pre(e: Expr) -> Expr:
-    return e.arg if isinstance(e, Pre) else e
+    rest: Vector
+    doubtful: NDArray[np.intp]
+    calm: NDArray[np.bool_]
+
+    @staticmethod
+    def of(atoms: Sequence[Sequence[Vector]]) -> _Shape:
+        """Look at the atoms of each guard."""
+        d = np.array([a for ds in atoms for a in ds]).reshape(-1, len(FRACTIONS))
+        rest = np.abs(d @ LEFT_OVER.T).max(axis=1, initial=0.0)
+        spread, size = np.ptp(d, axis=1), np.abs(d).max(axis=1)
+        shown = (rest <= UNRESOLVED * spread) | (rest <= 1e-9 * size) | ~np.isfinite(rest)
+        up = np.sign(d[:, :1]) * d
+        low = np.minimum(up.min(axis=1), (up @ FINE.T).min(axis=1))
+        stays = (low > NEAR * spread + 3.0 * rest) | (size == 0.0)
+        calm = np.ones(len(atoms), dtype=bool)
+        calm[np.repeat(np.arange(len(atoms)), [len(ds) for ds in atoms])[~stays]] = False
+        return _Shape(rest, np.flatnonzero(~shown), calm)
 
 
 @dataclass(slots=True)
@@ -134,7 +127,8 @@ class Locator:
 
     def first(self, step: Step) -> float | None:
         """Return the first instant in ``(t0, t1]`` at which a guard holds, or None."""
-        if not self.watched.rules:
+        guards = self.watched.guards
+        if not guards:
             return None
         self._points.clear()
         blocks = [(step.t0, step.t1, 0)]
@@ -145,35 +139,30 @@ class Locator:
                 t = low + (high - low) * FRACTIONS
                 t[-1] = high
                 values = self._sample(step, t)
-                atoms = [
-                    [np.broadcast_to(f(values), t.shape) for f in fs] for fs in self.watched.arrays
-                ]
-                if depth < DEEPEST and not self._resolved(atoms, values):
+                atoms = [[np.broadcast_to(f(values), t.shape) for f in g.arrays] for g in guards]
+                shape = _Shape.of(atoms)
+                if depth < DEEPEST and not self._resolved(shape, values):
                     middle = 0.5 * (low + high)
                     blocks += [(middle, high, depth + 1), (low, middle, depth + 1)]
                     continue
                 found: float | None = None
                 for k, ds in enumerate(atoms):
-                    at = self._of_rule(k, step, t, values, ds, found)
+                    truth = np.asarray(guards[k].array_test(values), dtype=bool)
+                    if shape.calm[k] and not truth.any():
+                        continue
+                    truth = np.broadcast_to(truth, t.shape)
+                    at = self._of_rule(k, step, t, truth, ds, found)
                     if at is not None and (found is None or at < found):
                         found = at
                 if found is not None:
                     return found
         return None
 
-    def _resolved(self, atoms: list[list[Vector]], values: list[Vector]) -> bool:
+    def _resolved(self, shape: _Shape, values: list[Vector]) -> bool:
         """Whether the samples show all that the guards do, rounding left out."""
-        sizes = self.watched.sizes
-        doubtful = [
-            (d, sizes[k][j] if k < len(sizes) else None)
-            for k, ds in enumerate(atoms)
-            for j, d in enumerate(ds)
-            if not _resolved(d)
-        ]
-        if not doubtful:
+        if not len(shape.doubtful):
             return True
-        if any(f is None for _, f in doubtful):
-            return False
+        sizes = [f for g in self.watched.guards for f in g.sizes]
         # what a bond variable cancels from: its own value may be nothing but rounding
         slots, nx = self.program.slots, self.program.nx
         v = [float(a[0]) for a in values]
@@ -186,7 +175,9 @@ class Locator:
         magnitudes[slots.w] = [
             np.maximum(np.abs(a), b) for a, b in zip(values[slots.w], bonds, strict=True)
         ]
-        return all(_resolved(d, float(np.max(f(magnitudes)))) for d, f in doubtful if f is not None)
+        return all(
+            float(np.max(sizes[j](magnitudes))) * ROUNDING >= shape.rest[j] for j in shape.doubtful
+        )
 
     def _sample(self, step: Step, t: Vector) -> list[Vector]:
         rows = [
@@ -201,13 +192,10 @@ class Locator:
         k: int,
         step: Step,
         t: Vector,
-        values: list[Vector],
+        truth: NDArray[np.bool_],
         atoms: list[Vector],
         before: float | None,
     ) -> float | None:
-        truth = np.broadcast_to(
-            np.asarray(self.watched.array_tests[k](values), dtype=bool), t.shape
-        )
         candidates = set(t[1:][truth[1:]].tolist())
         for j, d in enumerate(atoms):
             candidates.update(self._extrema(k, j, step, t, d))
@@ -237,12 +225,12 @@ class Locator:
         return self.program.evaluate(t, np.asarray(y), self.interval, self.equations)
 
     def _atom(self, k: int, j: int, step: Step, t: float) -> float:
-        return float(self.watched.atoms[k][j](self._values(step, t)))
+        return float(self.watched.guards[k].atoms[j](self._values(step, t)))
 
     def _test(self, k: int, step: Step, t: float) -> bool:
         """Ask the guard as settling will: with rounding counted as zero."""
         y = step.y1 if t == step.t1 else step.interpolant(t)
-        return self.holds(self.watched.rules[k], t, np.asarray(y))
+        return self.holds(self.watched.guards[k].rule, t, np.asarray(y))
 
     def holds(self, rule: Rule, t: float, y: Vector) -> bool:
         """Return the truth of a guard at a point of the motion."""
@@ -356,12 +344,13 @@ class Locator:
     def _bracket(self, k: int, step: Step, low: float, high: float) -> float:
         """Return the first instant in ``(low, high]`` at which guard k holds."""
         before, after = self._values(step, low), self._values(step, high)
+        atoms = self.watched.guards[k].atoms
         turned = [
             j
-            for j, f in enumerate(self.watched.atoms[k])
+            for j, f in enumerate(atoms)
             if (f(before) > 0.0) != (f(after) > 0.0) or f(before) * f(after) == 0.0
         ]
-        if len(turned) == 1 and _crosses(self.watched.atoms[k][turned[0]], before, after):
+        if len(turned) == 1 and _crosses(atoms[turned[0]], before, after):
             _, b = self._root(k, turned[0], step, low, high)
             # the guard holds a little after the root where it is strict or rounding hides it
             reach = 4.0 * float(np.spacing(b))
@@ -382,16 +371,3 @@ def _crosses(
 ) -> bool:
     """Whether an atom has opposite signs: a restart exactly on its zero has none to begin with."""
     return atom(before) * atom(after) < 0.0
-
-
-def _resolved(d: Vector, size: float = 0.0) -> bool:
-    """Whether a polynomial explains the samples of an atom, so that they show all there is.
-
-    What it leaves is rounding if it is small beside the `size` of the two sides compared.
-    """
-    rest = float(np.abs(LEFT_OVER @ d).max())
-    if not math.isfinite(rest):
-        return True
-    if size * ROUNDING >= rest:
-        return True
-    return rest <= UNRESOLVED * float(np.ptp(d)) or rest <= 1e-9 * float(np.abs(d).max())

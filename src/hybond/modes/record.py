@@ -33,9 +33,7 @@ class Recorder:
         self._reads: dict[Rule, list[tuple[str, Callable[[Pairs], object]]]] = {}
         self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
 
-    def fired(
-        self, machine: Machine, rule: Rule, pairs: Pairs, others: tuple[str, ...]
-    ) -> Fired:
+    def fired(self, machine: Machine, rule: Rule, pairs: Pairs, others: tuple[str, ...]) -> Fired:
         """Return the record of a transition, with the values that its guard read."""
         if rule not in self._reads:
             slots = self.program.slots

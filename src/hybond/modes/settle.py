@@ -121,7 +121,9 @@ class Settler:
                 trial = self.trials.enter(t, x, s, target, after, pre, jump=True)
                 entered, fired_any = fired + self.by_law(target, trial), True
             moved = trial.jump.happened
-            if not fired_any and not moved and trial.mode == mode:
+            kept = np.array_equal(trial.s, s)  # planar friction may slip on in a new direction
+            if not fired_any and not moved and trial.mode == mode and kept:
+                x = trial.jump.x if trial.dusted else x
                 break
             writes += 1
             if writes > self.max_writes:

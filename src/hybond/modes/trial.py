@@ -70,6 +70,8 @@ class Trial:
     undetermined: tuple[str, ...]
     through: Mode | None = None
     """The mode whose junction laws carried the impulses, if others last."""
+    dusted: bool = False
+    """Whether rounding was swept out of what is stored."""
 
 
 class Trials:
@@ -83,6 +85,8 @@ class Trials:
         self.impact_law = "newton"
         self.impact_exponent = 1.0
         self.guards = Guards(program)
+        self.sweep = False
+        """Whether approaches that are only rounding are taken away, as guards ask in vain."""
         slots = program.slots
         self._offset = slots.size
         self._rates = [
@@ -204,8 +208,10 @@ class Trials:
         at = Instant(t, s, mode, after, pre)
         done, through, factors = self._struck(at, x, pre) if jump else (None, None, None)
         landed = x if done is None else done.x
+        begin = landed
         if done is None and jump:
-            landed = self.laws.consistent(at, x, energy)[2]
+            begin = self.laws.consistent(at, x, energy)[2]
+            landed = self.laws.dusted(at, begin, energy=energy) if self.sweep else begin
         tried: list[str] = []
         states = [landed]
         for state in states:
@@ -216,7 +222,8 @@ class Trials:
             # `turned` grows while the others are tried
             for candidate, kept in chain(settled, lasting, turned):
                 equations = program.equations(candidate, after, t)
-                v = self._values(t, x, s, candidate, after, pre)
+                signals = self.laws.kept.after(s, candidate)
+                v = self._values(t, x, signals, candidate, after, pre)
                 text = f"({self.graph.mode_text(candidate)}) would need an impulse"
                 try:
                     swept = self._swept(equations, list(v), state) if jump else state
@@ -229,13 +236,16 @@ class Trials:
                     own = replace(done, x=swept)
                 elif jump:
                     own = self._jump(equations, v, x)
+                    # what an earlier answer swept up was dust, and stays swept
+                    own = own if state is begin else replace(own, x=swept)
                 else:
                     own = Jump(x, np.zeros(equations.tableau.unknowns), (), happened=False)
-                trial = self._made(t, x, s, v, equations, own, pre, factors if done else None)
+                trial = self._made(t, x, signals, v, equations, own, pre, factors if done else None)
                 if kept and trial.freedom.shape[1]:
                     continue  # two that share a current at will: let one of them have it
                 broken = self._violated(trial)
                 if not broken:
+                    trial.dusted = state is not begin
                     trial.through = through if own.happened and through != candidate else None
                     return trial
                 tried += [r for m, rule in broken if (r := f"{m.path}: {rule.text}") not in tried]

@@ -11,7 +11,8 @@ fields ``f_c``, and the motion is ``y' = sum_c coefficient_c f_c`` with weights 
   (the multilinear combination), by Newton's method. It is a choice, and recorded as such.
 
 Every bond variable is the same combination: the average of an infinitely fast switching. The
-powers that meters read are averaged as powers, so that energy still balances.
+powers that meters read are averaged as powers, so that energy still balances. Modes that hold
+stored quantities to different constraints are kept to all of them (`programs.common_space`).
 
 Source: Filippov, *Differential equations with discontinuous righthand sides*, 1988; the product
 form after Alexander & Seidman 1998 and Dieci & Lopez 2011.
@@ -20,7 +21,7 @@ form after Alexander & Seidman 1998 and Dieci & Lopez 2011.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -32,6 +33,8 @@ from hybond.equations.surfaces import Rates, Surface
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, names
 from hybond.model.graph import Mode
+from hybond.programs.blend import Blend, averaged, margins_of, solved
+from hybond.programs.common_space import CommonSpace
 from hybond.programs.interval import Interval
 from hybond.programs.program import Field, Program
 
@@ -42,39 +45,8 @@ Kind = Literal["additive", "product"]
 KEPT = 256
 """Points whose combination is remembered: the weights are asked for where the motion was."""
 NEWTON_STEPS = 30
-ROUNDING = 1e-14
-"""An average below this part of what it is made of is zero."""
 _STENCIL = ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0))
 """Central difference of order six."""
-
-
-@dataclass(frozen=True, slots=True)
-class Blend:
-    """The combination at one point.
-
-    Parameters
-    ----------
-    weights : array, shape (k,)
-        Of the state above, per surface.
-    coefficients : array, shape (parts,)
-    w : array, shape (2 * bonds,)
-    rates : array, shape (nx + ns + 2,)
-        ``y'``.
-    slopes : array, shape (k, k)
-        ``d(dg_i/dt) / d lambda_j``.
-    directions : array, shape (k, nx + ns)
-        ``d y' / d lambda_j``.
-    solutions : list of array
-        Bond variables of each part.
-    """
-
-    weights: Vector
-    coefficients: Vector
-    w: Vector
-    rates: Vector
-    slopes: Matrix
-    directions: Matrix
-    solutions: list[Vector]
 
 
 @dataclass(slots=True)
@@ -93,6 +65,10 @@ class Combined(ModeEquations):
     parts: list[ModeEquations] = field(default_factory=list)
     laws: list[Rates | None] = field(default_factory=list)
     plain: list[object] = field(default_factory=list)
+    common: CommonSpace | None = None
+    """What the parts hold stored quantities to, if not all to the same."""
+    branch: Callable[[Mode], Mode] = field(default=lambda mode: mode, repr=False)
+    """What gives a mode the branches of its junction laws."""
     last: Vector | None = None
     memo: OrderedDict[tuple[float, ...], Blend] = field(default_factory=OrderedDict)
 
@@ -114,23 +90,36 @@ class Combined(ModeEquations):
                 self.memo.popitem(last=False)
         return found
 
-    def part_rates(self, v: list[float]) -> tuple[list[Vector], Matrix]:
-        """Return the bond variables of each part, and its ``y'`` as a row."""
+    def part_rates(self, v: list[float], *, kept: bool = True) -> tuple[list[Vector], Matrix]:
+        """Return the bond variables of each part, and its ``y'`` as a row.
+
+        Parts with constraints of their own are `kept` to those of all, by vanishing impulses.
+        """
         program = self.program
         nx, ns = program.nx, program.ns
-        x = np.array(v[self.slots.x])
         solutions = []
         rates = np.empty((len(self.parts), nx + ns + 2))
         for row, part in zip(rates, self.parts, strict=True):
-            program.set_mode(v, part.mode)
-            w = part.solve(v, x)
+            w, row[:nx] = self.part(part, v, kept=kept)
             solutions.append(w)
-            row[:nx] = part.storage.rates @ w
             if ns:
                 row[nx : nx + ns] = program.rates(v)
             row[nx + ns :] = program.meter.read(w)
         program.set_mode(v, self.mode)
         return solutions, rates
+
+    def part(
+        self, part: ModeEquations, v: list[float], *, kept: bool = True
+    ) -> tuple[Vector, Vector]:
+        """Return bond variables of a mode, written into `v`, and the rates of what is stored."""
+        self.program.set_mode(v, part.mode)
+        x = np.array(v[self.slots.x])
+        w = part.solve(v, x)
+        rates = np.asarray(part.storage.rates @ w)
+        if self.common is not None and kept:
+            w, rates = self.common.kept(v, x, w, rates)
+            v[self.slots.w] = w.tolist()
+        return w, rates
 
     def surface_rates(self, v: list[float], rates: Matrix) -> Matrix:
         """Return ``dg_i/dt`` along each part's field, shape (k, parts)."""
@@ -197,7 +186,7 @@ class Combined(ModeEquations):
         n = rates.shape[1] - 2
         if self.kind == "additive":
             base, change = slopes[:, 0], slopes[:, 1:] - slopes[:, :1]
-            weights = _solve(change, -base, self._nowhere(v))
+            weights = solved(change, -base, self._nowhere(v))
             coefficients = np.concatenate([[1.0 - weights.sum()], weights])
             directions = rates[1:, :n] - rates[0, :n]
         else:
@@ -208,12 +197,32 @@ class Combined(ModeEquations):
         return Blend(
             weights,
             coefficients,
-            _averaged(coefficients, np.array(solutions)),
-            _averaged(coefficients, rates),
+            averaged(coefficients, np.array(solutions)),
+            averaged(coefficients, rates),
             change,
             directions,
             solutions,
+            None if self.common is None else self._pushes(v, weights),
         )
+
+    def _pushes(self, v: list[float], weights: Vector) -> Matrix:
+        """Return how fast each surface is approached from its two sides, jumps left out."""
+        slopes = self.surface_rates(v, self.part_rates(v, kept=False)[1])
+        found = np.ones((2, len(weights)))
+        for j in range(len(weights)):
+            speeds = []
+            for side in (0.0, 1.0):
+                there = weights.copy()
+                there[j] = side
+                if self.kind == "additive":
+                    c = np.concatenate([[1.0 - there.sum()], there])
+                else:
+                    c = self._products(there)
+                speeds.append(float(slopes[j] @ c))
+            size = abs(speeds[0]) + abs(speeds[1])
+            if size > 0.0:
+                found[:, j] = speeds[0] / size, -speeds[1] / size
+        return found
 
     def _nowhere(self, v: Sequence[float]) -> NumericsError:
         where = ", ".join(s.text for s in self.surfaces)
@@ -246,7 +255,7 @@ class Combined(ModeEquations):
         for weights in (start, np.full(k, 0.5)):
             for _ in range(NEWTON_STEPS):
                 residual = slopes @ self._products(weights)
-                step = _solve(slopes @ self._product_slopes(weights), residual, self._nowhere(v))
+                step = solved(slopes @ self._product_slopes(weights), residual, self._nowhere(v))
                 weights = weights - step
                 if np.abs(step).max() <= 1e-14:
                     break
@@ -280,23 +289,33 @@ class Combined(ModeEquations):
         program = self.program
         n = program.nx + program.ns
         for _ in range(3):
+            if self.common is not None:
+                nx = program.nx
+                y = np.concatenate([self.common.onto(self._at(t, y), y[:nx]), y[nx:]])
             v = self._at(t, y)
             off = self.switching(v)
             if not off.any():
                 break
             here = self.blend(v)
-            back = _solve(here.slopes, off, self._nowhere(v)) @ here.directions
+            back = solved(here.slopes, off, self._nowhere(v)) @ here.directions
             moved = y[:n] - back
             if np.array_equal(moved, y[:n]):
                 break
             y = np.concatenate([moved, y[n:]])
         return y
 
-    def weights_at(self, columns: Sequence[Vector]) -> Matrix:
-        """Return the weights at many points, given by columns of values; nan where none hold."""
+    def margins(self, v: Sequence[float]) -> Matrix:
+        """Return how far the motion is from leaving each surface, below and above, shape (2, k)."""
+        return margins_of(self.blend(v))
+
+    def margins_at(self, columns: Sequence[Vector]) -> NDArray[np.float64]:
+        """Return the margins at many points, given by columns of values; nan where none hold.
+
+        Shape (2, k, points).
+        """
         slots = self.slots
         rows = [columns[0], *columns[slots.s], *columns[slots.x]]
-        found = np.full((len(self.surfaces), len(columns[0])), np.nan)
+        found = np.full((2, len(self.surfaces), len(columns[0])), np.nan)
         for k, key in enumerate(zip(*(r.tolist() for r in rows), strict=True)):
             known = self.memo.get(key)
             if known is None:
@@ -304,7 +323,7 @@ class Combined(ModeEquations):
                     known = self.blend([float(c[k]) for c in columns])
                 except NumericsError:
                     continue
-            found[:, k] = known.weights
+            found[:, :, k] = margins_of(known)
         return found
 
     # -- what results ask
@@ -369,23 +388,3 @@ class Combined(ModeEquations):
                 return np.full(nx + ns + 2, np.nan)
 
         return sliding
-
-
-def _averaged(coefficients: Vector, terms: Matrix) -> Vector:
-    """Return the combination of rows; what cancels but for rounding is zero.
-
-    Else a state that a surface holds at zero would be steered by rounding.
-    """
-    total = coefficients @ terms
-    size = np.abs(coefficients) @ np.abs(terms)
-    return np.where(np.abs(total) <= ROUNDING * size, 0.0, total)
-
-
-def _solve(matrix: Matrix, right: Vector, otherwise: NumericsError) -> Vector:
-    try:
-        found = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        raise otherwise from None
-    if not np.isfinite(found).all():
-        raise otherwise
-    return np.asarray(found)

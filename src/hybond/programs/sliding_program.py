@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from itertools import product
 
@@ -13,6 +13,7 @@ from hybond.equations.surfaces import Surface, SurfaceLaws
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Mode
 from hybond.programs.combined import KEPT, Combined, Kind
+from hybond.programs.common_space import Meet
 from hybond.programs.interval import Interval
 from hybond.programs.program import Field, Program
 
@@ -45,11 +46,16 @@ def combine(
     t: float,
     *,
     laws: SurfaceLaws,
+    meet: Meet,
+    branch: Callable[[Mode], Mode],
     kind: Kind = "additive",
 ) -> Combined:
-    """Return the equations of sliding on `surfaces`, all other machines being as in `mode`."""
+    """Return the equations of sliding on `surfaces`, all other machines being as in `mode`.
+
+    `branch` gives each mode around the branches of its junction laws.
+    """
     corners = corners_of(len(surfaces), kind)
-    modes = [flipped(mode, surfaces, c) for c in corners]
+    modes = [branch(flipped(mode, surfaces, c)) for c in corners]
     parts = [program.equations(m, interval, t) for m in modes]
     shown = program.equations(mode, interval, t)
     slots = program.slots
@@ -63,6 +69,8 @@ def combine(
         parts=parts,
         laws=[laws.of(s, modes) for s in surfaces],
         plain=[compile_expression(s.g, slots.index, pre_offset=slots.size) for s in surfaces],
+        common=meet(parts),
+        branch=branch,
     )
 
 
@@ -83,12 +91,10 @@ def additive(combined: Combined, v: Sequence[float]) -> bool:
     size = np.abs(rates[:, :n]).max(axis=0)
     bonds = np.array(solutions)
     bond_size = np.abs(bonds).max(axis=0)
-    x = np.array(values[combined.slots.x])
     for corner in sorted(checks):
-        mode = flipped(combined.mode, combined.surfaces, corner)
+        mode = combined.branch(flipped(combined.mode, combined.surfaces, corner))
         part = program.equations(mode, combined.interval, values[0])
-        program.set_mode(values, mode)
-        w = part.solve(values, x)
+        w, _ = combined.part(part, values)
         c = np.array([1.0 - sum(corner), *corner])
         if (np.abs(w - c @ bonds) > ADDITIVE * (k * bond_size + np.abs(w).max())).any():
             return False
@@ -110,6 +116,7 @@ class SlidingProgram(Program):
         *,
         kind: Kind,
         laws: SurfaceLaws,
+        meet: Meet,
     ) -> None:
         self.__dict__.update(program.__dict__)
         self.whole = program
@@ -117,18 +124,47 @@ class SlidingProgram(Program):
         self.surfaces = tuple(surfaces)
         self.kind: Kind = kind
         self.laws = laws
-        self._combined: dict[tuple[Mode, Interval], ModeEquations] = {}
+        self.meet = meet
+        self.branches: dict[Mode, Mode] = {}
+        """The branches of junction laws in the modes that are combined, by `bare` mode."""
+        self.choose: Callable[[Mode], Mode] = lambda mode: mode
+        """What gives branches to a mode that was not combined before, in the present state."""
+        self._combined: dict[tuple[object, ...], ModeEquations] = {}
+
+    def bare(self, mode: Mode) -> Mode:
+        """Return a mode without the branches of its junction laws."""
+        machines = self.graph.machines
+        return tuple(0 if m.law is not None else k for m, k in zip(machines, mode, strict=True))
+
+    def branch(self, mode: Mode) -> Mode:
+        """Return a mode with the branches that its laws have while it is combined."""
+        bare = self.bare(mode)
+        if bare not in self.branches:
+            self.branches[bare] = self.choose(mode)
+        return self.branches[bare]
 
     def equations(self, mode: Mode, interval: Interval, t: float) -> ModeEquations:
         """Return the combined equations; plain ones once no machine is between its states."""
-        key = (mode, interval)
+        sides = [s for s in self.surfaces if mode[s.machine] in (s.below, s.above)]
+        corners = corners_of(len(sides), self.kind)
+        modes = [self.branch(flipped(mode, sides, c)) for c in corners]
+        key = (mode, interval, *modes)
         if key not in self._combined:
             if len(self._combined) >= KEPT:
                 self._combined.clear()
-            left = [s for s in self.surfaces if mode[s.machine] in (s.below, s.above)]
             self._combined[key] = (
-                combine(self.whole, left, mode, interval, t, laws=self.laws, kind=self.kind)
-                if left
+                combine(
+                    self.whole,
+                    sides,
+                    mode,
+                    interval,
+                    t,
+                    laws=self.laws,
+                    meet=self.meet,
+                    branch=self.branch,
+                    kind=self.kind,
+                )
+                if sides
                 else self.whole.equations(mode, interval, t)
             )
         return self._combined[key]

@@ -129,7 +129,10 @@ def lemke(
     active = mask(start, n)
     warm = bool(active.any())
     status, pivots, ray, infeasible = "limit", 0, None, False
-    for _ in range(_ROUNDS):
+    for turn in range(2 * _ROUNDS):
+        if warm and turn == _ROUNDS:
+            # rounding leads from this guess round in a ring; another path has other roundings
+            warm, active = False, np.zeros(n, dtype=bool)
         try:
             point = _point(matrix, q, active, tol)
             if point is not None:

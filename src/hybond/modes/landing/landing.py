@@ -346,7 +346,7 @@ class Landings:
         there = y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + field(limit, y + h * k3))
         if not np.isfinite(there).all():
             return t, y
-        watched = watch(program, mode, self.machines)
+        watched = watch(self.settler.trials.guards, mode, self.machines)
         locator = Locator(program, self.settler, equations, interval, watched)
         if any(locator.holds(rule, limit, there) for rule in watched.rules):
             return t, y

@@ -22,7 +22,7 @@ one after another.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,10 +31,12 @@ from numpy.typing import NDArray
 from hybond.equations.calculus import gradient
 from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
-from hybond.model.expressions import Expr, Number
+from hybond.model.expressions import Expr, Number, compile_expression
 from hybond.model.graph import Mode
+from hybond.modes.dirac import DIRAC, Pair, Pairs, steady
 from hybond.modes.jump import enter, reach_of_bonds
 from hybond.modes.laws.gaps import check_gaps
+from hybond.modes.laws.planar import Disk, Kept, Rests, disks_of, on_the_way
 from hybond.modes.laws.problem import (
     BACKWARD,
     CUT,
@@ -60,6 +62,8 @@ Mask = NDArray[np.bool_]
 ZERO = 1e-12
 """Part of its terms below which a value counts as zero; guards are located a tenth before that, so
 that what passes through zero at an event is decided by its rate."""
+LOCATED = 0.02
+"""Part of that zero from which on guards may be located."""
 DUST = 1e-9
 """Part of its terms up to which a violation without a solution is rounding."""
 SHORT = 1e-6
@@ -99,8 +103,10 @@ class Complementarity:
         self.trace = trace
         self.graph = program.graph
         self.laws = tuple(m.index for m in self.graph.machines if m.law is not None)
+        self.kept = Kept(self.graph)
         self._largest: dict[int, float] = {}
         self._checked = False
+        self._sized: dict[int, Callable[[Pairs], Pair]] = {}
 
     # -- the two problems
 
@@ -110,6 +116,7 @@ class Complementarity:
         None if no law is violated by what is stored.
         """
         ports, v, x = self.consistent(at, x, energy)
+        self.kept.disks = []
         response = ports.response(v, x)
         y = self.clean(response, ports, x, energy)
         one_sided = np.array([not p.law.two_sided for p in ports.ports])
@@ -145,20 +152,53 @@ class Complementarity:
             return  # rounding has no solution; what lasts is decided without it
         raise self._unsolvable(at, ports, taking, "impulses")
 
+    def dusted(self, at: Instant, x: Vector, *, energy: float) -> Vector:
+        """Return the state without approaches that are nothing but rounding.
+
+        For the laws they are zero, for the guards that watch them they may not be. They are taken
+        away as an impact would, along the impulses of their contacts.
+        """
+        ports, v, x = self.consistent(at, x, energy)
+        response = ports.response(v, x)
+        size = self._size(response, ports, x, energy)
+        slow = (response.y < -LOCATED * ZERO * size) & (response.y >= -ZERO * size)
+        slow &= np.array([not p.law.two_sided for p in ports.ports])
+        slow &= ~response.D.any(axis=1)
+        who = np.flatnonzero(slow & self.able(ports, v, at)) if slow.any() else np.flatnonzero(slow)
+        if not len(who):
+            return x
+        impulse = np.linalg.lstsq(response.CE[np.ix_(who, who)], -response.y[who], rcond=None)[0]
+        return np.asarray(x + response.E[:, who] @ impulse)
+
     def lasting(self, at: Instant, x: Vector, *, energy: float) -> Iterator[tuple[Mode, bool]]:
         """Yield modes whose branches may last from the state `x`, the likeliest first."""
         ports, v, x = self.consistent(at, x, energy)
         response = ports.response(v, x, later=lambda dt, field: self._later(at, x, dt, field))
         able = self.able(ports, v, at)
         state_like = np.abs(np.diag(response.D)) == 0.0
+        stored = ~response.D.any(axis=1)
+        given_net = np.array([p.given == "net" for p in ports.ports])
         start = self._branches(ports, at.mode)
+        disks = self.kept.disks = []
+        if self.kept.places:
+            size = self._size(response, ports, x, energy)
+            disks = self.kept.disks = disks_of(ports, response, size, self.kept.slow(at.s))
         solved = False
         for factor, keep, clean in TRIES:
-            y = self.clean(response, ports, x, energy) if clean else response.y
+            y = self.clean(response, ports, x, energy) if clean else response.y.copy()
             roles = [
                 _lasting_role(p, bool(a), bool(state), float(value))
                 for p, a, state, value in zip(ports.ports, able, state_like, y, strict=True)
             ]
+            for disk in disks:
+                # their slip is zero in both directions or in none
+                y[list(disk.ports)] = 0.0 if disk.resting else response.y[list(disk.ports)]
+                for port in disk.ports:
+                    roles[port] = HELD if disk.resting else FORWARD
+            # what is stored keeps these apart, however fast that may change
+            apart = stored & (y > 0.0) & np.array([r == ONE_SIDED for r in roles])
+            for k in np.flatnonzero(apart):
+                roles[k] = CUT
             h = factor * self._step(response, y)
             q = y + h * response.rate
             found = self._slide(ports, v, response, y, q, h, roles, start)
@@ -166,6 +206,7 @@ class Complementarity:
                 found = self._loosened(ports, v, response, y, q, h, roles, found)
             if found is None:
                 continue
+            found.branch[apart & given_net] = 1
             solved = True
             yield self._mode(at, ports, found, keep=bool(keep), impact=False), bool(keep)
         if not solved:
@@ -188,7 +229,9 @@ class Complementarity:
         `loose` are junctions at rest that break loose now.
         """
         broken_loose = loose or set()
-        loose = {k for k, p in enumerate(ports.ports) if p.law.breakaway is not None}
+        loose = {
+            k for k, p in enumerate(ports.ports) if p.law.breakaway is not None and not p.law.planar
+        }
         moving = {k for k in loose if ports.ports[k].given == "net" and abs(y[k]) > 0.0}
         moving |= broken_loose
         while True:
@@ -265,13 +308,15 @@ class Complementarity:
     def able(self, ports: PortEquations, v: list[float], at: Instant) -> Mask:
         """Return which laws may take their ON branch at all: contacts closed, thyristors fired."""
         able = np.ones(len(ports.ports), dtype=bool)
+        # rounding of a gap is that of its terms, as for the guards that watch it
+        pairs = steady(v, np.abs(v[: self.program.slots.size]).tolist())
         for k, port in enumerate(ports.ports):
             on = bool(self.graph.machines[port.machine].on[at.mode[port.machine]])
             if port.law.gap is not None:
-                gap = float(self.value(port.law.gap, v))
-                largest = max(self._largest.get(port.machine, 0.0), abs(gap))
+                gap = self._compiled(port.law.gap)(pairs)
+                largest = max(self._largest.get(port.machine, 0.0), abs(gap.finite))
                 self._largest[port.machine] = largest
-                able[k] = on or gap <= CLOSED * largest
+                able[k] = on or gap.sign <= 0 or gap.finite <= CLOSED * largest
             if port.law.gate is not None:
                 able[k] = on or bool(self.value(port.law.gate, v))
         return able
@@ -302,6 +347,15 @@ class Complementarity:
     def value(self, e: Expr, v: Sequence[float]) -> float:
         """Return the value of an expression of a law."""
         return e.value if isinstance(e, Number) else self.program.compile(e)(v)
+
+    def _compiled(self, e: Expr) -> Callable[[Pairs], Pair]:
+        """Return an expression of a law over values that know the size of their terms."""
+        found = self._sized.get(id(e))
+        if found is None:
+            slots = self.program.slots
+            found = compile_expression(e, slots.index, DIRAC, pre_offset=slots.size)
+            self._sized[id(e)] = found
+        return found
 
     def _branches(self, ports: PortEquations, mode: Mode) -> Branches:
         """Return the branches of `mode`: 0 OFF or at rest, 1 ON or forward, -1 backward."""
@@ -341,11 +395,18 @@ class Complementarity:
             if roles[k] in (TWO_SIDED, FORWARD, BACKWARD)
         }
         m = response.D + h * response.CE
+        disks = [d for d in self.kept.disks if roles[d.ports[0]] in (HELD, FORWARD)]
+        for disk in disks:
+            if not disk.resting:
+                friction.update(on_the_way(disk, friction[disk.ports[0]]))
         # a law that neither acts on anything nor feels any other: its value is rounding, or right
         idle = ~(m.any(axis=1) | m.any(axis=0))
         q = np.where(idle & (q < 0.0) & (q >= -DUST * response.size), 0.0, q)
         common = [p.given == "common" for p in ports.ports]
-        if friction:
+        resting = [d for d in disks if d.resting]
+        if resting and shift is None:
+            found = self._held(ports, v, response, m, q, roles, friction, start, resting)
+        elif friction:
             found = solve_laws(
                 m, q, roles=roles, common=common, friction=friction, start=start, shift=shift
             )
@@ -361,7 +422,7 @@ class Complementarity:
                 shift=None if shift is None else shift * d,
             )
             found = None if found is None else replace(found, l=found.l * d)
-        if found is None or np.array_equal(found.branch, start):
+        if found is None or resting or np.array_equal(found.branch, start):
             return found
         coupled = any(f.slope.any() for f in friction.values())
         if not coupled and positive_semidefinite(m):
@@ -374,6 +435,36 @@ class Complementarity:
                 "the one found first is taken; a stiffness in the contact decides"
             )
         return found
+
+    def _held(
+        self,
+        ports: PortEquations,
+        v: list[float],
+        response: Response,
+        m: Matrix,
+        q: Vector,
+        roles: list[str],
+        friction: dict[int, Friction],
+        start: Branches,
+        resting: list[Disk],
+    ) -> Answer | None:
+        """Solve with planar friction at rest, which holds or begins to slip."""
+        common = [p.given == "common" for p in ports.ports]
+        firsts = [ports.ports[d.ports[0]] for d in resting]
+
+        def solve(m: Matrix, own: dict[int, str], forces: dict[int, Friction]) -> Answer | None:
+            taking = [own.get(k, role) for k, role in enumerate(roles)]
+            given = friction | forces
+            return solve_laws(m, q, roles=taking, common=common, friction=given, start=start)
+
+        return Rests(
+            resting,
+            m,
+            q,
+            [self._limit(p, v, response, at_rest=True) for p in firsts],
+            [self._limit(p, v, response, at_rest=False) for p in firsts],
+            solve,
+        ).answer()
 
     def _units(self, ports: PortEquations, q: Vector) -> Vector:
         """Return factors of `w` that make its efforts and its flows alike, domain by domain.
@@ -422,6 +513,9 @@ class Complementarity:
         for k, port in enumerate(ports.ports):
             machine = self.graph.machines[port.machine]
             now = at.mode[port.machine]
+            if port.law.planar:
+                mode[port.machine] = int(impact or found.branch[k] != 0)
+                continue
             if port.law.two_sided:
                 # sticking would carry impulses, friction does not: it slides through a jump
                 names = {0: "sticks", 1: "forward", -1: "backward"}

@@ -23,16 +23,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide, surfaces_of
-from hybond.model.graph import FlatGraph, Mode
-from hybond.modes.settle import Settler
+from hybond.model.graph import Mode
+from hybond.modes.signals import named_rows
+from hybond.modes.sliding.crossings import Collapse, sides_of
 from hybond.modes.sliding.filippov import ABOVE, SLIDES
-from hybond.modes.sliding.view import View, resting
+from hybond.modes.sliding.meeting import meet
+from hybond.modes.sliding.transitions import fired_machines, moved, there_and_back, transitions
+from hybond.modes.sliding.view import SlidingSettler, View, resting
 from hybond.modes.sliding.ways import WaysOn
 from hybond.programs.combined import Combined, Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.programs.sliding_program import SlidingProgram, corners_of, flipped
-from hybond.trace import Cause, Event, Fired, Sliding, Step, Trace
+from hybond.trace import Cause, Energy, Event, Fired, Sliding, Step, Trace
 
 Vector = NDArray[np.float64]
 
@@ -53,6 +56,7 @@ class Slider:
         self._views: dict[tuple[tuple[Surface, ...], Kind], View] = {}
         self.laws = SurfaceLaws(program.graph, program.slots)
         self.ways = WaysOn(program, trace, self.laws)
+        self.named = named_rows(program.graph)
         self._plain = [program.compile(s.g) for s in self.surfaces]
         self._rests = [
             [[program.compile(e) for e in rest] for rest in (s.up_rest, s.down_rest)]
@@ -94,23 +98,43 @@ class Slider:
         if not met and not held:
             return y, mode
         decided = self.ways.decide(t, y, mode, met, held, interval) if met else None
+        collapse: Collapse | None = None
+        if decided is None and event is not None and len(met) == 1 and moved(event) and not held:
+            branch = self.ways.branches.at(t, y, interval)
+            sides = [branch(m) for m in sides_of(met[0], mode)]
+            collapse = self.ways.crossings.collapse(met[0], t, y, sides, interval)
+            if collapse is not None:
+                decided = self.ways.decide(t, collapse.y, mode, met, held, interval)
+                collapse = collapse if decided is not None and decided[0].sliding else None
+                decided, y = (decided, collapse.y) if collapse is not None else (None, y)
         states = list(mode)
         slid: list[Surface] = []
         kind: Kind = "additive"
         if decided is not None:
             way, kind, met = decided
-            fired = _fired_machines(self.graph, event)
+            fired = fired_machines(self.graph, event)
             # a crossing is what its own rule said, unless another surface has a say in it
             joint = bool(held) or bool(way.sliding)
             for s, side in zip(met, way.sides, strict=True):
                 if side == SLIDES:
                     slid.append(s)
+                elif s.machine in fired and moved(event) and not joint:
+                    # thrown back by its own jump: it stays for no time, and is a pinnacle
+                    here = s.above if side == ABOVE else s.below
+                    if states[s.machine] != here:
+                        states[s.machine] = here
+                        y = self._onto(s, t, y, tuple(states), interval)
                 elif joint and (s in held or s.machine in fired):
                     states[s.machine] = s.above if side == ABOVE else s.below
         for s in held:
             if s not in met and mode[s.machine] in (s.below, s.above):
                 states[s.machine] = self._dropped(s, t, y, mode, interval)
-        return self._go_on(t, y, mode, tuple(states), tuple(slid), kind, event, interval, cause)
+        if self.ways.branches.any and (held or slid):
+            # what is shown, and what goes on alone, has the branches of its own laws
+            states = list(self.ways.branches.at(t, y, interval)(tuple(states)))
+        return self._go_on(
+            t, y, mode, tuple(states), tuple(slid), kind, event, interval, cause, collapse
+        )
 
     def close(self, t: float) -> None:
         """Note that the run ends while sliding."""
@@ -132,9 +156,14 @@ class Slider:
 
         They are sought `anew` where the fields may have jumped, else among those just crossed.
         """
-        fired = _fired_machines(self.graph, event)
-        moved = event is not None and any(s.impulses for s in event.steps if s.kind != "mythical")
-        anew = anew or moved
+        fired = fired_machines(self.graph, event)
+        jumped = moved(event)
+        back: set[int] = set()
+        if event is not None and jumped:
+            change = (event.after - event.before)[: self.program.nx]
+            if self.ways.crossings.vanishes(change, y):
+                back = there_and_back(self.graph, event)
+        anew = anew or jumped
         found: dict[int, Surface] = {}
         v: list[float] | None = None
         for k, s in enumerate(self.surfaces):
@@ -147,7 +176,10 @@ class Slider:
                 v = self._values(t, y, mode, interval)
             if any(not f(v) for rest in self._rests[k] for f in rest):
                 continue
-            sure = (crossed or s in held) and not moved
+            sure = (crossed or s in held) and not jumped
+            if s.machine in back:
+                # there and back by a pinnacle: towards the surface, if its jumps have vanished
+                crossed = sure = True
             if not sure and not self._on(k, v, y, mode, interval):
                 continue
             found[s.machine] = s
@@ -160,19 +192,36 @@ class Slider:
     def _on(self, k: int, v: list[float], y: Vector, mode: Mode, interval: Interval) -> bool:
         """Whether the state is on a surface: it was there an instant ago, or will be."""
         s = self.surfaces[k]
-        program = self.program
         g = float(self._plain[k](v))
         if g == 0.0:
             return True
-        sides = [_with(mode, s.machine, j) for j in (s.below, s.above)]
-        law = self.laws.of(s, sides)
+        motion = self._motion(s, v, y, mode, interval)
+        return motion is not None and abs(g) <= AT_ONCE * abs(v[0]) * abs(motion[1])
+
+    def _motion(
+        self, s: Surface, v: list[float], y: Vector, mode: Mode, interval: Interval
+    ) -> tuple[Vector, float] | None:
+        """Return the rates of the state in `mode`, and that of a switching function."""
+        program = self.program
+        law = self.laws.of(s, [_with(mode, s.machine, j) for j in (s.below, s.above)])
         if law is None:
-            return False
+            return None
         equations = program.equations(mode, interval, v[0])
-        rate = program.field(equations, interval)(v[0], y)[None, :]
         n = program.nx + program.ns
-        speed = float(law.along(v, rate[:, : program.nx], rate[:, program.nx : n])[0])
-        return abs(g) <= AT_ONCE * abs(v[0]) * abs(speed)
+        rate = program.field(equations, interval)(v[0], y)[:n]
+        speed = law.along(v, rate[None, : program.nx], rate[None, program.nx :])
+        return rate, float(speed[0])
+
+    def _onto(self, s: Surface, t: float, y: Vector, mode: Mode, interval: Interval) -> Vector:
+        """Return a state put back on a surface that it is off by rounding, along the motion."""
+        program = self.program
+        v = program.evaluate(t, y, interval, program.equations(mode, interval, t))
+        motion = self._motion(s, v, y, mode, interval)
+        if motion is None or motion[1] == 0.0:
+            return y
+        n = len(motion[0])
+        back = float(self._plain[self.surfaces.index(s)](v)) / motion[1]
+        return np.concatenate([y[:n] - back * motion[0], y[n:]])
 
     def _dropped(self, s: Surface, t: float, y: Vector, mode: Mode, interval: Interval) -> int:
         """Return the state of a machine that slides no more: off its surface, or not allowed."""
@@ -197,21 +246,30 @@ class Slider:
         event: Event | None,
         interval: Interval,
         cause: Cause,
+        collapse: Collapse | None,
     ) -> tuple[Vector, Mode]:
         held = self.view.surfaces if self.view is not None else ()
         if self.view is not None:
             self._note_until(t)
         same = set(slid) == set(held) and self.view is not None and self.view.kind == kind
-        fired = self._transitions(before, mode, held, slid)
+        fired = transitions(self.graph, before, mode, held, slid)
         if not same:
             self.view = self._viewed(slid, kind, t, mode) if slid else None
         if self.view is not None:
+            self._branch(self.view, t, y, interval)
             equations = self.view.program.equations(mode, interval, t)
             assert isinstance(equations, Combined)
             y = equations.onto(t, y)
         if fired:
-            self._write(t, y, mode, fired, event, cause)
+            self._write(t, y, mode, fired, event, cause, collapse)
         return y, mode
+
+    def _branch(self, view: View, t: float, y: Vector, interval: Interval) -> None:
+        """Give the modes that are combined the branches of their junction laws."""
+        if not self.ways.branches.any:
+            return
+        view.program.branches = {}
+        view.program.choose = self.ways.branches.at(t, y, interval)
 
     def _viewed(self, slid: tuple[Surface, ...], kind: Kind, t: float, mode: Mode) -> View:
         view = self._views.get((slid, kind))
@@ -223,8 +281,11 @@ class Slider:
                 if s.machine not in machines and any(coincide(s, other) for other in slid)
             ]
             graph = resting(self.graph, slid, twins)
-            program = SlidingProgram(self.program, graph, slid, kind=kind, laws=self.laws)
-            settler = Settler(program, self.trace, max_writes=self.max_writes)
+            program = SlidingProgram(
+                self.program, graph, slid, kind=kind, laws=self.laws, meet=meet
+            )
+            settler = SlidingSettler(program, self.trace, max_writes=self.max_writes)
+            settler.branches = self.ways.branches
             view = self._views[slid, kind] = View(slid, kind, program, settler, {})
         view.number = len(self.trace.slidings)
         paths = tuple(self.graph.machines[s.machine].path for s in slid)
@@ -238,36 +299,6 @@ class Slider:
         record = self.trace.slidings[self.view.number]
         self.trace.slidings[self.view.number] = replace(record, t1=float(t))
 
-    def _transitions(
-        self,
-        before: Mode,
-        mode: Mode,
-        held: Sequence[Surface],
-        slid: Sequence[Surface],
-    ) -> tuple[Fired, ...]:
-        """Return what the decision did to machines, as transitions to and from ``sliding``."""
-        found = []
-        for s in (*held, *(s for s in slid if s not in held)):
-            machine = self.graph.machines[s.machine]
-            if s in held and s in slid:
-                continue
-            if s in slid:
-                why = f"{s.text}: pushed into from both sides"
-                found.append(
-                    Fired(machine.path, machine.states[before[s.machine]], "sliding", why, {}, {})
-                )
-            elif mode[s.machine] in (s.below, s.above):
-                why = f"{s.text}: no longer pushed into from both sides"
-                found.append(
-                    Fired(machine.path, "sliding", machine.states[mode[s.machine]], why, {}, {})
-                )
-        changed = {s.machine for s in (*held, *slid)}
-        for m, a, b in zip(self.graph.machines, before, mode, strict=True):
-            if a != b and m.index not in changed:
-                why = "the other surfaces push it back"
-                found.append(Fired(m.path, m.states[a], m.states[b], why, {}, {}))
-        return tuple(found)
-
     def _write(
         self,
         t: float,
@@ -276,6 +307,7 @@ class Slider:
         fired: tuple[Fired, ...],
         event: Event | None,
         cause: Cause,
+        collapse: Collapse | None,
     ) -> None:
         """Add the decision to what is recorded of this instant."""
         stored = y[: self.program.nx + self.program.ns]
@@ -285,30 +317,27 @@ class Slider:
             return
         assert self.trace.events[-1] is event
         last = event.steps[-1]
-        last = replace(last, mode=mode, fired=(*last.fired, *fired))
-        self.trace.events[-1] = replace(event, steps=(*event.steps[:-1], last), after=stored)
+        steps: tuple[Step, ...]
+        if collapse is not None:
+            before, after = collapse.lost
+            floor = 1e-12 * np.full_like(collapse.impulses, np.abs(collapse.impulses).max())
+            areas = self.named.of(collapse.impulses, floor)
+            energy = Energy(before, after, 0.0, before - after)
+            steps = (
+                replace(last, kind="pinnacle"),
+                Step(mode, "continuous", fired, areas, energy),
+            )
+        elif last.impulses and mode != last.mode and self.view is None:
+            left = None if last.energy is None else last.energy.after
+            rest = None if left is None else Energy(left, left, 0.0, 0.0)
+            steps = (
+                replace(last, kind="pinnacle"),
+                Step(mode, "continuous", fired, {}, rest),
+            )
+        else:
+            steps = (replace(last, mode=mode, fired=(*last.fired, *fired)),)
+        self.trace.events[-1] = replace(event, steps=(*event.steps[:-1], *steps), after=stored)
 
 
 def _with(mode: Mode, machine: int, state: int) -> Mode:
     return (*mode[:machine], state, *mode[machine + 1 :])
-
-
-def _fired_machines(graph: FlatGraph, event: Event | None) -> dict[int, tuple[int, int]]:
-    """Return source and target of the machines that made exactly one transition."""
-    if event is None:
-        return {}
-    by_path = {m.path: m for m in graph.machines}
-    made: dict[str, list[Fired]] = {}
-    for step in event.steps:
-        for f in step.fired:
-            made.setdefault(f.machine, []).append(f)
-    found = {}
-    for path, transitions in made.items():
-        if len(transitions) == 1 and path in by_path:
-            machine = by_path[path]
-            f = transitions[0]
-            found[machine.index] = (
-                machine.states.index(f.source),
-                machine.states.index(f.target),
-            )
-    return found

@@ -13,12 +13,15 @@ from hybond.equations.surfaces import Surface, moves
 from hybond.errors import NumericsError
 from hybond.model.expressions import Bool, Not
 from hybond.model.graph import FlatGraph, Mode, Rule
+from hybond.modes.guards import Followed, Guards
 from hybond.modes.locate import Locator, Watched, watch
-from hybond.modes.settle import Settler
+from hybond.modes.settle import Settled, Settler
+from hybond.modes.sliding.branches import Branches
 from hybond.programs.combined import Combined, Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.programs.sliding_program import SlidingProgram
+from hybond.solvers import Step
 from hybond.trace import Segment
 
 Vector = NDArray[np.float64]
@@ -32,6 +35,17 @@ class SlidingLocator(Locator):
     """A locator that also finds where a weight leaves [0, 1]."""
 
     bounds: dict[Rule, tuple[int, bool]] = field(default_factory=dict)
+    others: tuple[Locator, ...] = ()
+    """Of the branches of junction laws, in each mode that is combined."""
+
+    def first(self, step: Step) -> float | None:
+        """Return the first instant at which a guard, a weight or a branch asks for an event."""
+        found = Locator.first(self, step)
+        for other in self.others:
+            at = other.first(step)
+            if at is not None and (found is None or at < found):
+                found = at
+        return found
 
     def holds(self, rule: Rule, t: float, y: Vector) -> bool:
         """Return the truth of a guard, or whether a weight is beyond its bound."""
@@ -50,11 +64,33 @@ class SlidingLocator(Locator):
 def _margin(combined: Combined, j: int, upper: bool, v: Sequence[float]) -> float:
     """Return how far a weight is from its bound; negative beyond it."""
     try:
-        weight = float(combined.blend(v).weights[j])
+        return float(combined.margins(v)[int(upper), j])
     except NumericsError:
         # no combination holds the state on the surfaces here
         return -1.0
-    return 1.0 - weight if upper else weight
+
+
+class SlidingSettler(Settler):
+    """Settles modes while some machines slide: a mode met there gets the branches of its laws."""
+
+    branches: Branches | None = None
+
+    def settle(
+        self,
+        t: float,
+        x: Vector,
+        s: Vector,
+        mode: Mode,
+        before: Interval,
+        after: Interval,
+        *,
+        start: bool = False,
+    ) -> Settled:
+        """Return the state and mode in which time goes on from `t`."""
+        program = self.program
+        if self.branches is not None and self.branches.any and isinstance(program, SlidingProgram):
+            program.choose = self.branches.at(t, np.concatenate([x, s]), after)
+        return super().settle(t, x, s, mode, before, after, start=start)
 
 
 @dataclass(slots=True)
@@ -72,11 +108,11 @@ class View:
     def locator(self, equations: ModeEquations, interval: Interval) -> Locator:
         """Return what finds the end of the motion."""
         if not isinstance(equations, Combined):
-            watched = watch(self.program, equations.mode)
+            watched = watch(self.settler.trials.guards, equations.mode)
             return Locator(self.program, self.settler, equations, interval, watched)
         mode = equations.mode
         if mode not in self.watched:
-            self.watched[mode] = _with_rests(self.program, self.surfaces, mode)
+            self.watched[mode] = _with_rests(self.settler.trials.guards, self.surfaces, mode)
         known = self.watched[mode]
         bounds: dict[Rule, tuple[int, bool]] = {}
         margins: list[Callable[[Sequence[float]], float]] = []
@@ -86,15 +122,27 @@ class View:
                 bounds[Rule(s.below, s.above, Bool(False), text)] = (j, upper)
                 margins.append(_margin_at(equations, j, upper))
         arrays = _over_columns(equations)
-        watched = Watched(
-            (*known.rules, *bounds),
-            (*known.tests, *(_beyond(f) for f in margins)),
-            (*known.atoms, *((f,) for f in margins)),
-            (*known.arrays, *((f,) for f in arrays)),
-            (*known.array_tests, *(_beyond_many(f) for f in arrays)),
-            (*known.sizes, *((_one,) for _ in arrays)),
+        beyond = [
+            Followed(rule, _beyond(f), (f,), (many,), _beyond_many(many), (_one,))
+            for rule, f, many in zip(bounds, margins, arrays, strict=True)
+        ]
+        watched = Watched((*known.guards, *beyond))
+        others = self._of_branches(equations, interval)
+        return SlidingLocator(
+            self.program, self.settler, equations, interval, watched, bounds, others
         )
-        return SlidingLocator(self.program, self.settler, equations, interval, watched, bounds)
+
+    def _of_branches(self, combined: Combined, interval: Interval) -> tuple[Locator, ...]:
+        """Return what finds where a junction law in one of the modes leaves its branch."""
+        whole = self.program.whole
+        if all(m.law is None for m in whole.graph.machines):
+            return ()
+        machines = [m if m.law is not None else replace(m, rules=()) for m in whole.graph.machines]
+        guards = self.settler.trials.guards
+        return tuple(
+            Locator(whole, self.settler, part, interval, watch(guards, part.mode, machines))
+            for part in combined.parts
+        )
 
 
 def _one(columns: Sequence[Vector]) -> Vector:
@@ -118,22 +166,22 @@ def _over_columns(combined: Combined) -> list[Callable[[Sequence[Vector]], Vecto
     """Return the margins of all weights, below and above, over columns of values."""
     last: list[tuple[bytes, Vector]] = []
 
-    def weights(columns: Sequence[Vector]) -> Vector:
+    def margins(columns: Sequence[Vector]) -> Vector:
         key = columns[0].tobytes()
         if not last or last[0][0] != key:
             # no combination: as if far beyond the bound
-            last[:] = [(key, np.nan_to_num(combined.weights_at(columns), nan=-1.0))]
+            last[:] = [(key, np.nan_to_num(combined.margins_at(columns), nan=-1.0))]
         return last[0][1]
 
     def margin(j: int, upper: bool) -> Callable[[Sequence[Vector]], Vector]:
-        return lambda columns: 1.0 - weights(columns)[j] if upper else weights(columns)[j]
+        return lambda columns: margins(columns)[int(upper), j]
 
     return [margin(j, up) for j in range(len(combined.surfaces)) for up in (False, True)]
 
 
-def _with_rests(program: Program, surfaces: Sequence[Surface], mode: Mode) -> Watched:
+def _with_rests(guards: Guards, surfaces: Sequence[Surface], mode: Mode) -> Watched:
     """Compile the rules of the machines, and what allows the switching that is averaged."""
-    machines = list(program.graph.machines)
+    machines = list(guards.program.graph.machines)
     for s in surfaces:
         state = mode[s.machine]
         rests = tuple(
@@ -141,7 +189,7 @@ def _with_rests(program: Program, surfaces: Sequence[Surface], mode: Mode) -> Wa
         )
         machine = machines[s.machine]
         machines[s.machine] = replace(machine, rules=(*machine.rules, *rests))
-    return watch(program, mode, machines)
+    return watch(guards, mode, machines)
 
 
 def resting(

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide
-from hybond.errors import HybondError
+from hybond.errors import HybondError, NumericsError
 from hybond.model.graph import Mode
-from hybond.modes.jump import enter
+from hybond.modes.sliding.branches import Branches
+from hybond.modes.sliding.crossings import Crossings, sides_of
 from hybond.modes.sliding.filippov import (
     ABOVE,
     BELOW,
@@ -21,7 +22,8 @@ from hybond.modes.sliding.filippov import (
     futures,
     futures_of,
 )
-from hybond.programs.combined import Kind
+from hybond.modes.sliding.meeting import meet
+from hybond.programs.combined import Combined, Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.programs.sliding_program import (
@@ -44,6 +46,8 @@ class WaysOn:
         self.graph = program.graph
         self.trace = trace
         self.laws = laws
+        self.crossings = Crossings(program, trace, laws)
+        self.branches = Branches(program, trace)
 
     def decide(
         self,
@@ -56,11 +60,12 @@ class WaysOn:
     ) -> tuple[Future, Kind, list[Surface]] | None:
         """Return how the state goes on from the surfaces it is on."""
         program = self.program
-        met = self._one_each(t, y, mode, met, interval)
-        met = self._agreeing(t, y, mode, met, interval)
+        branch = self.branches.at(t, y, interval)
+        met = self._one_each(t, y, mode, met, interval, branch)
+        met = self._agreeing(t, y, mode, met, interval, branch)
         if not met:
             return None
-        combined = combine(program, met, mode, interval, t, laws=self.laws)
+        combined = self._combined(met, mode, interval, t, branch)
         n = program.nx + program.ns
         v = program.values(t, interval, mode, y[: program.nx], y[program.nx : n])
         kind: Kind = "additive" if additive(combined, v) else "product"
@@ -79,7 +84,7 @@ class WaysOn:
                 return np.asarray(a + b @ weights)
 
         elif k <= MOST_PRODUCT:
-            combined = combine(program, met, mode, interval, t, laws=self.laws, kind="product")
+            combined = self._combined(met, mode, interval, t, branch, kind="product")
             corners = np.array(corners_of(k, "product"), dtype=float)
             slopes = combined.surface_rates(v, combined.part_rates(v)[1])
             size = float(np.abs(slopes).max())
@@ -107,7 +112,23 @@ class WaysOn:
                 f"{len(distinct)} ways lead on, among them off the surface on either side; "
                 f"it goes on in ({self._sides_text(met, chosen)})"
             )
+        if combined.common is not None and chosen.sliding:
+            chosen = _pushed(combined, v, chosen, kind)
+        elif combined.common is not None and k == 1:
+            self._tell_of_strokes(combined, v, met[0], t)
         return chosen, kind, met
+
+    def _tell_of_strokes(self, combined: Combined, v: list[float], s: Surface, t: float) -> None:
+        """Warn where both modes lead to a surface, but a jump there leads back too far to slide."""
+        try:
+            pushes = combined.blend(v).pushes
+        except NumericsError:
+            return
+        if pushes is not None and (pushes > 1e-9).all():
+            self.trace.warn(
+                f"both sides push into {s.text} at t = {t:.9g} s, but the jump on crossing it "
+                "throws back by more than was gained: there is no sliding along it"
+            )
 
     def _sides_text(self, met: Sequence[Surface], way: Future) -> str:
         words = []
@@ -119,7 +140,13 @@ class WaysOn:
         return ", ".join(words)
 
     def _one_each(
-        self, t: float, y: Vector, mode: Mode, met: list[Surface], interval: Interval
+        self,
+        t: float,
+        y: Vector,
+        mode: Mode,
+        met: list[Surface],
+        interval: Interval,
+        branch: Callable[[Mode], Mode],
     ) -> list[Surface]:
         """Return one surface of those that coincide: that whose machine moves something."""
         kept: list[Surface] = []
@@ -127,8 +154,8 @@ class WaysOn:
             twin = next((k for k in kept if coincide(s, k)), None)
             if twin is None:
                 kept.append(s)
-            elif self._acts(s, t, y, mode, interval):
-                if not self._acts(twin, t, y, mode, interval):
+            elif self._acts(s, t, y, mode, interval, branch):
+                if not self._acts(twin, t, y, mode, interval, branch):
                     kept[kept.index(twin)] = s
                     continue
                 paths = [self.graph.machines[k.machine].path for k in (twin, s)]
@@ -138,13 +165,21 @@ class WaysOn:
                 )
         return kept
 
-    def _acts(self, s: Surface, t: float, y: Vector, mode: Mode, interval: Interval) -> bool:
+    def _acts(
+        self,
+        s: Surface,
+        t: float,
+        y: Vector,
+        mode: Mode,
+        interval: Interval,
+        branch: Callable[[Mode], Mode],
+    ) -> bool:
         """Whether a machine's two states move the stored quantities differently."""
         program = self.program
-        sides = [(*mode[: s.machine], k, *mode[s.machine + 1 :]) for k in (s.below, s.above)]
         try:
             rates = [
-                program.field(program.equations(m, interval, t), interval)(t, y) for m in sides
+                program.field(program.equations(m, interval, t), interval)(t, y)
+                for m in map(branch, sides_of(s, mode))
             ]
         except HybondError:
             return True
@@ -153,22 +188,29 @@ class WaysOn:
         return bool((np.abs(rates[0][:n] - rates[1][:n]) > 1e-12 * size).any())
 
     def _agreeing(
-        self, t: float, y: Vector, mode: Mode, met: list[Surface], interval: Interval
+        self,
+        t: float,
+        y: Vector,
+        mode: Mode,
+        met: list[Surface],
+        interval: Interval,
+        branch: Callable[[Mode], Mode],
     ) -> list[Surface]:
-        """Return the surfaces around which all modes have one state space and one function."""
+        """Return the surfaces around which all modes can keep the state, with one function."""
         program = self.program
         n = program.nx + program.ns
         v = program.values(t, interval, mode, y[: program.nx], y[program.nx : n])
         while True:
-            corners = [flipped(mode, met, c) for c in corners_of(len(met), "additive")]
-            holds = [self._held_to(m, t, y, interval) for m in corners]
-            if holds[0] is not None and all(h == holds[0] for h in holds):
+            corners = [branch(flipped(mode, met, c)) for c in corners_of(len(met), "additive")]
+            if self.crossings.meet(corners, t, y, interval):
                 break
-            left = [s for s in met if self._same_space(s, t, y, mode, interval)]
+            sides = [[branch(m) for m in sides_of(s, mode)] for s in met]
+            takes = [self.crossings.meet(pair, t, y, interval) for pair in sides]
+            left = [s for s, ok in zip(met, takes, strict=True) if ok]
             met = left if len(left) < len(met) else []
             if not met:
                 return []
-        combined = combine(program, met, mode, interval, t, laws=self.laws)
+        combined = self._combined(met, mode, interval, t, branch)
         agree = combined.outputs_agree(v)
         for s, ok in zip(met, agree, strict=True):
             if not ok:
@@ -178,30 +220,42 @@ class WaysOn:
                 )
         return [s for s, ok in zip(met, agree, strict=True) if ok]
 
-    def _same_space(self, s: Surface, t: float, y: Vector, mode: Mode, interval: Interval) -> bool:
-        """Whether both sides of a surface take the state as it is, and hold it to the same."""
-        sides = [(*mode[: s.machine], k, *mode[s.machine + 1 :]) for k in (s.below, s.above)]
-        below, above = (self._held_to(m, t, y, interval) for m in sides)
-        return below is not None and below == above
+    def _combined(
+        self,
+        met: Sequence[Surface],
+        mode: Mode,
+        interval: Interval,
+        t: float,
+        branch: Callable[[Mode], Mode],
+        *,
+        kind: Kind = "additive",
+    ) -> Combined:
+        return combine(
+            self.program,
+            met,
+            mode,
+            interval,
+            t,
+            laws=self.laws,
+            meet=meet,
+            branch=branch,
+            kind=kind,
+        )
 
-    def _held_to(self, mode: Mode, t: float, y: Vector, interval: Interval) -> object:
-        """Return what a mode holds stored quantities to; None if they would have to jump."""
-        program = self.program
-        if program.fieldless(mode):
-            return None
-        try:
-            e = program.equations(mode, interval, t)
-            if e.tableau.constraints or e.structure or e.tableau.agreements:
-                v = program.evaluate(t, y, interval, e)
-                where = self.graph.mode_text(mode)
-                x = y[: program.nx]
-                if enter(e, v, x, where=where, energy=self.trace.energy).happened:
-                    return None
-        except HybondError:
-            return None
-        last = e.tableau.unknowns + len(self.graph.storages)
-        rows = [{k: c for k, c in r.items() if k < last} for r in e.tableau.constraints]
-        return e.rank - len(e.structure), *sorted(tuple(sorted(r.items())) for r in rows)
+
+def _pushed(combined: Combined, v: list[float], way: Future, kind: Kind) -> Future:
+    """Return a way without the surfaces that a mode leads away from before any jump.
+
+    On the mean a mode may be led back by its jumps alone; but there are none if it never returns.
+    """
+    here = combined.margins(v)
+    sides = list(way.sides)
+    if kind == "additive" and len(sides) == len(way.sliding) and (here < 0.0).any():
+        for j in way.sliding:
+            if here[:, j].min() < 0.0:
+                sides[j] = BELOW if here[0, j] <= here[1, j] else ABOVE
+    weights = np.array([1.0 if s == ABOVE else 0.0 for s in sides])
+    return way if tuple(sides) == way.sides else Future(tuple(sides), weights)
 
 
 def _distinct(ways: Sequence[Future]) -> list[Future]:

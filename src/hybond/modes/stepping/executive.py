@@ -42,6 +42,8 @@ Vector = NDArray[np.float64]
 
 SLACK = 1e-9
 """Part of a step within which a time counts as a point of the grid."""
+ROUNDED = 4.0 * float(np.finfo(float).eps)
+"""Part of the time by which the difference of two times may be off."""
 FEW = 20
 """With fewer steps a run is warned about: the comparison with longer steps says nothing then."""
 SAME = 1e-12
@@ -96,6 +98,8 @@ class TimeStepping:
         self._guards: dict[Mode, list[tuple[int, Callable[..., float]]]] = {}
         self._points: list[Point] = []
         self._row: dict[int, tuple[int, int]] = {}
+        self._shared: set[str] = set()
+        self._unbalanced = 0.0
         self._steps = 0
 
     def run(self, y: Vector) -> str:
@@ -128,6 +132,7 @@ class TimeStepping:
                 steps=float(self._steps),
                 evaluations=float(self.program.evaluations),
                 modes=float(self.program.built),
+                energy_unbalanced=self._unbalanced,
             )
         if self.coarser is not None:
             self._compare(y, self.coarser)
@@ -188,11 +193,15 @@ class TimeStepping:
             t1 = end if end <= grid + SLACK * self.h else grid
             k += 1
             before = point
-            advance = self.scheme.step(before, interval, t1, energy=self.trace.energy)
+            h = t1 - before.t
+            if abs(h - self.h) <= ROUNDED * abs(t1):
+                h = self.h
+            advance = self.scheme.step(before, interval, t1, h=h, energy=self.trace.energy)
             point = advance.end
             self._steps += 1
             self.program.evaluations += 1
             self._look_after_energy(advance)
+            self._warn_of_shares(advance)
             event = event_of_step(self.program, before, advance)
             self._points.append(replace(point, mode=before.mode))
             if event is not None:
@@ -218,6 +227,7 @@ class TimeStepping:
         storage = advance.ports.equations.storage
         stored = abs(storage.energy(advance.end.y[: self.program.nx]))
         self.trace.energy = max(self.trace.energy, stored)
+        self._unbalanced += max(advance.unbalanced, 0.0)
 
     def _fires(self, point: Point, interval: Interval) -> bool:
         """Whether a guard of a machine written by hand holds at the end of a step."""
@@ -307,6 +317,15 @@ class TimeStepping:
                 )
             )
         self._points = []
+
+    def _warn_of_shares(self, advance: Advance) -> None:
+        """Say once whose shares the equations leave open."""
+        if not self._shared.issuperset(advance.shared):
+            self._shared.update(advance.shared)
+            self.trace.warn(
+                f"the equations leave open how {', '.join(advance.shared)} share what they carry "
+                f"(first in the step that ends at t = {advance.end.t:.9g} s); least leakage decides"
+            )
 
     def _warn_of_friction(self) -> None:
         """Say where this scheme means something else than an impact without friction."""

@@ -40,7 +40,8 @@ from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
 from hybond.modes.jump import enter
 from hybond.modes.laws.problem import CUT, ONE_SIDED, Answer
-from hybond.modes.stepping.laws import Laws, read_laws
+from hybond.modes.stepping.coupling import Coupling
+from hybond.modes.stepping.laws import Laws, Together, read_laws
 from hybond.modes.stepping.linear_step import KEPT, LinearSteps
 from hybond.programs.interval import Interval, discrete_names, discrete_values
 from hybond.programs.program import Program
@@ -89,8 +90,12 @@ class Advance:
         Laws that were violated by what was stored: their percussion does not vanish with `h`.
     supplied : float
         Energy from sources, J.
+    unbalanced : float
+        Energy that came from nowhere, J; see `ThetaScheme._unbalanced`.
     ambiguous : tuple of str
         Laws whose variables would be others in a second solution.
+    shared : tuple of str
+        Laws that could share what they carry otherwise; least leakage decided.
     """
 
     end: Point
@@ -99,7 +104,9 @@ class Advance:
     answer: Answer
     struck: NDArray[np.bool_]
     supplied: float
+    unbalanced: float = 0.0
     ambiguous: tuple[str, ...] = ()
+    shared: tuple[str, ...] = ()
 
 
 class ThetaScheme:
@@ -125,8 +132,13 @@ class ThetaScheme:
         """Of nonlinear configurations, as last computed."""
         self._largest: dict[int, float] = {}
 
-    def step(self, start: Point, interval: Interval, t1: float, *, energy: float) -> Advance:
-        """Return the step from `start` to the time `t1`.
+    def step(
+        self, start: Point, interval: Interval, t1: float, *, h: float, energy: float
+    ) -> Advance:
+        """Return the step from `start` to the time `t1`, of length `h`.
+
+        `h` is said apart, because the difference of two times is not twice the same: matrices are
+        factorised once for each.
 
         Raises
         ------
@@ -136,7 +148,6 @@ class ThetaScheme:
         program = self.program
         nx, ns = program.nx, program.ns
         ports = self.ports(start.mode, interval, start.t)
-        h = t1 - start.t
         x, s = start.y[:nx], start.y[nx : nx + ns]
         v = program.values(start.t, interval, start.mode, x, s)
         v[program.slots.w] = start.w.tolist()
@@ -144,15 +155,16 @@ class ThetaScheme:
         laws = read_laws(program.graph, ports, lambda e: self.value(e, v), start.w, start.mode)
         v[program.slots.size :] = [0.0] * program.slots.size
         if self._linear.take(ports):
-            y, w, mean, laws, answer, ambiguous = self._linear.step(
-                start, interval, t1, ports, laws, v, energy
+            y, w, mean, laws, together = self._linear.step(
+                start, interval, t1, h, ports, laws, v, energy
             )
         else:
             from hybond.modes.stepping.newton_step import newton_step
 
-            y, w, mean, laws, answer, ambiguous = newton_step(
-                self, start, interval, t1, ports, laws, v, energy
+            y, w, mean, laws, together = newton_step(
+                self, start, interval, t1, h, ports, laws, v, energy
             )
+        answer = together.answer
         struck = self._struck(laws, answer)
         # what bounces off is open again
         branch = np.where(struck & (laws.restitution > 0.0), 0, answer.branch).astype(np.int8)
@@ -165,8 +177,35 @@ class ThetaScheme:
             answer,
             struck,
             h * supplied,
-            tuple(ports.ports[k].path for k in ambiguous),
+            self._unbalanced(ports, x, y[:nx], answer.l, mean, h * (supplied - dissipated), h),
+            tuple(ports.ports[k].path for k in together.ambiguous),
+            tuple(ports.ports[k].path for k in together.shared),
         )
+
+    def _unbalanced(
+        self,
+        ports: PortEquations,
+        x: Vector,
+        x1: Vector,
+        l: Vector,
+        mean: Vector,
+        passed: float,
+        h: float,
+    ) -> float:
+        """Return what a step has stored beyond what sources, resistors and laws gave it, J.
+
+        The mean bond variables of a step obey the junction structure, so that with the co-energy
+        variables at the same mean, ``theta z(x+) + (1 - theta) z(x)``, the scheme balances exactly:
+        what was stored by them is what sources gave and resistors took by them, and the laws' work
+        ``h l w``. (The energy itself moves by that less ``(theta - 1/2) dx' K dx``, the damping of
+        the scheme, for linear storage.) What constraints on storage take away is a loss.
+        """
+        storage = ports.equations.storage
+        z = self.theta * storage.co_energy(x1) + (1.0 - self.theta) * storage.co_energy(x)
+        stored = float(np.where(storage.pseudo, 0.0, z) @ (x1 - x))
+        true = [not self.program.graph.nodes[p.law.node].domain.pseudo for p in ports.ports]
+        worked = h * float((l * (ports.partner @ mean))[true].sum())
+        return stored - passed - worked
 
     def ports(self, mode: Mode, interval: Interval, t: float) -> PortEquations:
         """Return the equations of a mode with its junction laws open, made once."""
@@ -220,15 +259,19 @@ class ThetaScheme:
         v: list[float],
         here: Vector,
         bonds: Vector,
-        gain: Matrix,
+        coupling: Coupling,
         mode: Mode,
         t: float,
-    ) -> tuple[Answer, list[int]]:
-        """Return what the laws do if bond variables are ``bonds + gain @ l``.
+        *,
+        doubt: Vector | float = 0.0,
+    ) -> Together:
+        """Return what the laws do if bond variables are ``bonds + coupling.gain @ l``.
 
         `v` holds the values at which limits of friction are linearised, `here` its bond variables.
+        What `w` has below `doubt` without `l` is rounding.
         """
-        matrix, q = ports.partner @ gain, ports.partner @ bonds
+        q = ports.partner @ bonds
+        q = np.where(np.abs(q) <= doubt, 0.0, q)
 
         def limit(e: Expr) -> tuple[float, Vector]:
             value, slopes = self._limit(e)
@@ -236,12 +279,16 @@ class ThetaScheme:
             for k, f in slopes:
                 d = f(v)
                 at += d * float(bonds[k] - here[k])
-                slope = slope + d * gain[k]
+                slope = slope + d * coupling.gain[k]
             return at, slope
 
-        answer, ambiguous = laws.solve(matrix, q, limit)
-        if answer is not None:
-            return answer, ambiguous
+        leaks = None
+        if coupling.still.shape[1]:
+            rows = self._leaking(ports)
+            leaks = rows @ bonds, rows @ coupling.gain
+        together = laws.solve(coupling, q, limit, leaks)
+        if together is not None:
+            return together
         part = zip(ports.ports, laws.roles, strict=True)
         taking = ", ".join(p.path for p, r in part if r != CUT)
         raise NumericsError(
@@ -251,6 +298,13 @@ class ThetaScheme:
             hint="friction of a rigid contact may leave none (Painleve), and so do sources that "
             "push each other through diodes: give the contact a stiffness, a source a resistance",
         )
+
+    def _leaking(self, ports: PortEquations) -> Matrix:
+        """Return what flows through, or is held by, the junctions that machines switch."""
+        graph = self.program.graph
+        own = {p.law.node for p in ports.ports}
+        switched = [n.index for n in graph.nodes if n.controlled and n.is_junction and n.ends]
+        return ports.equations.junctions[[k not in own for k in switched]]
 
     def _limit(self, e: Expr) -> tuple[Closure, list[tuple[int, Closure]]]:
         """Return a limit, compiled, and its derivatives by bond variables."""

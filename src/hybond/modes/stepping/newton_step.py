@@ -21,7 +21,8 @@ from hybond.equations.ports import PortEquations
 from hybond.errors import NumericsError
 from hybond.modes.jump import reach_of
 from hybond.modes.laws.problem import Answer
-from hybond.modes.stepping.laws import Laws, closed_half_way
+from hybond.modes.stepping.coupling import couple
+from hybond.modes.stepping.laws import Laws, Together, closed_half_way
 from hybond.programs.interval import Interval
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ SLOW = 0.2
 """An update that is not reduced to this part asks for new derivatives."""
 TOLERANCE = 1e-11
 """Newton ends when an update is below this part of what is updated."""
+DUST = 1e-3
+"""Part of the largest bond variable of its kind down to which the digits of `l` count."""
 NEAR = 1e-7
 """Difference quotients: part of a variable's size."""
 
@@ -102,11 +105,12 @@ def newton_step(
     start: Point,
     interval: Interval,
     t1: float,
+    h: float,
     ports: PortEquations,
     laws: Laws,
     v: list[float],
     energy: float,
-) -> tuple[Vector, Vector, Vector, Laws, Answer, list[int]]:
+) -> tuple[Vector, Vector, Vector, Laws, Together]:
     """Return the end state, its bond variables, their mean, the laws that took part, their answer.
 
     Raises
@@ -116,7 +120,6 @@ def newton_step(
     """
     program = scheme.program
     nx, ns, n = program.nx, program.ns, len(ports.ports)
-    h = t1 - start.t
     y0 = start.y[: nx + ns]
     begin, before = _Rates(scheme, ports, v, h).at(y0, np.zeros(n))
     v1 = program.values(t1, interval, start.mode, y0[:nx], y0[nx:])
@@ -125,8 +128,7 @@ def newton_step(
     unit = np.array([_unit(scheme, ports, k, start.w) for k in range(n)])
     explicit = y0 + h * (1.0 - scheme.theta) * begin
     y, l = y0 + 0.0, np.zeros(n)
-    answer = Answer(l, laws.guess, np.zeros(n, dtype=bool))
-    ambiguous: list[int] = []
+    together = Together(Answer(l, laws.guess, np.zeros(n, dtype=bool)), [], [])
     # the slopes of the step before are good enough to begin with
     known = scheme.slopes.get(id(ports))
     slopes = known[1] if known is not None and known[0] is ports else None
@@ -143,15 +145,18 @@ def newton_step(
         if projected:
             move = 0.0 * move
         push = h * (inverse @ by_l)
-        gain = w_by_l + w_by_y @ push
-        base = w + w_by_y @ move - gain @ l
+        coupling = couple(ports.partner, w_by_l, push, w_by_y)
+        base = w + w_by_y @ move - coupling.gain @ l
         if k == 0:
             laws = closed_half_way(laws, h, ports.partner @ base)
         end.at(y, l)
-        answer, ambiguous = scheme.solve(ports, laws, v1, w, base, gain, start.mode, t1)
+        together = scheme.solve(ports, laws, v1, w, base, coupling, start.mode, t1)
+        answer, gain = together.answer, coupling.gain
         change = move + push @ (answer.l - l)
         update = float((np.abs(change) / size).max(initial=0.0))
-        scale = np.abs(gain) @ np.abs(answer.l) + np.abs(w) + np.abs(base)
+        # where nothing acts on a bond but the rounding of other laws, that is all it has
+        acting = np.abs(answer.l) + DUST * unit
+        scale = np.abs(gain) @ acting + np.abs(w) + np.abs(base)
         rest = np.abs(gain @ (answer.l - l)) / np.where(scale > 0.0, scale, 1.0)
         update = max(update, 1e-2 * float(rest.max(initial=0.0)))
         y, l = y + change, answer.l
@@ -174,7 +179,7 @@ def newton_step(
         )
     _, after, w = end.implicit(y, l)
     mean = w - (1.0 - scheme.theta) * (after - before)
-    return y, w, mean, laws, answer, ambiguous
+    return y, w, mean, laws, together
 
 
 def _size(

@@ -1,0 +1,273 @@
+"""Which states some mode holds in: verification by the phase space of what is stored.
+
+At an instant every state must have a mode in which time goes on. Mosterman & Biswas verify this
+mode by mode: what is stored does not change while modes are tried, so that the conditions that
+leave a mode cut its part out of the phase space, and the parts that are left must cover all of it.
+Here one stored quantity is swept, the instant is settled at each value as a run would, and the
+values at which this changes are found by bisection.
+
+Source: P. J. Mosterman and G. Biswas, *A hybrid modeling and simulation methodology for dynamic
+physical systems*, SIMULATION 78(1), 2002, on divergence of time and its verification.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import DivergenceOfTime, HybondError, UsageError
+from hybond.model.builder import Model
+from hybond.model.graph import AnyMode, FlatGraph, Mode
+from hybond.modes.settle import Settler
+from hybond.names import did_you_mean
+from hybond.programs.interval import Interval, interval_after
+from hybond.programs.program import Program
+from hybond.simulation import start_of
+from hybond.trace import Trace
+
+Vector = NDArray[np.float64]
+
+MODES = 64
+"""All modes are looked at if there are not more than this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """One mode at an instant: the rules that leave it at once, or why it cannot be entered."""
+
+    mode: str
+    left_by: tuple[str, ...]
+    barred: str = ""
+
+    def __str__(self) -> str:
+        """Return it as a line."""
+        if self.barred:
+            return f"({self.mode}) cannot be entered: {self.barred}"
+        if not self.left_by:
+            return f"({self.mode}) would hold, but no rule leads there"
+        return f"({self.mode}) is left by {'; '.join(self.left_by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Values of the swept quantity at which the same happens.
+
+    Parameters
+    ----------
+    low, high : float
+    holds : str or None
+        The mode in which time goes on; None if there is none.
+    passed : tuple of str
+        The modes passed before.
+    tried : tuple of Tried
+        Where no mode holds: what becomes of each.
+    why : str
+        Where no mode holds: what the run would say, with the cycle.
+    """
+
+    low: float
+    high: float
+    holds: str | None
+    passed: tuple[str, ...]
+    tried: tuple[Tried, ...] = ()
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """What `coverage` found; its text names what no mode covers."""
+
+    quantity: str
+    at: Mapping[str, float]
+    mode: str
+    ranges: tuple[Range, ...]
+
+    @property
+    def uncovered(self) -> tuple[Range, ...]:
+        """The ranges in which no mode holds."""
+        return tuple(r for r in self.ranges if r.holds is None)
+
+    def __str__(self) -> str:
+        """Return the ranges; for those without a mode, which guard throws each mode out."""
+        where = ", ".join(f"{name} = {value:.6g}" for name, value in self.at.items())
+        lines = [f"from ({self.mode})" + (f" with {where}" if where else "")]
+        for r in self.ranges:
+            span = f"  {self.quantity} from {r.low:.6g} to {r.high:.6g}: "
+            if r.holds is None:
+                lines += [f"{span}no mode holds", *(f"    {t}" for t in r.tried)]
+            else:
+                path = [*(f"({p})" for p in r.passed), f"({r.holds})"]
+                lines.append(span + " -> ".join(path))
+        return "\n".join(lines)
+
+
+def coverage(
+    model: Model | FlatGraph,
+    quantity: str,
+    low: float,
+    high: float,
+    *,
+    at: Mapping[str, float] | None = None,
+    mode: AnyMode | None = None,
+    points: int = 200,
+) -> Coverage:
+    """Settle the instant at every value of one stored quantity, and say where no mode holds.
+
+    Parameters
+    ----------
+    model : Model or FlatGraph
+    quantity : str
+        What is swept: a stored quantity such as ``ball.p``, or an integrated signal.
+    low, high : float
+        From where to where, in SI.
+    at : mapping
+        Values of others; what is not named is at its start.
+    mode : mapping, optional
+        The mode that the instant is entered from, by default the start mode.
+    points : int
+        Values to begin with; a range narrower than their distance may be missed.
+
+    Returns
+    -------
+    Coverage
+
+    Raises
+    ------
+    UsageError
+        HB-A209 for a name that nothing is stored under, or a range that is none.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("relay")
+    >>> m.add(c=hb.C(1), n=hb.Zero(), f=hb.Sf(0), s=hb.One(), r=hb.R(1))
+    >>> m.bond("f -> n -> c", "n -> s -> r")
+    >>> m.machine("m", states={"off": [], "on": ["s"]}, start="off",
+    ...           rules=["off -> on when c.e > 1", "on -> off when c.e < 2"])
+    >>> print(coverage(m, "c.q", 0, 3))
+    from (off)
+      c.q from 0 to 1: (off)
+      c.q from 1 to 2: no mode holds
+        (off) is left by m: c.e > 1
+        (on) is left by m: c.e < 2
+      c.q from 2 to 3: (on)
+    """
+    graph = model.flatten() if isinstance(model, Model) else model
+    instant = _Instant(graph, dict(at or {}), mode)
+    instant.index(quantity)
+    if not (math.isfinite(low) and math.isfinite(high) and low < high and points >= 2):
+        raise UsageError(
+            f"{quantity} from {low:g} to {high:g} in {points} points is no range",
+            code="HB-A209",
+            where=quantity,
+            hint="low < high, and at least 2 points",
+        )
+    # not at round numbers: what happens at a single value is not what happens around it
+    grid = low + (high - low) * (np.arange(points) + 0.5) / points
+    found = [instant.settled(quantity, float(a)) for a in grid]
+    ranges: list[Range] = []
+    begin = float(low)
+    for k, what in enumerate(found):
+        last = k + 1 == len(found)
+        if not last and found[k + 1] == what:
+            continue
+        end = float(high) if last else _edge(instant, quantity, float(grid[k]), float(grid[k + 1]))
+        middle = 0.5 * (begin + end)
+        holds, passed = what
+        tried, why = instant.explained(quantity, middle) if holds is None else ((), "")
+        ranges.append(Range(begin, end, holds, passed, tried, why))
+        begin = end
+    return Coverage(quantity, dict(at or {}), graph.mode_text(instant.mode), tuple(ranges))
+
+
+def _edge(instant: _Instant, quantity: str, a: float, b: float) -> float:
+    """Return where what happens at `a` ends, by bisection."""
+    here = instant.settled(quantity, a)
+    while a < (middle := 0.5 * (a + b)) < b:
+        a, b = (middle, b) if instant.settled(quantity, middle) == here else (a, middle)
+    return b
+
+
+class _Instant:
+    """The instant t = 0 of a model, settled from any state."""
+
+    def __init__(self, graph: FlatGraph, at: Mapping[str, float], mode: AnyMode | None) -> None:
+        self.graph = graph
+        self.program = Program(graph)
+        self.mode: Mode = graph.start_mode if mode is None else graph.mode_of(mode)
+        self.interval: Interval = interval_after(graph, 0.0)
+        self.start = start_of(self.program)[: self.program.nx + self.program.ns]
+        for name, value in at.items():
+            self.start[self.index(name)] = value
+
+    def index(self, name: str) -> int:
+        """Return the place of a stored quantity or integrated signal in the state."""
+        places = {s.path: s.index for s in self.graph.storages}
+        places |= {i.path: self.program.nx + i.index for i in self.graph.integrals}
+        if name not in places:
+            raise UsageError(
+                f"nothing is stored under {name!r}",
+                code="HB-A209",
+                where=name,
+                hint=did_you_mean(name, places) or f"one of {', '.join(places)}",
+            )
+        return places[name]
+
+    def settled(self, quantity: str, value: float) -> tuple[str | None, tuple[str, ...]]:
+        """Return the mode in which time goes on, None if there is none, and those passed."""
+        try:
+            return self._settle(quantity, value)
+        except DivergenceOfTime:
+            return None, ()
+
+    def _settle(self, quantity: str, value: float) -> tuple[str, tuple[str, ...]]:
+        x, s = self._state(quantity, value)
+        settler = Settler(self.program, Trace())
+        done = settler.settle(0.0, x, s, self.mode, self.interval, self.interval)
+        text = self.graph.mode_text
+        return text(done.mode), tuple(text(step.mode) for step in done.steps[:-1])
+
+    def _state(self, quantity: str, value: float) -> tuple[Vector, Vector]:
+        y = self.start.copy()
+        y[self.index(quantity)] = value
+        return y[: self.program.nx], y[self.program.nx :]
+
+    def explained(self, quantity: str, value: float) -> tuple[tuple[Tried, ...], str]:
+        """Return which rules leave each mode, entered from the same state, and the refusal."""
+        why = ""
+        try:
+            self._settle(quantity, value)
+        except DivergenceOfTime as error:
+            why = error.why
+        x, s = self._state(quantity, value)
+        settler = Settler(self.program, Trace())
+        pre = settler.trials.a_priori(0.0, x, s, self.mode, self.interval)
+        choices = [
+            (self.mode[m.index],) if m.law is not None else range(len(m.states))
+            for m in self.graph.machines
+        ]
+        if math.prod(len(c) for c in choices) > MODES:
+            return (), why
+        found = []
+        for mode in itertools.product(*choices):
+            left: list[str] = []
+            barred = ""
+            try:
+                trial = settler.trials.enter(0.0, x, s, mode, self.interval, pre, jump=True)
+                left = [
+                    f"{m.path}: {rule.text}"
+                    for m in self.graph.machines
+                    for rule in m.rules
+                    if m.law is None
+                    and rule.source == mode[m.index]
+                    and settler.holds(rule, trial.pairs, m.path)
+                ]
+            except HybondError as error:
+                barred = error.why
+            found.append(Tried(self.graph.mode_text(mode), tuple(left), barred))
+        return tuple(found), why

@@ -1,0 +1,301 @@
+"""Friction in two directions at one instant: whether it holds, and where slip begins.
+
+What slips already has a direction, ``f / |f|``: its force is known up to the limit, like that of
+friction that surely slides forward. What is at rest is held if the force that this takes lies in
+the disk of the breakaway limit. Otherwise slip begins, along the direction that the force on the
+edge of the disk and the acceleration agree on (`solvers.friction_disk`).
+
+Other laws answer at once: for each disk, the slip is what the complementarity problem of all other
+laws makes of a given force, so that each disk by itself is solved exactly; several disks take
+turns until none moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.ports import Port, PortEquations, Response
+from hybond.errors import CausalityError, ModelError
+from hybond.model.graph import FlatGraph, Mode
+from hybond.model.planar_friction import HEADING, SLOW, TINY
+from hybond.modes.laws.problem import FORWARD, HELD, Answer, Friction
+from hybond.names import join
+from hybond.solvers.friction_disk import on_disk
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+REST = 1e-10
+"""Part of its terms below which a slip velocity is zero."""
+BEGINS = 1e-12
+"""Part of these terms up to which slip that begins has the direction of its heading."""
+SAME = 1e-9
+"""Headings that differ by less are one, rad."""
+EDGE = 1e-12
+"""A force beyond the limit by this part is beyond doubt."""
+TURNS = 100
+"""Rounds of all disks."""
+STILL = 1e-12
+"""The disks agree if no force moves by more than this part of its limit."""
+ENOUGH = 1e-9
+"""The same for disks that approach each other slowly."""
+
+GIVES = 1e-8
+"""Part of the largest response that disks give way by, if one body rests on more than it takes."""
+
+Solve = Callable[[Matrix, dict[int, str], dict[int, Friction]], "Answer | None"]
+
+
+@dataclass(slots=True)
+class Disk:
+    """One planar friction at an instant.
+
+    Parameters
+    ----------
+    machine : int
+    ports : tuple of int
+        Its two directions among the ports.
+    speed, size : float
+        Of its slip, and what rounding of that is measured by.
+    way : array, shape (2,)
+        The direction of slip, or of what holds it.
+    resting : bool
+        Whether its slip is zero.
+    """
+
+    machine: int
+    ports: tuple[int, int]
+    speed: float
+    size: float
+    way: Vector
+    resting: bool
+
+
+def refuse_planar(graph: FlatGraph) -> None:
+    """Refuse friction in two directions where each step is one linear complementarity problem.
+
+    Raises
+    ------
+    ModelError
+        HB-J121.
+    """
+    for machine in graph.machines:
+        if machine.law is not None and machine.law.planar:
+            raise ModelError(
+                f"time-stepping does not solve the friction of {machine.path}, which acts in two "
+                "directions",
+                code="HB-J121",
+                where=machine.path,
+                hint="leave the solver out: events find where it sticks and slips",
+            )
+
+
+def undetermined_slip(path: str) -> CausalityError:
+    """Return the refusal of a friction whose slip does not follow from what is stored."""
+    return CausalityError(
+        f"the slip of {path} is not determined by what is stored",
+        code="HB-C105",
+        where=path,
+        hint="friction in two directions needs inertia at both of its junctions",
+    )
+
+
+def disks_of(
+    ports: PortEquations, response: Response, size: Vector, slow: dict[int, float]
+) -> list[Disk]:
+    """Return each planar friction of a graph, as it is at this instant; `slow` by machine.
+
+    Raises
+    ------
+    CausalityError
+        HB-C105 if its slip does not follow from what is stored.
+    """
+    found = []
+    for k, second in _pairs(ports.ports):
+        for j in (k, second):
+            if ports.ports[j].given != "net" or response.D[j].any():
+                raise undetermined_slip(ports.ports[j].path)
+        f = response.y[[k, second]]
+        speed = math.hypot(*f)
+        own = math.hypot(*size[[k, second]])
+        machine = ports.ports[k].machine
+        resting = speed <= max(REST * own, -slow[machine])
+        way = f / speed if speed > 0.0 else np.array([1.0, 0.0])
+        found.append(Disk(machine, (k, second), speed, own, way, resting))
+    return found
+
+
+def _pairs(ports: Sequence[Port]) -> list[tuple[int, int]]:
+    """Return the positions of the first and second direction of each planar friction."""
+    at = {p.law.node: k for k, p in enumerate(ports)}
+    seconds = ((k, p.law.second) for k, p in enumerate(ports))
+    return [(k, at[second.node]) for k, second in seconds if second is not None]
+
+
+def on_the_way(disk: Disk, limit: Friction, force: Vector | None = None) -> dict[int, Friction]:
+    """Return what the two net variables are while the disk slips: ``limit * way``.
+
+    With a `force`, that force instead.
+    """
+    if force is not None:
+        still = np.zeros_like(limit.slope)
+        return {k: Friction(float(p), still) for k, p in zip(disk.ports, force, strict=True)}
+    return {
+        k: Friction(limit.value * float(d), limit.slope * float(d))
+        for k, d in zip(disk.ports, disk.way, strict=True)
+    }
+
+
+@dataclass(slots=True)
+class Rests:
+    """The disks whose slip is zero, solved together with all other laws.
+
+    Parameters
+    ----------
+    disks : list of Disk
+        Their `way` is written.
+    M, q : arrays
+        ``w = M l + q``.
+    rest, limit : dict
+        By disk: what it holds at rest, what it gives while it slips.
+    solve : callable
+        The other laws, for roles and forces of the disks' ports.
+    """
+
+    disks: list[Disk]
+    M: Matrix
+    q: Vector
+    rest: list[Friction]
+    limit: list[Friction]
+    solve: Solve
+    forces: list[Vector | None] = field(default_factory=list)
+
+    def answer(self) -> Answer | None:
+        """Return what all laws do, None if nothing was found.
+
+        Where disks share what they hold in more than one way, all give way by the same little.
+        """
+        ports = [k for disk in self.disks for k in disk.ports]
+        own = self.M[np.ix_(ports, ports)]
+        size = float(np.abs(own).max(initial=0.0))
+        if np.linalg.matrix_rank(own, tol=1e-2 * GIVES * size) == len(ports):
+            return self._answer()
+        rigid = self.M
+        self.M = rigid.copy()
+        self.M[ports, ports] += GIVES * size
+        found = self._answer()
+        self.M = rigid
+        # what does not slip then holds to the last digit, if that is unique
+        return None if found is None else self._with(self.forces) or found
+
+    def _answer(self) -> Answer | None:
+        self.forces = [None] * len(self.disks)
+        loose = [False] * len(self.disks)
+        before = math.inf
+        for _ in range(TURNS):
+            found = self._with(self.forces)
+            if found is None:
+                return None
+            moved = 0.0
+            for k, disk in enumerate(self.disks):
+                if self.forces[k] is None:
+                    held = -found.l[list(disk.ports)]
+                    most = (self.limit if loose[k] else self.rest)[k]
+                    reach = most.value + float(most.slope @ found.l)
+                    size = math.hypot(*held)
+                    if size > 0.0:
+                        disk.way = held / size
+                    if size <= reach * (1.0 + EDGE):
+                        continue
+                    loose[k] = True
+                    self.forces[k] = max(self._limit(k, found), 0.0) * disk.way
+                    moved = math.inf
+                else:
+                    change = self._turned(k)
+                    if change is None:
+                        return None
+                    moved = max(moved, change)
+            if moved <= STILL or (moved <= ENOUGH and moved >= 0.5 * before):
+                return self._with(self.forces)
+            before = moved
+        return None
+
+    def _with(self, forces: Sequence[Vector | None]) -> Answer | None:
+        roles: dict[int, str] = {}
+        friction: dict[int, Friction] = {}
+        for disk, limit, force in zip(self.disks, self.limit, forces, strict=True):
+            roles.update(dict.fromkeys(disk.ports, HELD if force is None else FORWARD))
+            if force is not None:
+                friction.update(on_the_way(disk, limit, force))
+        return self.solve(self.M, roles, friction)
+
+    def _limit(self, k: int, found: Answer) -> float:
+        return self.limit[k].value + float(self.limit[k].slope @ found.l)
+
+    def _turned(self, k: int) -> float | None:
+        """Put one disk on its edge, the others held; return how far its force moved."""
+        disk, now = self.disks[k], self.forces[k]
+        assert now is not None
+        ports = list(disk.ports)
+        scale = max(float(np.abs(now).max()), abs(self.limit[k].value))
+        probe = 1e-3 * scale if scale > 0.0 else 1.0
+        slips, limits = [], []
+        for step in np.array([[0.0, 0.0], [probe, 0.0], [0.0, probe]]):
+            forces = list(self.forces)
+            forces[k] = now + step
+            found = self._with(forces)
+            if found is None:
+                return None
+            slips.append((self.M @ found.l + self.q)[ports])
+            limits.append(self._limit(k, found))
+        A = -np.column_stack([slips[1] - slips[0], slips[2] - slips[0]]) / probe
+        follow = np.array([limits[1] - limits[0], limits[2] - limits[0]]) / probe
+        follow = np.where(np.abs(follow) <= EDGE * abs(limits[0]) / probe, 0.0, follow)
+        way = on_disk(slips[0] + A @ now, A, limits[0] - float(follow @ now), follow)
+        if way is None:
+            return None
+        along = 1.0 - float(follow @ way)
+        force = (limits[0] - float(follow @ now)) / along * way
+        self.forces[k], disk.way = force, way
+        most = max(math.hypot(*force), math.hypot(*now))
+        return math.hypot(*(force - now)) / most if most > 0.0 else 0.0
+
+
+class Kept:
+    """What planar friction keeps between events, in the vector of integrated signals."""
+
+    def __init__(self, graph: FlatGraph) -> None:
+        self.graph = graph
+        at = {i.path: i.index for i in graph.integrals}
+        self.places = {
+            m.index: (at[join(m.path, HEADING)], at[join(m.path, SLOW)])
+            for m in graph.machines
+            if m.law is not None and m.law.planar
+        }
+        self.disks: list[Disk] = []
+
+    def slow(self, s: Vector) -> dict[int, float]:
+        """Return by machine the speed at which slip ends, or has begun."""
+        return {m: float(s[slow]) for m, (_, slow) in self.places.items()}
+
+    def after(self, s: Vector, mode: Mode) -> Vector:
+        """Return the signals with the heading of what begins to slip in `mode`."""
+        new = s.copy()
+        for disk in self.disks:
+            heading, slow = self.places[disk.machine]
+            if mode[disk.machine] == 0:
+                continue
+            angle = math.atan2(disk.way[1], disk.way[0])
+            apart = abs(math.remainder(angle - float(s[heading]), 2.0 * math.pi))
+            if s[slow] < 0.0 and (apart <= SAME or not disk.resting):
+                continue  # decided at this instant already
+            if not disk.resting and 0.0 < s[slow] < disk.speed:
+                continue  # slips on
+            new[heading] = angle
+            new[slow] = -max(BEGINS * disk.size, 10.0 * disk.speed * disk.resting, TINY)
+        return new if not np.array_equal(new, s) else s

@@ -1,0 +1,64 @@
+"""What is rounding for a guard is rounding for what follows it: no creeping, no missing answer.
+
+Oracles: free fall and rest in closed form; the charge that a ladder of diodes ends at.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import hybond as hb
+from hybond.modes.laws.complementarity import Complementarity
+
+
+def ball_beside_a_fast_mass(gap: float, speed: float) -> hb.Model:
+    """A ball just above its floor; another mass carries 110 J, which rounding is measured by."""
+    m = hb.Model("rest", domain="translational", parameters={"d": 0.2})
+    m.add(weight=hb.Se("-9.81 N"), ball=hb.I("1 kg", f=speed), v=hb.One())
+    m.add(c=hb.Zero(law="unilateral", gap="x - d*1 [m]/2", restitution=0.9))
+    m.bond("weight -> v -> ball", "c -> v")
+    m.signal(x=hb.Integral("v.f", f"{0.1 + gap!r} m"))
+    m.add(other=hb.I("1 kg", f=220.0**0.5), w=hb.One(), n=hb.Se("0 N"))
+    m.bond("n -> w -> other")
+    return m
+
+
+@pytest.mark.parametrize("gap", [0.0, 2e-14, 1e-13, 1e-12])
+@pytest.mark.parametrize("speed", [0.0, -1e-13, -1e-12, -1.5e-11])
+def test_a_ball_that_touches_but_for_rounding_comes_to_rest(gap: float, speed: float) -> None:
+    run = hb.simulate(ball_beside_a_fast_mass(gap, speed), until=1e-3)
+    assert run.status == "ok" and run.t_end == 1e-3
+    assert run["c.e"].at(1e-3) == pytest.approx(9.81, rel=1e-12)
+    assert abs(run["v.f"].at(1e-3)) < 1e-11
+    assert abs(run["x"].at(1e-3) - 0.1) <= 1e-12 + gap
+
+
+@pytest.mark.parametrize("above", [3e-8, 1e-6, 1e-3])
+def test_a_contact_that_separates_stays_open_beside_one_that_closes(above: float) -> None:
+    """However slowly it opens: one ball lies down, the other on it has already left."""
+    m = hb.Model("two", domain="translational")
+    m.add(w1=hb.Se("-9.81 N"), w2=hb.Se("-9.81 N"), v1=hb.One(), v2=hb.One())
+    m.add(b1=hb.I("1 kg", f=0.0), b2=hb.I("1 kg", f=above))
+    m.add(floor=hb.Zero(law="unilateral", gap="x1", restitution=0.5))
+    m.add(between=hb.Zero(law="unilateral", gap="x2 - x1", restitution=0.5))
+    m.add(far=hb.I("1 kg", f=15.0), w=hb.One(), n=hb.Se("0 N"))
+    m.bond("w1 -> v1 -> b1", "w2 -> v2 -> b2", "floor -> v1", "v1 -> between", "n -> w -> far")
+    m.bond("between -> v2")
+    m.signal(x1=hb.Integral("v1.f", "0 m"), x2=hb.Integral("v2.f", "0 m"))
+    flight = 2.0 * above / 9.81
+    run = hb.simulate(m, until=0.5 * flight)
+    assert run["x1"].at(run.t_end) == pytest.approx(0.0, abs=1e-20)
+    risen = above * run.t_end - 0.5 * 9.81 * run.t_end**2
+    assert run["x2"].at(run.t_end) == pytest.approx(risen, rel=1e-6)
+
+
+def test_guards_that_ask_in_vain_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A contact that is closed for its guard and open for what decides would creep for ever."""
+    able = Complementarity.able
+    monkeypatch.setattr(
+        Complementarity, "able", lambda self, *args: able(self, *args) & np.array([False])
+    )
+    with pytest.raises(hb.NumericsError, match="100 times in a row") as caught:
+        hb.simulate(ball_beside_a_fast_mass(2e-14, -1e-11), until=1e-3)
+    assert caught.value.code == "HB-N406" and "c.f > 0" in caught.value.where
