@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
+    from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
@@ -75,6 +76,7 @@ _HOME = {
     "Result": "hybond.result",
     "Signal": "hybond.result",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
+    **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
@@ -96,6 +98,7 @@ _ROOMS = {
 __all__ = [
     "C",
     "CausalityError",
+    "Coverage",
     "CrossCheck",
     "DivergenceOfTime",
     "EquationError",
@@ -124,6 +127,7 @@ __all__ = [
     "__version__",
     "causality",
     "complementarity",
+    "coverage",
     "cross_check",
     "draw",
     "draw_hybrid",

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import hybond as hb
-from hybond.analysis.coverage import coverage
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FAST, SLOW, EPS, G = 1.0, 0.5, 0.8, 9.81
@@ -17,7 +16,7 @@ def ball(name):
 
 
 def test_the_uncovered_set_and_the_cycle_have_names():
-    found = coverage(ball("no_mode"), "ball.p", -3.0, 1.0, at={"height": 0.0})
+    found = hb.coverage(ball("no_mode"), "ball.p", -3.0, 1.0, at={"height": 0.0})
     assert [r.holds for r in found.ranges] == ["off, off", None, "off, on", "off, off"]
     # mass 1 kg: by hand, -fast <= p < -slow
     (gap,) = found.uncovered
@@ -34,7 +33,7 @@ def test_the_uncovered_set_and_the_cycle_have_names():
 
 
 def test_the_repair_covers_all():
-    found = coverage(ball("two_junctions"), "ball.p", -3.0, 1.0, at={"height": 0.0})
+    found = hb.coverage(ball("two_junctions"), "ball.p", -3.0, 1.0, at={"height": 0.0})
     assert found.uncovered == ()
     assert [r.holds for r in found.ranges] == ["off, off", "off, on", "off, off"]
     assert found.ranges[1].low == pytest.approx(-FAST, rel=1e-12)
@@ -58,19 +57,19 @@ def test_what_is_said_is_what_runs_do():
 
 
 def test_in_the_air_nothing_matters():
-    found = coverage(ball("no_mode"), "ball.p", -3.0, 1.0, at={"height": 1.0})
+    found = hb.coverage(ball("no_mode"), "ball.p", -3.0, 1.0, at={"height": 1.0})
     assert [(r.low, r.high, r.holds) for r in found.ranges] == [(-3.0, 1.0, "off, off")]
 
 
 def test_the_height_may_be_swept():
-    found = coverage(ball("no_mode"), "height", -1.0, 1.0, at={"ball.p": -0.7})
+    found = hb.coverage(ball("no_mode"), "height", -1.0, 1.0, at={"ball.p": -0.7})
     assert [r.holds for r in found.ranges] == [None, "off, off"]
     assert found.ranges[1].low == pytest.approx(0.0, abs=1e-12)
 
 
 def test_from_another_mode():
     """At rest on the plastic contact: it stays, and a push up is redistributed with its sign."""
-    found = coverage(
+    found = hb.coverage(
         ball("two_junctions"), "ball.p", -0.9, 0.9, at={"height": 0.0}, mode={"slow_impact": "on"}
     )
     assert [r.holds for r in found.ranges] == ["off, on", "off, off"]
@@ -80,5 +79,5 @@ def test_from_another_mode():
 @pytest.mark.parametrize("name, low, high", [("ball.f", -1, 1), ("ball.p", 1, -1)])
 def test_refusals(name, low, high):
     with pytest.raises(hb.UsageError) as caught:
-        coverage(ball("no_mode"), name, low, high)
+        hb.coverage(ball("no_mode"), name, low, high)
     assert caught.value.code == "HB-A209"

@@ -194,6 +194,64 @@ def test_a_near_miss_of_rest_is_no_rest() -> None:
     assert run["my.p"].at(2.0) == pytest.approx(found.y[1, -1], abs=1e-8)
 
 
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_time_stepping_comes_closer_with_its_step(theta: float) -> None:
+    model = block((2.0, 0.0), (-1.6, 4.7), limit=3.0)
+    exact = hb.simulate(model, until=4, rtol=1e-11)
+    off = []
+    for step in (0.02, 0.01, 0.005):
+        run = hb.simulate(model, until=4, solver="moreau-jean", step=step, theta=theta)
+        assert run.events[-1].t == pytest.approx(exact.events[-1].t, abs=step)
+        assert run["mx.p"].at(4.0) == run["my.p"].at(4.0) == 0.0
+        ends = [run[k].at(4.0) - exact[k].at(4.0) for k in "xy"]
+        off.append(math.hypot(*ends))
+    assert 1.9 < off[0] / off[1] < 2.1 and 1.9 < off[1] / off[2] < 2.1
+
+
+def test_time_stepping_has_the_same_disk_along_every_direction() -> None:
+    for angle in (0.0, 0.4, 2.0, -1.1):
+        c, s = along(angle)
+        run = hb.simulate(
+            block((3.3 * c, 3.3 * s), limit=3.0), until=1, solver="moreau-jean", step=0.05
+        )
+        assert run["mx.p"].at(1.0) == pytest.approx(0.3 * c, rel=1e-9, abs=1e-12)
+        assert run["my.p"].at(1.0) == pytest.approx(0.3 * s, rel=1e-9, abs=1e-12)
+        run = hb.simulate(
+            block((2.9 * c, 2.9 * s), limit=3.0), until=1, solver="moreau-jean", step=0.05
+        )
+        assert abs(run["mx.p"].at(1.0)) < 1e-14 and abs(run["my.p"].at(1.0)) < 1e-14
+
+
+@pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
+def test_a_contact_bears_on_the_disk(solver: str) -> None:
+    # a block on the ground: the limit is half of what the ground carries, 20 N from 0.2 s on
+    m = block(velocity=(3.0, 4.0), limit="-0.5*ground.e")
+    m.add(ground=hb.One(law="unilateral"), mz=hb.I(1))
+    m.add(weight=hb.Se("if time < 0.2[s] then -10[N] else -20[N]"))
+    m.bond("weight -> ground -> mz")
+    options = {"step": 0.001} if solver == "moreau-jean" else {}
+    run = hb.simulate(m, until=1, solver=solver, **options)
+    assert run["mx.p"].at(0.2) == pytest.approx(2.4, abs=1e-8)
+    assert run.events[-1].t == pytest.approx(0.6, abs=1e-10 if solver == "rk45" else 0.001)
+    assert states(run)[-1] == "sticks"
+
+
+@pytest.mark.parametrize("pair", [False, True])
+@pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
+def test_a_limit_below_zero_is_refused(pair: bool, solver: str) -> None:
+    m = hb.Model("pushes", domain="translational")
+    m.add(sx=hb.One(law="coulomb", limit="1[N] - time*1[N/s]"), mx=hb.I(1, f=9))
+    m.bond("sx -> mx")
+    if pair:
+        m.add(sy=hb.One(law="coulomb", pair="sx"), my=hb.I(1, f=9))
+        m.bond("sy -> my")
+    options = {"step": 0.01} if solver == "moreau-jean" else {}
+    assert hb.simulate(m, until=1, solver=solver, **options).status == "ok"
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, until=1.5, solver=solver, **options)
+    assert caught.value.code == "HB-N407" and caught.value.partial is not None
+
+
 def test_slip_needs_inertia() -> None:
     m = hb.Model("massless", domain="translational")
     m.add(x=hb.One(law="coulomb", limit=1), y=hb.One(law="coulomb", pair="x"))

@@ -13,7 +13,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture
 def circuit(shell: Any) -> Any:
-    for name in ("diagnosis_circuit", "bouncing_ball"):
+    for name in ("diagnosis_circuit", "bouncing_ball", "bouncing_ball_no_mode"):
         shell.file(f"{name}.toml", (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))
     return shell
 
@@ -68,6 +68,18 @@ def test_restitution_and_the_simplified_model(circuit: Any) -> None:
     hits = [e.t for e in run.events if e.cause == "guard"]
     assert hits == pytest.approx([0.782062, 2.203993], abs=1e-6)  # published, for e = 1/1.1
     assert circuit("analyse", "bouncing_ball.toml", *words, "--write", "newton.toml").code == 1
+
+
+def test_coverage_names_what_no_mode_covers(circuit: Any) -> None:
+    words = ("--coverage", "ball.p=-3..1", "--at", "height=0 mm")
+    done = circuit("analyse", "bouncing_ball_no_mode.toml", *words)
+    assert done.code == 0
+    assert "ball.p from -1 to -0.5: no mode holds" in done.out
+    record = json.loads(circuit("analyse", "bouncing_ball_no_mode.toml", *words, "--json").out)
+    assert [r["holds"] for r in record["ranges"]] == ["off, off", None, "off, on", "off, off"]
+    for wrong in ("ball.p", "ball.p=1", "ball.p=1..x", "=0..1"):
+        done = circuit("analyse", "bouncing_ball_no_mode.toml", "--coverage", wrong)
+        assert done.code == 1 and done.err.startswith("HB-X101")
 
 
 def test_options_of_another_analysis_are_refused(circuit: Any) -> None:

@@ -15,7 +15,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,6 +93,15 @@ class Coverage:
         """The ranges in which no mode holds."""
         return tuple(r for r in self.ranges if r.holds is None)
 
+    def record(self) -> dict[str, Any]:
+        """Return everything as plain data that JSON can hold."""
+        return {
+            "quantity": self.quantity,
+            "at": dict(self.at),
+            "from": self.mode,
+            "ranges": [asdict(r) for r in self.ranges],
+        }
+
     def __str__(self) -> str:
         """Return the ranges; for those without a mode, which guard throws each mode out."""
         where = ", ".join(f"{name} = {value:.6g}" for name, value in self.at.items())
@@ -149,7 +159,7 @@ def coverage(
     >>> m.bond("f -> n -> c", "n -> s -> r")
     >>> m.machine("m", states={"off": [], "on": ["s"]}, start="off",
     ...           rules=["off -> on when c.e > 1", "on -> off when c.e < 2"])
-    >>> print(coverage(m, "c.q", 0, 3))
+    >>> print(hb.coverage(m, "c.q", 0, 3))
     from (off)
       c.q from 0 to 1: (off)
       c.q from 1 to 2: no mode holds

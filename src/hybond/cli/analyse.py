@@ -1,17 +1,17 @@
-"""``hybond analyse``: structure mode by mode, the restitution of a contact, residuals."""
+"""``hybond analyse``: structure by mode, restitution of a contact, residuals, coverage."""
 
 from __future__ import annotations
 
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
-from hybond.cli.lists import mode_of, split
+from hybond.cli.lists import mode_of, setting, split, sweep
 from hybond.cli.record import to_json
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
-from hybond.model.graph import FlatGraph
+from hybond.model.graph import FlatGraph, Mode
 
 if TYPE_CHECKING:
     from hybond.analysis.restitution.restitution import Restitution
@@ -29,6 +29,8 @@ def analyse(given: Namespace) -> int:
         _restitution(given, graph, record)
     elif given.residuals:
         _residuals(given, graph, record)
+    elif given.coverage:
+        _coverage(given, graph, record)
     else:
         _structure(given, graph, record)
     if given.json:
@@ -44,6 +46,7 @@ def _check(given: Namespace) -> None:
         ("--write", given.write, "restitution"),
         ("--eps", given.eps, "restitution"),
         ("--sensors", given.sensors, "residuals"),
+        ("--at", given.at, "coverage"),
     ):
         if value is not None and not getattr(given, needs):
             raise UsageError(
@@ -52,9 +55,9 @@ def _check(given: Namespace) -> None:
                 where="hybond analyse",
                 hint="hybond analyse --help",
             )
-    other = "restitution" if given.restitution else "residuals" if given.residuals else ""
+    other = next((w for w in ("restitution", "residuals", "coverage") if getattr(given, w)), "")
     for option in ("inputs", "outputs", "draw", "mode"):
-        if other and getattr(given, option) and not (option == "mode" and other == "residuals"):
+        if other and getattr(given, option) and not (option == "mode" and other != "restitution"):
             raise UsageError(
                 f"--{option} does not go with --{other}",
                 code="HB-X101",
@@ -152,18 +155,33 @@ def _write_newton(given: Namespace, value: float | str) -> None:
 def _residuals(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
     from hybond.analysis.residuals.residuals import residuals
 
-    modes = [mode_of(graph, text) for text in given.mode]
-    if len(modes) > 1:
-        raise UsageError(
-            "--residuals are of all modes, or of one",
-            code="HB-X101",
-            where="--mode",
-            hint="give one --mode, or none",
-        )
-    found = residuals(graph, sensors=split([given.sensors or ""]), mode=modes[0] if modes else None)
+    mode = _one_mode(given, graph, "--residuals are of all modes, or of one")
+    found = residuals(graph, sensors=split([given.sensors or ""]), mode=mode)
     record |= found.record()
     if given.json:
         return
     say(graph.title or graph.name)
     say()
     say(found.to_markdown() if given.markdown else str(found))
+
+
+def _coverage(given: Namespace, graph: FlatGraph, record: dict[str, Any]) -> None:
+    from hybond.analysis.coverage import coverage
+
+    quantity, low, high = sweep(given.coverage, "--coverage")
+    mode = _one_mode(given, graph, "--coverage enters the instant from one mode")
+    at = dict(setting(text, "--at") for text in split(given.at or []))
+    found = coverage(graph, quantity, low, high, at=at, mode=mode)
+    record |= found.record()
+    if given.json:
+        return
+    say(graph.title or graph.name)
+    say()
+    say(str(found))
+
+
+def _one_mode(given: Namespace, graph: FlatGraph, why: str) -> Mode | None:
+    """Return the mode of ``--mode``, None without it; refuse more than one."""
+    if len(given.mode) > 1:
+        raise UsageError(why, code="HB-X101", where="--mode", hint="give one --mode, or none")
+    return mode_of(graph, given.mode[0]) if given.mode else None

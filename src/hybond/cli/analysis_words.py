@@ -57,6 +57,7 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
         "hybond analyse clutch.toml --outputs load.f",
         "hybond analyse ball.toml --restitution contact --dt 1e-3 --write newton.toml",
         "hybond analyse circuit.toml --residuals --sensors Df,De1,De2",
+        "hybond analyse ball.toml --coverage ball.p=-3..1 --at height=0",
     )
     parser.add_argument("file", metavar="FILE", help="a model file")
     parser.add_argument(
@@ -77,6 +78,17 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
     )
     what.add_argument(
         "--residuals", action="store_true", help="residuals for diagnosis, valid in all modes"
+    )
+    what.add_argument(
+        "--coverage",
+        metavar="QUANTITY=LOW..HIGH",
+        help="for which values of a stored quantity some mode holds, and why none does",
+    )
+    parser.add_argument(
+        "--at",
+        metavar="NAME=VALUE,...",
+        action="append",
+        help="what else is stored, for --coverage (default: the start)",
     )
     parser.add_argument("--dt", metavar="T", help="the step of Margetts and Ngwompo's formula")
     parser.add_argument("--speed", metavar="V", help="impact speed, for a contact under load")

@@ -36,6 +36,53 @@ def split(texts: Iterable[str]) -> list[str]:
     return [word for word in found if word]
 
 
+def setting(text: str, where: str) -> tuple[str, float]:
+    """Return the name and number of ``name=value``; the number with any unit, in SI.
+
+    Raises
+    ------
+    UsageError
+        HB-X101.
+
+    Examples
+    --------
+    >>> setting("height=20 mm", "--at")
+    ('height', 0.02)
+    """
+    name, _, value = (word.strip() for word in text.partition("="))
+    quantity = try_quantity(value)
+    if not name or quantity is None:
+        raise UsageError(
+            f"{text!r} is not NAME=VALUE", code="HB-X101", where=where, hint="such as height=0"
+        )
+    return name, quantity.value
+
+
+def sweep(text: str, where: str) -> tuple[str, float, float]:
+    """Return the name and the range of ``name=low..high``, in SI.
+
+    Raises
+    ------
+    UsageError
+        HB-X101.
+
+    Examples
+    --------
+    >>> sweep("ball.p=-3..1 N*s", "--coverage")
+    ('ball.p', -3.0, 1.0)
+    """
+    name, _, span = (word.strip() for word in text.partition("="))
+    low, _, high = (try_quantity(word.strip()) for word in span.partition(".."))
+    if not name or low is None or high is None:
+        raise UsageError(
+            f"{text!r} is not QUANTITY=LOW..HIGH",
+            code="HB-X101",
+            where=where,
+            hint="such as ball.p=-3..1",
+        )
+    return name, low.value, high.value
+
+
 def seconds(value: Any, where: str) -> float:
     """Return a time as written, s.
 

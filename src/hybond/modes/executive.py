@@ -35,6 +35,7 @@ from hybond.errors import NumericsError
 from hybond.model.graph import Mode
 from hybond.modes.jump import on_constraints
 from hybond.modes.landing.landing import MOMENT, Landings
+from hybond.modes.laws.limits import FrictionLimits
 from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settler, event_of
@@ -125,6 +126,7 @@ class Executive:
         self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
         self.settler.trials.impact_law, self.settler.trials.impact_exponent = impact
         self.stops = Stops(program, self.settler.trials.laws.kept, limits.until)
+        self.frictions = FrictionLimits(program)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None
@@ -192,6 +194,8 @@ class Executive:
         end = min(interval.end, self.limits.until)
         tolerance = self.limits.event_tol * max(self.limits.until, abs(self.t))
         landed = self.landings.names
+        if self.frictions.laws:
+            self.frictions.check(self.t, self.program.evaluate(self.t, y, interval, equations))
         y = self.stops.begun(self.t, y, self.mode, interval, equations)
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [], landed, view, equations)
         field = (view.program if view else program).field(equations, interval)
@@ -262,6 +266,9 @@ class Executive:
         self._recorder.y.append(y)
         self._recorder.interpolants.append(step.interpolant)
         self.t = t
+        if self.frictions.laws:
+            v = self.program.evaluate(t, y, self._recorder.interval, equations)
+            self.frictions.check(t, v)
         if self.progress is not None:
             self.progress(t, len(self.trace.events))
         return y

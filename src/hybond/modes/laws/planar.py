@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.ports import Port, PortEquations, Response
-from hybond.errors import CausalityError, ModelError
+from hybond.errors import CausalityError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import HEADING, SLOW, TINY
 from hybond.modes.laws.problem import FORWARD, HELD, Answer, Friction
@@ -74,25 +74,6 @@ class Disk:
     size: float
     way: Vector
     resting: bool
-
-
-def refuse_planar(graph: FlatGraph) -> None:
-    """Refuse friction in two directions where each step is one linear complementarity problem.
-
-    Raises
-    ------
-    ModelError
-        HB-J121.
-    """
-    for machine in graph.machines:
-        if machine.law is not None and machine.law.planar:
-            raise ModelError(
-                f"time-stepping does not solve the friction of {machine.path}, which acts in two "
-                "directions",
-                code="HB-J121",
-                where=machine.path,
-                hint="leave the solver out: events find where it sticks and slips",
-            )
 
 
 def undetermined_slip(path: str) -> CausalityError:

@@ -29,6 +29,7 @@ from hybond.errors import HybondError, NumericsError
 from hybond.model.expressions import Number
 from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
+from hybond.modes.laws.limits import FrictionLimits
 from hybond.modes.settle import Settler, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare
 from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
@@ -94,6 +95,7 @@ class TimeStepping:
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
         self.scheme = ThetaScheme(program, theta)
+        self.frictions = FrictionLimits(program)
         self._hand = any(m.law is None for m in self.graph.machines)
         self._guards: dict[Mode, list[tuple[int, Callable[..., float]]]] = {}
         self._points: list[Point] = []
@@ -115,6 +117,8 @@ class TimeStepping:
         interval = interval_after(self.graph, 0.0)
         start = Point(0.0, y, np.zeros(2 * len(self.graph.bonds)), self.graph.start_mode)
         point = self._settle(start, interval, interval, "start")
+        if self.frictions.laws:
+            self.frictions.check(0.0, self._values(point, interval))
         self._warn_of_friction()
         try:
             while point.t < self.limits.until:
@@ -196,11 +200,18 @@ class TimeStepping:
             h = t1 - before.t
             if abs(h - self.h) <= ROUNDED * abs(t1):
                 h = self.h
-            advance = self.scheme.step(before, interval, t1, h=h, energy=self.trace.energy)
+            try:
+                advance = self.scheme.step(before, interval, t1, h=h, energy=self.trace.energy)
+            except HybondError:
+                # friction that pushes leaves no solution: then that is the reason
+                self.frictions.check(t1, self._values(replace(before, t=t1), interval))
+                raise
             point = advance.end
             self._steps += 1
             self.program.evaluations += 1
             self._look_after_energy(advance)
+            if self.frictions.laws:
+                self.frictions.check(point.t, self._values(point, interval))
             self._warn_of_shares(advance)
             event = event_of_step(self.program, before, advance)
             self._points.append(replace(point, mode=before.mode))
@@ -241,11 +252,7 @@ class TimeStepping:
                 for r in m.rules
                 if m.law is None and r.source == k
             ]
-        n = program.slots.size
-        nx, ns = program.nx, program.ns
-        v = program.values(point.t, interval, point.mode, point.y[:nx], point.y[nx : nx + ns])
-        v[program.slots.w] = point.w.tolist()
-        v[n:] = v[:n]
+        v = self._values(point, interval)
         true = {index for index, f in self._guards[point.mode] if f(v)}
         for index in true:
             last, count = self._row.get(index, (-1, 0))
@@ -258,6 +265,15 @@ class TimeStepping:
                     "hand only there; a junction law has no such limit"
                 )
         return bool(true)
+
+    def _values(self, point: Point, interval: Interval) -> list[float]:
+        """Return all values at the end of a step."""
+        program = self.program
+        n, nx, ns = program.slots.size, program.nx, program.ns
+        v = program.values(point.t, interval, point.mode, point.y[:nx], point.y[nx : nx + ns])
+        v[program.slots.w] = point.w.tolist()
+        v[n:] = v[:n]
+        return v
 
     # -- instants
 
