@@ -113,6 +113,8 @@ class ModeEquations:
     newton_steps: int = 0
     ways: object = None
     """The impulses that the mode allows, once they are known and if they are always the same."""
+    seen: Vector | None = None
+    """What bond variables would be with a unit of energy in one storage, if always the same."""
 
     @property
     def linear(self) -> bool:

@@ -243,9 +243,14 @@ def reach_of_bonds(equations: ModeEquations, x: Vector, energy: float) -> Vector
     Rounding of what is stored shows itself in bond variables in these proportions. Shape
     (2 * bonds,).
     """
-    reach = reach_of(equations.storage, x, energy) * stiffness_of(equations.storage, x)
-    seen = np.abs(equations.x2[:, : len(x)]) * np.where(np.isfinite(reach), reach, 0.0)
-    return np.asarray(seen.max(axis=1, initial=0.0))
+    seen = equations.seen
+    if seen is None:
+        reach = reach_of(equations.storage, x, 1.0) * stiffness_of(equations.storage, x)
+        terms = np.abs(equations.x2[:, : len(x)]) * np.where(np.isfinite(reach), reach, 0.0)
+        seen = np.asarray(terms.max(axis=1, initial=0.0))
+        if equations.storage.linear:
+            equations.seen = seen
+    return np.asarray(np.sqrt(energy) * seen)
 
 
 def impulse_directions(equations: ModeEquations, v: list[float]) -> Matrix:

@@ -250,13 +250,13 @@ class Locator:
         v = program.values(t, self.interval, self.equations.mode, y[:nx], y[nx : nx + ns])
         solution = self.equations.solution(v, y[:nx])
         n = program.slots.size
-        size = [abs(a) for a in v[:n]]
-        size[program.slots.w] = solution.size.tolist()
+        size = np.abs(v[:n])
+        size[program.slots.w] = solution.size
         if self.settler.trials.laws.laws:
             # junction laws count rounding of what is stored as zero (complementarity.clean)
             reach = reach_of_bonds(self.equations, y[:nx], self.settler.trace.energy)
-            size[program.slots.w] = np.maximum(solution.size, 10.0 * reach).tolist()
-        return steady(v, size)
+            size[program.slots.w] = np.maximum(solution.size, 10.0 * reach)
+        return steady(v, size.tolist())
 
     def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector) -> list[float]:
         """Return extrema of an atom that reach, or nearly reach, zero between samples.
