@@ -65,3 +65,14 @@ def test_modes_with_laws_are_drawn_side_by_side() -> None:
     m.bond("u -> d -> r")
     assert hb.draw_modes(m).svg().count(">diode<") == 2
     assert ">diode<" not in hb.draw(m).tikz() and "diode" in hb.draw(m).tikz()
+
+
+def test_the_second_direction_of_a_friction_names_the_first() -> None:
+    m = hb.Model("block")
+    m.add(x=hb.One(law="coulomb", limit=1), y=hb.One(law="coulomb", pair="x"))
+    m.add(mx=hb.I(1), my=hb.I(1))
+    m.bond("x -> mx", "y -> my")
+    graph = m.flatten()
+    by_path = {s.path: s for s in sketch(graph, mode=graph.start_mode).symbols}
+    assert (by_path["x"].law, by_path["x"].machine) == ("coulomb", "")
+    assert (by_path["y"].law, by_path["y"].machine) == ("coulomb", "x")

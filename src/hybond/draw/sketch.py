@@ -239,7 +239,8 @@ def _symbol(
         parameter = f"G = {parameter}"
     owner = None if switch.machine is None else graph.machines[switch.machine]
     law = "" if owner is None or owner.law is None else owner.law.kind
-    machine = "" if owner is None or law else owner.path
+    # the law's own machine is named like its junction; the second of a pair has that of the first
+    machine = "" if owner is None or (law and owner.path == switch.path) else owner.path
     about = f"{node.path}: {node.about.meaning}"
     if node.label:
         about += f", {node.label}"
