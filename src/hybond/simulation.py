@@ -34,6 +34,10 @@ NEGLIGIBLE = 1e-6
 make of it, so that rounding in an idle storage does not steer the step size."""
 IDLE = 1e-12
 """Absolute size, in SI, below which an integrated signal is idle."""
+ROUNDED = 10.0 * float(np.finfo(float).eps)
+"""Part of its terms that the rate of a stored quantity may be off by."""
+SHORT = 1e-6
+"""Part of the run in which what that adds up to is no error."""
 STEPPING_IMPACT = "newton_simultaneous"
 """The law of impacts that time-stepping has built in."""
 
@@ -65,9 +69,11 @@ def simulate(
         End time, s or a quantity (``"50 ms"``).
     parameters : mapping
         Values by dotted path that replace the model's own.
-    solver : {"rk45", "radau", "rk4", "euler", "moreau-jean"}
-        Default ``"rk45"``, or what the experiment says. ``"moreau-jean"`` is time-stepping: it
-        locates no events, and takes contacts, diodes and friction as laws of each step.
+    solver : str
+        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"``
+        to ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
+        events, and takes contacts, diodes and friction as laws of each step. Default ``"rk45"``,
+        or what the experiment says.
     rtol : float
         Relative tolerance, default 1e-8. Stored quantities are measured against the largest value
         they have had, and against 1e-6 of the value that would hold the system's energy.
@@ -167,7 +173,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
-    scale = ErrorScale(program, rtol, None if atol is None else float(atol))
+    scale = ErrorScale(program, rtol, None if atol is None else float(atol), end)
     method = make_solver(
         name,
         scale=scale,
@@ -184,6 +190,8 @@ def simulate(
         progress=progress,
         sliding=choice == "filippov",
         impact=_impact(impact, experiment),
+        rtol=rtol,
+        started=scale.start,
     )
     return _finish(graph, program, executive, end, name, on_error)
 
@@ -217,15 +225,25 @@ def _finish(
 class ErrorScale:
     """The tolerance of each state, from the size it has had (see `simulate`, `rtol`)."""
 
-    def __init__(self, program: Program, rtol: float, atol: float | None) -> None:
+    def __init__(self, program: Program, rtol: float, atol: float | None, until: float) -> None:
         self.nx, self.ns = program.nx, program.ns
         self.rtol = rtol
         self.atol = atol
+        self.until = until
+        self.rounding = np.zeros(self.nx)
         self.largest = np.zeros(self.nx + self.ns)
         self.energy = 0.0
         graph = program.graph
         equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
         self.storage = equations.storage
+
+    def start(self, terms: Vector) -> None:
+        """Learn what the rates of stored quantities cancel from, where motion starts.
+
+        From rest, rates may be nothing but rounding of these terms: then no step is small enough
+        to be right to a part of what it adds.
+        """
+        self.rounding = ROUNDED * SHORT * self.until * terms
 
     def __call__(self, y0: Vector, y1: Vector) -> Vector:
         """Return the tolerance per state, shape (nx + ns + 2,); quadratures are not controlled."""
@@ -247,6 +265,7 @@ class ErrorScale:
         floor = np.zeros(n)
         floor[: self.nx] = np.where(np.isfinite(whole), NEGLIGIBLE * whole, 0.0)
         tolerance[:n] = self.rtol * np.maximum(size, floor)
+        tolerance[: self.nx] = np.maximum(tolerance[: self.nx], self.rounding)
         tolerance[self.nx : n] += IDLE * self.rtol**0.5
         return tolerance
 

@@ -39,6 +39,31 @@ def test_the_repair_covers_all():
     assert found.ranges[1].low == pytest.approx(-FAST, rel=1e-12)
 
 
+def test_a_range_that_ends_at_zero_ends_there():
+    found = hb.coverage(ball("contact"), "ball.p", -3.0, 1.0, at={"height": 0.0})
+    assert [(r.low, r.high, r.holds) for r in found.ranges] == [
+        (-3.0, 0.0, "open"),
+        (0.0, 1.0, "open"),
+    ]
+
+
+def test_what_cannot_be_solved_is_a_range_with_its_reason():
+    m = hb.Model("fight")
+    m.add(c=hb.C(1), n=hb.Zero(), s=hb.One(), V=hb.Se(1), node=hb.Zero(), W=hb.Se(2), f=hb.Sf(0))
+    m.bond("f -> n -> c", "V -> node", "node -> s", "W -> s")
+    m.machine("m", states={"off": [], "on": ["s"]}, start="off", rules=["off -> on when c.e > 1"])
+    found = hb.coverage(m, "c.q", 0.0, 2.0)
+    assert [r.holds for r in found.ranges] == ["off", None]
+    assert found.ranges[1].low == pytest.approx(1.0, abs=1e-12)
+    assert "HB-" in found.ranges[1].why
+
+
+def test_what_is_swept_is_not_held():
+    with pytest.raises(hb.UsageError) as caught:
+        hb.coverage(ball("no_mode"), "ball.p", -3.0, 1.0, at={"ball.p": 0.0})
+    assert caught.value.code == "HB-A209"
+
+
 def test_what_is_said_is_what_runs_do():
     """The first impact that falls into the uncovered range ends the run; none does after repair."""
     run = hb.simulate(ball("no_mode"), on_error="return")

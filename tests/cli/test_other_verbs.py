@@ -19,6 +19,27 @@ node = { junction = 0 }
 bonds = ["V -> node", "W -> node", "node -> r"]
 """
 
+PUCK = """\
+hybond = 1
+domain = "translational"
+[elements]
+x = { junction = 1, law = "coulomb", limit = 1 }
+y = { junction = 1, law = "coulomb", pair = "x" }
+z = { junction = 1, law = "relay", limit = 1 }
+m_x = { I = 1 }
+m_y = { I = 1 }
+m_z = { I = 1 }
+brake = { R = 1 }
+[graph]
+bonds = ["x -> m_x", "y -> m_y", "z -> m_z", "z -> brake"]
+[signals]
+path = { integral = "x.f" }
+[machines.brakes]
+start = "off"
+states = { off = [], on = ["brake"] }
+rules = ["off -> on when z.f > 1"]
+"""
+
 
 def test_check_reports_counts_machines_and_fieldless_states(shell: Any) -> None:
     done = shell("check", "ball.toml")
@@ -27,6 +48,17 @@ def test_check_reports_counts_machines_and_fieldless_states(shell: Any) -> None:
     assert "machine impact: *away, hits (fieldless)" in done.out
     assert "derivative causality: ball.p" in done.out  # while it hits, the floor rules
     assert done.out.endswith("fine\n")
+
+
+def test_check_counts_what_was_written(shell: Any) -> None:
+    # laws bring in the sources of friction, and two numbers of a pair; a switched R its junction
+    shell.file("puck.toml", PUCK)
+    done = shell("check", "puck.toml")
+    assert done.code == 0
+    assert "  4 elements (3 I, 1 R)\n" in done.out
+    assert "  3 junctions, 3 of them controlled; 4 bonds\n" in done.out
+    assert "  3 stored quantities and 1 integral\n" in done.out
+    assert "machine x: *sticks, slips" in done.out and "machine z: *sticks" in done.out
 
 
 def test_check_explains_a_conflict(shell: Any) -> None:

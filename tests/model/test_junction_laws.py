@@ -11,6 +11,7 @@ import hybond as hb
 from hybond.files import dumps, load, loads, save, to_data
 from hybond.model.expressions import Name, Neg, Number
 from hybond.model.graph import FlatGraph
+from hybond.model.parts import MachinePart
 
 STATES = {
     "diode": ("blocks", "conducts"),
@@ -151,6 +152,28 @@ def test_a_limit_in_the_wrong_unit_is_refused(options: Any) -> None:
     assert refused(block(**options)) == "HB-U103"
 
 
+@pytest.mark.parametrize(
+    ("options", "where"),
+    [({"limit": "6 kg"}, "limit"), ({"limit": "6 N", "breakaway": "6 kg"}, "breakaway")],
+)
+@pytest.mark.parametrize("pair", [False, True])
+def test_a_wrong_unit_is_shown_where_it_was_written(options: Any, where: str, pair: bool) -> None:
+    m = block(law="coulomb", **options)
+    if pair:
+        m.add(w=hb.One(law="coulomb", pair="v"), n=hb.I("2 kg"))
+        m.bond("w -> n")
+    with pytest.raises(hb.HybondError) as caught:
+        m.flatten()
+    assert caught.value.code == "HB-U103" and caught.value.where == f"elements.v.{where}"
+    assert caught.value.why == f"'6 kg' is in kg; {where} is in N"
+
+
+def test_a_sum_of_unlike_units_is_shown_where_it_was_written() -> None:
+    with pytest.raises(hb.UnitError) as caught:
+        block(law="coulomb", limit="1[N] + 6[kg]").flatten()
+    assert caught.value.where == "elements.v.limit"
+
+
 def test_a_gap_is_a_distance() -> None:
     def contact(gap: str) -> hb.Model:
         m = block()
@@ -286,6 +309,20 @@ def test_a_machine_of_the_same_name_is_refused() -> None:
     with pytest.raises(hb.ModelError) as caught:
         m.machine("j", states={"off": [], "on": ["k"]}, start="off")
     assert caught.value.code == "HB-M104"
+
+
+@pytest.mark.parametrize("taken", ["j", "j.friction"])
+def test_the_names_of_what_a_law_makes_are_taken(taken: str) -> None:
+    # the builder refuses names used twice; a model that a program has edited may have them
+    m = series(law="coulomb", limit=1)
+    m.add(k=hb.One())
+    if taken == "j":
+        m.machines["j"] = MachinePart({"off": (), "on": ("k",)}, "off", ())
+    else:
+        m.elements["j.friction"] = hb.R(1)
+    with pytest.raises(hb.ModelError) as caught:
+        m.flatten()
+    assert caught.value.code == "HB-M202" and caught.value.where == "j"
 
 
 @pytest.mark.parametrize(

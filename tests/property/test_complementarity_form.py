@@ -188,3 +188,13 @@ def test_a_model_without_laws_is_refused() -> None:
     with pytest.raises(hb.EquationError) as caught:
         complementarity(m)
     assert caught.value.code == "HB-Q109"
+
+
+def test_friction_in_two_directions_is_no_linear_complementarity_system() -> None:
+    m = hb.Model("block", domain="translational")
+    m.add(x=hb.One(law="coulomb", limit=1), y=hb.One(law="coulomb", pair="x"))
+    m.add(m_x=hb.I(1), m_y=hb.I(1))
+    m.bond("x -> m_x", "y -> m_y")
+    with pytest.raises(hb.EquationError) as caught:
+        complementarity(m)
+    assert caught.value.code == "HB-Q110" and caught.value.where == "x"

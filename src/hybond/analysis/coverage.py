@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from hybond.errors import DivergenceOfTime, HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import AnyMode, FlatGraph, Mode
+from hybond.model.planar_friction import kept_paths
 from hybond.modes.settle import Settler
 from hybond.names import did_you_mean
 from hybond.programs.interval import Interval, interval_after
@@ -35,6 +36,11 @@ Vector = NDArray[np.float64]
 
 MODES = 64
 """All modes are looked at if there are not more than this."""
+EDGE = 1e-13
+"""Part of the range to which its edges are found: closer to zero, values are only rounding."""
+
+What = tuple[str | None, tuple[str, ...], str]
+"""The mode that holds, those that were passed before, and the code of a refusal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +74,7 @@ class Range:
     tried : tuple of Tried
         Where no mode holds: what becomes of each.
     why : str
-        Where no mode holds: what the run would say, with the cycle.
+        Where no mode holds: what the run would say, such as the cycle of modes.
     """
 
     low: float
@@ -109,7 +115,7 @@ class Coverage:
         for r in self.ranges:
             span = f"  {self.quantity} from {r.low:.6g} to {r.high:.6g}: "
             if r.holds is None:
-                lines += [f"{span}no mode holds", *(f"    {t}" for t in r.tried)]
+                lines += [f"{span}no mode holds", *(f"    {t}" for t in r.tried or (r.why,))]
             else:
                 path = [*(f"({p})" for p in r.passed), f"({r.holds})"]
                 lines.append(span + " -> ".join(path))
@@ -170,6 +176,13 @@ def coverage(
     graph = model.flatten() if isinstance(model, Model) else model
     instant = _Instant(graph, dict(at or {}), mode)
     instant.index(quantity)
+    if quantity in (at or {}):
+        raise UsageError(
+            f"{quantity} is swept and held at {(at or {})[quantity]:g}",
+            code="HB-A209",
+            where=quantity,
+            hint="leave it out of what is held",
+        )
     if not (math.isfinite(low) and math.isfinite(high) and low < high and points >= 2):
         raise UsageError(
             f"{quantity} from {low:g} to {high:g} in {points} points is no range",
@@ -186,21 +199,22 @@ def coverage(
         last = k + 1 == len(found)
         if not last and found[k + 1] == what:
             continue
-        end = float(high) if last else _edge(instant, quantity, float(grid[k]), float(grid[k + 1]))
+        ends = float(grid[k]), float(grid[min(k + 1, points - 1)])
+        end = float(high) if last else _edge(instant, quantity, *ends, EDGE * (high - low))
         middle = 0.5 * (begin + end)
-        holds, passed = what
+        holds, passed, _ = what
         tried, why = instant.explained(quantity, middle) if holds is None else ((), "")
         ranges.append(Range(begin, end, holds, passed, tried, why))
         begin = end
     return Coverage(quantity, dict(at or {}), graph.mode_text(instant.mode), tuple(ranges))
 
 
-def _edge(instant: _Instant, quantity: str, a: float, b: float) -> float:
+def _edge(instant: _Instant, quantity: str, a: float, b: float, close: float) -> float:
     """Return where what happens at `a` ends, by bisection."""
     here = instant.settled(quantity, a)
-    while a < (middle := 0.5 * (a + b)) < b:
+    while b - a > close and a < (middle := 0.5 * (a + b)) < b:
         a, b = (middle, b) if instant.settled(quantity, middle) == here else (a, middle)
-    return b
+    return 0.0 if abs(b) <= 10.0 * close else b
 
 
 class _Instant:
@@ -218,7 +232,9 @@ class _Instant:
     def index(self, name: str) -> int:
         """Return the place of a stored quantity or integrated signal in the state."""
         places = {s.path: s.index for s in self.graph.storages}
-        places |= {i.path: self.program.nx + i.index for i in self.graph.integrals}
+        kept = kept_paths(self.graph)
+        nx = self.program.nx
+        places |= {i.path: nx + i.index for i in self.graph.integrals if i.path not in kept}
         if name not in places:
             raise UsageError(
                 f"nothing is stored under {name!r}",
@@ -228,19 +244,19 @@ class _Instant:
             )
         return places[name]
 
-    def settled(self, quantity: str, value: float) -> tuple[str | None, tuple[str, ...]]:
+    def settled(self, quantity: str, value: float) -> What:
         """Return the mode in which time goes on, None if there is none, and those passed."""
         try:
             return self._settle(quantity, value)
-        except DivergenceOfTime:
-            return None, ()
+        except HybondError as error:
+            return None, (), error.code
 
-    def _settle(self, quantity: str, value: float) -> tuple[str, tuple[str, ...]]:
+    def _settle(self, quantity: str, value: float) -> What:
         x, s = self._state(quantity, value)
         settler = Settler(self.program, Trace())
         done = settler.settle(0.0, x, s, self.mode, self.interval, self.interval)
         text = self.graph.mode_text
-        return text(done.mode), tuple(text(step.mode) for step in done.steps[:-1])
+        return text(done.mode), tuple(text(step.mode) for step in done.steps[:-1]), ""
 
     def _state(self, quantity: str, value: float) -> tuple[Vector, Vector]:
         y = self.start.copy()
@@ -254,6 +270,9 @@ class _Instant:
             self._settle(quantity, value)
         except DivergenceOfTime as error:
             why = error.why
+        except HybondError as error:
+            # not the modes' guards: the instant has no solution
+            return (), f"{error.code}: {error.why}"
         x, s = self._state(quantity, value)
         settler = Settler(self.program, Trace())
         pre = settler.trials.a_priori(0.0, x, s, self.mode, self.interval)

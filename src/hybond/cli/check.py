@@ -19,6 +19,7 @@ from hybond.cli.streams import complain, say
 from hybond.equations.ports import law_machines, port_equations
 from hybond.equations.slots import slots_of
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.planar_friction import kept_paths
 
 BONDS = 5000
 """Conflicts ahead are looked for in models of up to this many bonds: in a second or so."""
@@ -65,14 +66,18 @@ def check(given: Namespace) -> int:
 
 
 def _counts(graph: FlatGraph) -> None:
-    shown = [n for n in graph.nodes if not n.hidden]
+    """Say how much was written: not what laws and switches add to it, each with a bond."""
+    shown = [n for n in graph.nodes if not n.hidden and not n.implied]
+    bonds = len(graph.bonds) - (len(graph.nodes) - len(shown))
     junctions = sum(n.is_junction for n in shown)
     kinds = Counter(n.kind for n in shown if not n.is_junction)
     by_kind = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
     say(f"  {len(shown) - junctions} elements ({by_kind or 'none'})")
     controlled = sum(n.is_junction and n.controlled for n in shown)
-    say(f"  {junctions} junctions, {controlled} of them controlled; {len(graph.bonds)} bonds")
-    integrals = f" and {len(graph.integrals)} integrals" if graph.integrals else ""
+    say(f"  {junctions} junctions, {controlled} of them controlled; {bonds} bonds")
+    kept = kept_paths(graph)
+    integrated = sum(i.path not in kept for i in graph.integrals)
+    integrals = f" and {integrated} integral{'s' * (integrated > 1)}" if integrated else ""
     stored = len(graph.storages)
     say(f"  {stored} stored quantit{'y' if stored == 1 else 'ies'}{integrals}")
 

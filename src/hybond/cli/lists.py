@@ -200,8 +200,8 @@ def mode_of(graph: FlatGraph, text: str | None) -> Mode:
     """
     mode = list(graph.start_mode)
     machines = {m.path: m for m in graph.machines}
-    for setting in split([text or ""]):
-        name, _, state = (word.strip() for word in setting.partition("="))
+    for pair in split([text or ""]):
+        name, _, state = (word.strip() for word in pair.partition("="))
         if name not in machines:
             raise UsageError(
                 f"there is no machine {name!r}",

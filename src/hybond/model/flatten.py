@@ -32,7 +32,13 @@ from hybond.model.expressions import (
 from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
-from hybond.model.junction_laws import check_readers, law_of_junction, law_warnings, open_laws
+from hybond.model.junction_laws import (
+    check_readers,
+    check_units,
+    law_of_junction,
+    law_warnings,
+    open_laws,
+)
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.laws import JunctionLaw
@@ -92,6 +98,9 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     integrals = _integrals(opened, resolver, dimensions)
+    for raw, node in zip(raw_nodes, nodes, strict=True):
+        if raw.path in with_laws and raw.written is not None:
+            check_units(node, raw.written, resolver, dimensions)
     for k, raw in enumerate(raw_nodes):
         if raw.written is not None and raw.kind not in ("0", "1"):
             nodes[k] = replace(nodes[k], law=law_of(nodes[k], raw.written, resolver, dimensions))

@@ -53,6 +53,9 @@ LAWS: dict[str, tuple[str, ...]] = {
     "relay": ("limit", "breakaway", "impulsive", "pair"),
 }
 """Each law and the options that it may have."""
+_WITH_UNITS = ("limit", "breakaway", "gap")
+_READ = (*_WITH_UNITS, "gate", "restitution", "stiffness")
+"""Options that are expressions."""
 NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
 _LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway", "pair")
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.+)", re.ASCII)
@@ -277,6 +280,68 @@ def _add_source(opened: Opened, scope: Scope, path: str, own: str, text: str, pa
     return source
 
 
+def check_units(
+    node: Node,
+    written: Written,
+    resolver: Resolver,
+    dimensions: Mapping[str, Dimension | None],
+) -> None:
+    """Refuse options of a law in the wrong unit, before the parts that are made of them are read.
+
+    Raises
+    ------
+    UnitError
+        HB-U103 for a limit, breakaway or gap in the wrong unit.
+    """
+    for option in _WITH_UNITS:
+        if option in written.part.options:
+            _option(option, node, written, resolver, dimensions)
+
+
+def _option(
+    option: str,
+    node: Node,
+    written: Written,
+    resolver: Resolver,
+    dimensions: Mapping[str, Dimension | None],
+) -> Expr:
+    """Return an option of a law in canonical names, its unit and kind checked."""
+    from hybond.model.flatten import is_condition
+
+    value = written.part.options[option]
+    at = f"elements.{node.path}.{option}"
+    if option == "gate":
+        value = _text(value)  # True is a gate that is always open
+    tree = resolver.resolve(literal(value, at), written.scope, at)
+    if option == "gate" and not is_condition(tree):
+        raise ModelError(
+            f"the gate {value!r} is a number, not a condition",
+            code="HB-M146",
+            where=at,
+            hint="compare it with something, such as > 0",
+        )
+    found = resolver.dimension(tree, dimensions, at)
+    target = _wanted(option, node, dimensions)
+    if target is not None and found is not None and found != target:
+        raise UnitError(
+            f"{value!r} is in {found}; {option} is in {target}",
+            code="HB-U103",
+            where=at,
+            hint=f"give it in {target}",
+        )
+    return simplify(without_units(tree))
+
+
+def _wanted(
+    option: str, node: Node, dimensions: Mapping[str, Dimension | None]
+) -> Dimension | None:
+    """Return the dimension that an option must have, None if it may have any."""
+    if option not in _WITH_UNITS or not node.ends:
+        return None
+    net = dimensions.get(f"{_variables(node.kind)[1]}:{node.ends[0].bond}")
+    return net * _TIME if option == "gap" and net is not None else net
+
+
 def law_of_junction(
     node: Node,
     source: Node | None,
@@ -294,48 +359,14 @@ def law_of_junction(
         HB-M146 for a gate that is no condition, HB-M203 for a coefficient of restitution, a limit
         or a stiffness below zero, or a breakaway below the limit.
     """
-    from hybond.model.flatten import is_condition
-
-    part, scope = written.part, written.scope
-    where = f"elements.{node.path}"
+    part = written.part
     common, net = _variables(node.kind)
-    own = node.ends[0].bond if node.ends else 0
-    domain = {
-        "e": dimensions.get(f"e:{own}"),
-        "f": dimensions.get(f"f:{own}"),
+    given = {
+        option: _option(option, node, written, resolver, dimensions)
+        for option in _READ
+        if option in part.options
     }
-    wanted = {
-        "limit": domain[net],
-        "breakaway": domain[net],
-        "gap": None if domain[net] is None else domain[net] * _TIME,  # type: ignore[operator]
-    }
-    given: dict[str, Expr] = {}
-    for option in ("limit", "breakaway", "gap", "gate", "restitution", "stiffness"):
-        if option not in part.options:
-            continue
-        at = f"{where}.{option}"
-        value = part.options[option]
-        if option == "gate":
-            value = _text(value)  # True is a gate that is always open
-        tree = resolver.resolve(literal(value, at), scope, at)
-        if option == "gate" and not is_condition(tree):
-            raise ModelError(
-                f"the gate {value!r} is a number, not a condition",
-                code="HB-M146",
-                where=at,
-                hint="compare it with something, such as > 0",
-            )
-        found = resolver.dimension(tree, dimensions, at)
-        target = wanted.get(option)
-        if target is not None and found is not None and found != target:
-            raise UnitError(
-                f"{part.options[option]!r} is in {found}; {option} is in {target}",
-                code="HB-U103",
-                where=at,
-                hint=f"give it in {target}",
-            )
-        given[option] = simplify(without_units(tree))
-    _check_values(given, where)
+    _check_values(given, f"elements.{node.path}")
     return JunctionLaw(
         kind=str(part.options["law"]),
         node=node.index,
@@ -414,8 +445,7 @@ def check_readers(graph: FlatGraph) -> None:
     ]
     for machine in graph.machines:
         if machine.law is not None:
-            options = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
-            given = [(f"{machine.path}.{o}", getattr(machine.law, o)) for o in options]
+            given = [(f"{machine.path}.{o}", getattr(machine.law, o)) for o in _READ]
             read += [(path, e) for path, e in given if e is not None]
     for path, e in read:
         for name in sorted(posterior_names(e)):

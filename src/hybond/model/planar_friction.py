@@ -21,6 +21,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from hybond.errors import ModelError
+from hybond.model.graph import FlatGraph
 from hybond.model.hierarchy import Opened, Written
 from hybond.model.kinds import JUNCTIONS
 from hybond.model.laws import TWO_SIDED, JunctionLaw
@@ -130,6 +131,16 @@ def paired(first: JunctionLaw, second: JunctionLaw) -> JunctionLaw:
     """Return the law of the first junction with that of the second, which shares its limits."""
     other = replace(second, limit=first.limit, breakaway=first.breakaway, planar=True)
     return replace(first, second=other, planar=True)
+
+
+def kept_paths(graph: FlatGraph) -> frozenset[str]:
+    """Return the paths of what the engine keeps for its own use, and no other would."""
+    return frozenset(
+        join(m.path, own)
+        for m in graph.machines
+        if m.law is not None and m.law.planar
+        for own in (HEADING, SLOW)
+    )
 
 
 def keep(opened: Opened, path: str) -> None:

@@ -45,6 +45,7 @@ from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.solvers import Field, Solver, Step, StepFailure
+from hybond.solvers.fixed import FixedStep
 from hybond.trace import Cause, Segment, Trace
 
 Vector = NDArray[np.float64]
@@ -54,6 +55,8 @@ VAIN = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""
 IDLE = 100
 """Instants in a row without any change that end a run."""
+SHORTER = 30
+"""Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
 BEYOND = 50
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten,
 and this many at once."""
@@ -116,16 +119,22 @@ class Executive:
         progress: Progress | None = None,
         sliding: bool = True,
         impact: tuple[str, float] = ("newton", 1.0),
+        rtol: float = 0.0,
+        started: Callable[[Vector], None] | None = None,
     ) -> None:
         self.program = program
         self.solver = solver
         self.limits = limits
         self.progress = progress
+        self.started = started
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
         self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
         self.settler.trials.impact_law, self.settler.trials.impact_exponent = impact
-        self.stops = Stops(program, self.settler.trials.laws.kept, limits.until)
+        step = solver.h if isinstance(solver, FixedStep) else None
+        self.stops = Stops(
+            program, self.settler.trials.laws.kept, limits.until, step=step, rtol=rtol
+        )
         self.frictions = FrictionLimits(program)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
@@ -198,11 +207,13 @@ class Executive:
             self.frictions.check(self.t, self.program.evaluate(self.t, y, interval, equations))
         y = self.stops.begun(self.t, y, self.mode, interval, equations)
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [], landed, view, equations)
+        if self.started is not None and view is None:
+            self.started(self._terms(y, interval, equations))
         field = (view.program if view else program).field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
         beyond = 0.0
         while True:
-            step = self._guarded(lambda: self.solver.step(end))
+            step = self._followed(self._guarded(lambda: self.solver.step(end)), interval, equations)
             self._steps += 1
             self._rejected += step.rejected
             beyond = max(beyond - 0.1, 0.0) if program.refused is None else beyond + 1.0
@@ -224,7 +235,39 @@ class Executive:
                 continue
             state = step.y1 if at == step.t1 else step.interpolant(at)
             y = self._note(step, at, np.asarray(state), equations)
-            return self._stopped(y, end, equations), "guard"
+            y = self._to_rest(y, end, equations)
+            timed = self.t >= end and interval.end <= end
+            return y, self._timed_cause(interval) if timed else "guard"
+
+    def _terms(self, y: Vector, interval: Interval, equations: ModeEquations) -> Vector:
+        """Return the size of what the rate of each stored quantity cancels from."""
+        program = self.program
+        nx, ns = program.nx, program.ns
+        v = program.values(self.t, interval, self.mode, y[:nx], y[nx : nx + ns])
+        size = equations.solution(v, y[:nx]).size
+        return np.asarray(np.abs(equations.storage.rates) @ size)
+
+    def _followed(self, step: Step, interval: Interval, equations: ModeEquations) -> Step:
+        """Repeat a step shorter until it follows slip in the plane."""
+        for _ in range(SHORTER):
+            if self.stops.follows(step, self.mode, interval, equations):
+                return step
+            h = 0.25 * (step.t1 - step.t0)
+            if self.stops.step is not None:
+                self.trace.warn(
+                    f"fixed steps are too long for slip in the plane (first at t = {step.t0:.4g} s)"
+                    ": it turns or stops within one of them"
+                )
+                return step
+            if step.t0 + h == step.t0:
+                raise NumericsError(
+                    f"no step follows the slip at t = {step.t0:.9g} s",
+                    code="HB-N408",
+                    where=", ".join(s.path for s in self.stops.slips if self.mode[s.machine]),
+                    hint="tighten rtol, or take solver = 'rk45'",
+                )
+            step = self._guarded(lambda end=step.t0 + h: self.solver.retry(end))  # type: ignore[misc]
+        return step
 
     def _land(self, step: Step, at: float, locator: Locator) -> tuple[Step, float]:
         """Repeat the step so that it ends just past `at`, for the full accuracy of a step."""
@@ -273,25 +316,32 @@ class Executive:
             self.progress(t, len(self.trace.events))
         return y
 
-    def _stopped(self, y: Vector, end: float, equations: ModeEquations) -> Vector:
-        """Follow slip in the plane to its end, if it is about to end."""
+    def _to_rest(self, y: Vector, end: float, equations: ModeEquations) -> Vector:
+        """Lead slip in the plane to its end, if it is about to end."""
         assert self._recorder is not None
         interval = self._recorder.interval
-        slip = self.stops.due(self.t, y, self.mode, interval, equations)
-        if slip is None:
+        descent = self.stops.descent(self.t, y, self.mode, interval, equations)
+        if descent is None:
             return y
-        t0, y0 = self.t, y
-        t1, y1 = self.stops.descend(slip, t0, y0, end, interval, equations)
-
-        def between(t: float) -> Vector:
-            part = (t - t0) / (t1 - t0) if t1 > t0 else 1.0
-            return np.asarray(y0 + part * (y1 - y0))
-
-        self._recorder.t.append(t1)
-        self._recorder.y.append(y1)
-        self._recorder.interpolants.append(between)
-        self.t = t1
-        return y1
+        y = y.copy()
+        machines = [
+            replace(m, rules=()) if m.law is not None and m.law.planar else m
+            for m in self.landings.machines or self.program.graph.machines
+        ]
+        watched = watch(self.settler.trials.guards, self.mode, machines)
+        locator = Locator(self.program, self.settler, equations, interval, watched)
+        while self.t < end and (step := descent.step(self.t, y, end)) is not None:
+            if step.t1 == step.t0:
+                break
+            at = locator.first(step)
+            if at is not None:
+                descent.resting = []
+                y = self._note(step, at, np.asarray(step.interpolant(at)), equations).copy()
+                break
+            y = self._note(step, step.t1, np.asarray(step.y1), equations).copy()
+            if descent.resting:
+                break
+        return descent.ended(self.t, y)
 
     def _continue(self, field: Field, y: Vector, step: Step) -> None:
         """Tell the solver of a state that was put back on its constraints: no jump, no history."""

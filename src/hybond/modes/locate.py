@@ -29,7 +29,6 @@ from hybond.programs.program import Program
 from hybond.solvers import Step
 
 Vector = NDArray[np.float64]
-Sampler = Callable[[float], Vector]
 
 FRACTIONS = np.array([0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0])
 """Where in a step guards are sampled: unevenly, so that no periodic signal looks constant."""

@@ -44,7 +44,13 @@ Kind = Literal["additive", "product"]
 
 KEPT = 256
 """Points whose combination is remembered: the weights are asked for where the motion was."""
+AGREES = 1e-9
+"""Parts give a switching function one value up to this part of what it reads: they are solved."""
 NEWTON_STEPS = 30
+STILL = 1e-14
+"""Weights are of order one: a step of Newton's method below this is rounding, and the last."""
+SOLVED = 1e-9
+"""Weights are taken if the last of all steps was below this: it need not come to rounding."""
 _STENCIL = ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0))
 """Central difference of order six."""
 
@@ -53,7 +59,8 @@ _STENCIL = ((1, 45.0 / 60.0), (2, -9.0 / 60.0), (3, 1.0 / 60.0))
 class Combined(ModeEquations):
     """The equations of sliding on some surfaces; evaluates like those of one mode.
 
-    What concerns jumps (constraints, structure) is that of the mode shown: the parts agree on it.
+    What concerns jumps (constraints, structure) is that of the mode shown; where the parts do not
+    agree on it, `common` has the constraints of all.
     """
 
     program: Program = field(default=None, repr=False)  # type: ignore[assignment]
@@ -160,7 +167,7 @@ class Combined(ModeEquations):
             read = [n for n in names(self.surfaces[i].g) if n.startswith(("e:", "f:"))]
             columns = [self.slots.index[n] - self.slots.w.start for n in read]
             size = float(np.abs(w[:, columns]).max(initial=0.0)) + max(abs(a) for a in values)
-            found.append(max(values) - min(values) <= 1e-9 * size)
+            found.append(max(values) - min(values) <= AGREES * size)
         return found
 
     def _along(self, i: int, v: list[float], rate: Vector) -> float:
@@ -257,9 +264,9 @@ class Combined(ModeEquations):
                 residual = slopes @ self._products(weights)
                 step = solved(slopes @ self._product_slopes(weights), residual, self._nowhere(v))
                 weights = weights - step
-                if np.abs(step).max() <= 1e-14:
+                if np.abs(step).max() <= STILL:
                     break
-            if np.abs(step).max() <= 1e-9 and np.abs(weights - 0.5).max() <= 2.0:
+            if np.abs(step).max() <= SOLVED and np.abs(weights - 0.5).max() <= 2.0:
                 self.last = weights
                 return weights
         raise self._nowhere(v)

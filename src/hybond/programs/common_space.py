@@ -28,6 +28,11 @@ Matrix = NDArray[np.float64]
 
 ROUNDING = 1e-13
 """A constraint that drifts by less than this part of its terms is kept already."""
+REPEATED = 1e-12
+"""Constraints of several modes may repeat each other: a direction in which their impulses act by
+less than this part of the strongest is rounding of such a repetition."""
+KEEPABLE = 1e-9
+"""Impulses can keep all constraints if they leave less than this part of the drift's terms."""
 
 
 @dataclass(slots=True)
@@ -65,15 +70,15 @@ class CommonSpace:
         drift = np.where(np.abs(drift) <= ROUNDING * size, 0.0, drift)
         if not drift.any():
             return w, rates
-        nu = np.linalg.pinv(self._slope(x), rcond=1e-12) @ -drift
+        nu = np.linalg.pinv(self._slope(x), rcond=REPEATED) @ -drift
         return w + self.directions @ nu, rates + self.moves @ nu
 
     def can_keep(self, v: list[float], x: Vector, rates: Vector) -> bool:
         """Whether impulses can keep what the field of a mode leads off."""
         drift, size = self._drift(v, x, rates)
         slope = self._slope(x)
-        rest = drift - slope @ (np.linalg.pinv(slope, rcond=1e-12) @ drift)
-        return bool((np.abs(rest) <= 1e-9 * float(size.max(initial=0.0))).all())
+        rest = drift - slope @ (np.linalg.pinv(slope, rcond=REPEATED) @ drift)
+        return bool((np.abs(rest) <= KEEPABLE * float(size.max(initial=0.0))).all())
 
     def onto(self, v: list[float], x: Vector) -> Vector:
         """Return the stored quantities put back where all constraints are met."""
@@ -82,7 +87,7 @@ class CommonSpace:
     def correction(self, v: list[float], x: Vector) -> Vector:
         """Return the areas of the impulses by which a state is off the constraints."""
         off = self._residual(v, x)[0]
-        return np.asarray(np.linalg.pinv(self._slope(x), rcond=1e-12) @ off)
+        return np.asarray(np.linalg.pinv(self._slope(x), rcond=REPEATED) @ off)
 
     def met(self, v: list[float], x: Vector, tolerance: float) -> bool:
         """Whether all constraints are met, up to a part of their terms."""

@@ -26,6 +26,10 @@ DIRECTIONS = 96
 AGAINST = 1e-9
 """A slip this far against the force, as a part of its terms, is rounding."""
 HALVINGS = 70
+"""Steps to a root at most. Halving alone would take a bracket of ``2 pi / DIRECTIONS`` to rounding
+in 50; the Illinois method takes fewer unless the slip is next to discontinuous."""
+CLOSED = 1e-16
+"""Width of a bracket that has closed, rad: rounding of an angle of order one is no less."""
 _MARKS = np.linspace(-math.pi, math.pi, DIRECTIONS + 1) + 0.5 / DIRECTIONS
 _ROUND = np.array([np.cos(_MARKS), np.sin(_MARKS)])
 
@@ -110,7 +114,7 @@ def _root(
             break
         middle = (low * at_high - high * at_low) / (at_high - at_low)
         value = f(middle)
-        if value == 0.0 or abs(high - low) <= 1e-16:
+        if value == 0.0 or abs(high - low) <= CLOSED:
             return float(middle)
         if value * at_high > 0.0:
             high, at_high = middle, value

@@ -19,13 +19,14 @@ from hybond.equations.calculus import gradient
 from hybond.equations.storage import StorageLaws
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph, Integral, Machine
+from hybond.model.planar_friction import kept_paths
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.interval import Interval
 from hybond.result import Result
 from hybond.trace import Event, Segment
 
 Vector = NDArray[np.float64]
-Kind = Literal["stored", "integrated", "common", "net"]
+Kind = Literal["stored", "integrated", "common", "net", "kept"]
 
 SAMPLES = 400
 """Times at which runs are compared."""
@@ -143,11 +144,14 @@ def watched(graph: FlatGraph) -> FlatGraph:
 def quantities(graph: FlatGraph, run: Result) -> list[Quantity]:
     """Return what is compared, in the order of the states of `run`, a run of `watched(graph)`."""
     found = [Quantity(s.path, run.unit(s.path), "stored") for s in graph.storages]
-    found += [Quantity(i.path, run.unit(i.path), "integrated") for i in graph.integrals]
+    kept = kept_paths(graph)
+    for i in graph.integrals:
+        kind: Kind = "kept" if i.path in kept else "integrated"
+        found.append(Quantity(i.path, run.unit(i.path), kind))
     own = len(graph.integrals)
     for i in run.graph.integrals[own:]:
         path, _, which = i.path.rpartition(":")
-        kind: Kind = "common" if which == "common" else "net"
+        kind = "common" if which == "common" else "net"
         name = f"{path}.{_pair(graph, path, kind)[1]}"
         unit = run.unit(name)
         found.append(Quantity(name, f"{unit}*s" if unit else "s", kind, path))
@@ -183,6 +187,8 @@ def compared(
                 quiet &= (times < begin - pad) | (times > event.t + pad)
     found = []
     for k, quantity in enumerate(names):
+        if quantity.kind == "kept":
+            continue
         away = np.where(quiet, apart[:, k], 0.0)
         worst = int(np.argmax(away))
         beyond = np.flatnonzero(away > tolerance)

@@ -33,8 +33,6 @@ starts. It is what a position of that size is rounded by; in a flight, height go
 of time, so this is about a tenth of the time room."""
 TICKS = 64
 """A flight of so few units in the last place of the time cannot be told from none."""
-VANISHING = 1e-6
-"""What an impact law reads counts as vanished below this part of the most that it has been."""
 
 
 def aitken(a: float, b: float, c: float) -> float:

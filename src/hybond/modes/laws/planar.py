@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,8 @@ EDGE = 1e-12
 """A force beyond the limit by this part is beyond doubt."""
 TURNS = 100
 """Rounds of all disks."""
+ROUNDS = 1000
+"""The same where each disk is solved for itself."""
 STILL = 1e-12
 """The disks agree if no force moves by more than this part of its limit."""
 ENOUGH = 1e-9
@@ -142,10 +144,12 @@ class Rests:
         Their `way` is written.
     M, q : arrays
         ``w = M l + q``.
-    rest, limit : dict
+    rest, limit : list
         By disk: what it holds at rest, what it gives while it slips.
     solve : callable
         The other laws, for roles and forces of the disks' ports.
+    forces : list
+        By disk, while an answer is looked for: the force it gives; None for one that is held.
     """
 
     disks: list[Disk]
@@ -159,7 +163,16 @@ class Rests:
     def answer(self) -> Answer | None:
         """Return what all laws do, None if nothing was found.
 
-        Where disks share what they hold in more than one way, all give way by the same little.
+        First all that rest are held, and those let go that cannot be. Where that comes to no
+        answer (what is held may bar a contact, or hold again once another one slips) the disks
+        take turns, each solved for itself between the forces of the others.
+        """
+        return self._shared() or self._in_turn()
+
+    def _shared(self) -> Answer | None:
+        """Return an answer in which disks share what they hold alike, if more than one fits.
+
+        All give way by the same little then.
         """
         ports = [k for disk in self.disks for k in disk.ports]
         own = self.M[np.ix_(ports, ports)]
@@ -173,6 +186,79 @@ class Rests:
         self.M = rigid
         # what does not slip then holds to the last digit, if that is unique
         return None if found is None else self._with(self.forces) or found
+
+    def _in_turn(self) -> Answer | None:
+        forces = [np.zeros(2) for _ in self.disks]
+        loose = [False] * len(self.disks)
+        holds = [False] * len(self.disks)
+        before = math.inf
+        for _ in range(ROUNDS):
+            moved = 0.0
+            for k, disk in enumerate(self.disks):
+                self.forces = list(forces)
+                way = self._local(k, loose[k])
+                if way is None:
+                    return None
+                force, holds[k] = way
+                loose[k] = loose[k] or not holds[k]
+                size = max(math.hypot(*force), math.hypot(*forces[k]))
+                change = math.hypot(*(force - forces[k])) / size if size > 0.0 else 0.0
+                moved = max(moved, change)
+                forces[k] = force
+                if force.any():
+                    disk.way = force / math.hypot(*force)
+            if moved <= STILL or (moved <= ENOUGH and moved >= 0.5 * before):
+                break
+            before = moved
+        else:
+            return None
+        self.forces = list(forces)
+        near = self._with(self.forces)
+        if near is None:
+            return None
+        self.forces = [None if held else p for held, p in zip(holds, forces, strict=True)]
+        exact = self._with(self.forces)
+        if exact is not None and self._fits(exact, holds, loose):
+            return exact
+        branch = near.branch.copy()
+        for disk, held in zip(self.disks, holds, strict=True):
+            branch[list(disk.ports)] *= not held
+        return replace(near, branch=branch)
+
+    def _local(self, k: int, loose: bool) -> tuple[Vector, bool] | None:
+        """Return the force of one disk between the forces of the others, and whether it holds."""
+        found = self._about(k)
+        if found is None:
+            return None
+        A, f0, limit, follow = found
+        if not f0.any():
+            return np.zeros(2), True
+        if np.linalg.matrix_rank(A) == 2:
+            held: Vector = np.asarray(np.linalg.solve(A, f0), dtype=float)
+            most, slope = limit, follow
+            if not loose and self.rest[k] is not self.limit[k]:
+                # the limit of breaking loose, as it is with this very force
+                self.forces[k] = held
+                known = self._with(self.forces)
+                if known is None:
+                    return None
+                most = self.rest[k].value + float(self.rest[k].slope @ known.l)
+                slope = np.zeros(2)
+            if math.hypot(*held) <= (most + float(slope @ held)) * (1.0 + EDGE):
+                return held, True
+        way = on_disk(f0, A, limit, follow)
+        if way is None:
+            return None
+        return limit / (1.0 - float(follow @ way)) * way, False
+
+    def _fits(self, found: Answer, holds: Sequence[bool], loose: Sequence[bool]) -> bool:
+        """Whether what is held stays within its limit."""
+        for k, disk in enumerate(self.disks):
+            most = (self.limit if loose[k] else self.rest)[k]
+            reach = most.value + float(most.slope @ found.l)
+            if holds[k] and math.hypot(*found.l[list(disk.ports)]) > reach * (1.0 + ENOUGH):
+                return False
+        return True
 
     def _answer(self) -> Answer | None:
         self.forces = [None] * len(self.disks)
@@ -218,11 +304,14 @@ class Rests:
     def _limit(self, k: int, found: Answer) -> float:
         return self.limit[k].value + float(self.limit[k].slope @ found.l)
 
-    def _turned(self, k: int) -> float | None:
-        """Put one disk on its edge, the others held; return how far its force moved."""
-        disk, now = self.disks[k], self.forces[k]
+    def _about(self, k: int) -> tuple[Matrix, Vector, float, Vector] | None:
+        """Return how the slip and the limit of one disk follow its force, the others held.
+
+        ``f = f0 - A p``, and the limit ``limit + follow . p``.
+        """
+        now = self.forces[k]
         assert now is not None
-        ports = list(disk.ports)
+        ports = list(self.disks[k].ports)
         scale = max(float(np.abs(now).max()), abs(self.limit[k].value))
         probe = 1e-3 * scale if scale > 0.0 else 1.0
         slips, limits = [], []
@@ -237,11 +326,19 @@ class Rests:
         A = -np.column_stack([slips[1] - slips[0], slips[2] - slips[0]]) / probe
         follow = np.array([limits[1] - limits[0], limits[2] - limits[0]]) / probe
         follow = np.where(np.abs(follow) <= EDGE * abs(limits[0]) / probe, 0.0, follow)
-        way = on_disk(slips[0] + A @ now, A, limits[0] - float(follow @ now), follow)
+        return A, slips[0] + A @ now, limits[0] - float(follow @ now), follow
+
+    def _turned(self, k: int) -> float | None:
+        """Put one disk on its edge, the others held; return how far its force moved."""
+        disk, now = self.disks[k], self.forces[k]
+        about = self._about(k)
+        if about is None or now is None:
+            return None
+        A, f0, limit, follow = about
+        way = on_disk(f0, A, limit, follow)
         if way is None:
             return None
-        along = 1.0 - float(follow @ way)
-        force = (limits[0] - float(follow @ now)) / along * way
+        force = limit / (1.0 - float(follow @ way)) * way
         self.forces[k], disk.way = force, way
         most = max(math.hypot(*force), math.hypot(*now))
         return math.hypot(*(force - now)) / most if most > 0.0 else 0.0

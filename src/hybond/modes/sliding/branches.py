@@ -22,7 +22,7 @@ from hybond.trace import Trace
 Vector = NDArray[np.float64]
 
 
-class Branches:
+class BranchesBeside:
     """Chooses them for one run."""
 
     def __init__(self, program: Program, trace: Trace) -> None:

@@ -188,7 +188,7 @@ class Crossings:
             and (np.abs(common.directions[fed]) <= MET).all()
         )
 
-    # -- helpers
+    # -- entering a mode, and keeping to all constraints
 
     def _entered(self, e: ModeEquations, t: float, y: Vector, interval: Interval) -> Vector:
         v = self.program.evaluate(t, y, interval, e)

@@ -13,6 +13,10 @@ from hybond.programs.common_space import CommonSpace
 
 Matrix = NDArray[np.float64]
 
+REPEATS = 1e-10
+"""Impulses of several modes may repeat each other: one that moves what is stored by less than this
+part of the strongest is rounding of such a repetition."""
+
 
 def meet(parts: Sequence[ModeEquations]) -> CommonSpace | None:
     """Return what all of `parts` hold together; None if each of them holds to the same.
@@ -60,5 +64,5 @@ def _moving(directions: Matrix, rates: Matrix) -> Matrix:
     """Return the impulses that move what is stored, without those that repeat others."""
     moves = rates @ directions
     _, values, vt = np.linalg.svd(moves, full_matrices=False)
-    rank = int((values > 1e-10 * max(float(values.max(initial=0.0)), 1e-300)).sum())
+    rank = int((values > REPEATS * max(float(values.max(initial=0.0)), 1e-300)).sum())
     return np.asarray(directions @ vt[:rank].T)

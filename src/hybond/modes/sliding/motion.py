@@ -2,16 +2,17 @@
 
 When a machine's rule fires without a jump, its reverse rule may push the state straight back.
 Both directions then belong to one switching surface (`equations.surfaces`), and at the first such
-event, not after many, the fields around decide (`modes.filippov`): through the surface, or along
-it in the combined motion (`programs.combined`). While machines slide,
+event, not after many, the fields around decide (`modes.sliding.filippov`): through the surface, or
+along it in the combined motion (`programs.combined`). While machines slide,
 
 * their two rules rest; every other rule is watched as ever, on the averaged signals;
 * their weights are watched: at 0 or 1 a machine leaves the surface on that side;
 * so is whatever else their rules ask for, and time events: after each event the fields decide anew,
   about the surfaces slid on and those just met, all at once.
 
-Sliding asks for the same state space on both sides: a mode that would make the state jump is not
-slid into, nor one whose switching function itself differs between the modes.
+Modes that hold stored quantities to different constraints are slid between where all of these are
+met (`meeting`, `programs.common_space`); jumps that vanish may lead there (`crossings`). A mode
+whose jumps stay is not slid into, nor one whose switching function differs from the other's.
 """
 
 from __future__ import annotations
@@ -203,7 +204,7 @@ class Slider:
     ) -> tuple[Vector, float] | None:
         """Return the rates of the state in `mode`, and that of a switching function."""
         program = self.program
-        law = self.laws.of(s, [_with(mode, s.machine, j) for j in (s.below, s.above)])
+        law = self.laws.of(s, sides_of(s, mode))
         if law is None:
             return None
         equations = program.equations(mode, interval, v[0])
@@ -337,7 +338,3 @@ class Slider:
         else:
             steps = (replace(last, mode=mode, fired=(*last.fired, *fired)),)
         self.trace.events[-1] = replace(event, steps=(*event.steps[:-1], *steps), after=stored)
-
-
-def _with(mode: Mode, machine: int, state: int) -> Mode:
-    return (*mode[:machine], state, *mode[machine + 1 :])

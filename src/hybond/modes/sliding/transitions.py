@@ -52,30 +52,31 @@ def fired_machines(graph: FlatGraph, event: Event | None) -> dict[int, tuple[int
     if event is None:
         return {}
     by_path = {m.path: m for m in graph.machines}
-    made: dict[str, list[Fired]] = {}
-    for step in event.steps:
-        for f in step.fired:
-            made.setdefault(f.machine, []).append(f)
     found = {}
-    for path, transitions in made.items():
-        if len(transitions) == 1 and path in by_path:
+    for path, (first, *rest) in _by_machine(event).items():
+        if not rest and path in by_path:
             machine = by_path[path]
-            f = transitions[0]
             found[machine.index] = (
-                machine.states.index(f.source),
-                machine.states.index(f.target),
+                machine.states.index(first.source),
+                machine.states.index(first.target),
             )
     return found
 
 
 def there_and_back(graph: FlatGraph, event: Event) -> set[int]:
     """Return the machines that made a transition and its reverse at one instant."""
-    made: dict[str, list[Fired]] = {}
-    for f in (f for step in event.steps for f in step.fired):
-        made.setdefault(f.machine, []).append(f)
     turned = {
         path
-        for path, (first, *rest) in made.items()
+        for path, (first, *rest) in _by_machine(event).items()
         if [(f.target, f.source) for f in rest] == [(first.source, first.target)]
     }
     return {m.index for m in graph.machines if m.path in turned}
+
+
+def _by_machine(event: Event) -> dict[str, list[Fired]]:
+    """Return the transitions that each machine made at one instant, in their order, by path."""
+    made: dict[str, list[Fired]] = {}
+    for step in event.steps:
+        for f in step.fired:
+            made.setdefault(f.machine, []).append(f)
+    return made

@@ -16,7 +16,7 @@ from hybond.model.graph import FlatGraph, Mode, Rule
 from hybond.modes.guards import Followed, Guards
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settled, Settler
-from hybond.modes.sliding.branches import Branches
+from hybond.modes.sliding.branches import BranchesBeside
 from hybond.programs.combined import Combined, Kind
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -73,7 +73,7 @@ def _margin(combined: Combined, j: int, upper: bool, v: Sequence[float]) -> floa
 class SlidingSettler(Settler):
     """Settles modes while some machines slide: a mode met there gets the branches of its laws."""
 
-    branches: Branches | None = None
+    branches: BranchesBeside | None = None
 
     def settle(
         self,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide
 from hybond.errors import HybondError, NumericsError
 from hybond.model.graph import Mode
-from hybond.modes.sliding.branches import Branches
+from hybond.modes.sliding.branches import BranchesBeside
 from hybond.modes.sliding.crossings import Crossings, sides_of
 from hybond.modes.sliding.filippov import (
     ABOVE,
@@ -37,6 +37,15 @@ from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 
+PUSHED = 1e-9
+"""A side leads to a surface if more than this part of both sides' speed does: less is rounding."""
+MOVES_ALIKE = 1e-12
+"""Two states of a machine move what is stored alike if their rates differ by less: rounding."""
+SAME_WEIGHTS = 1e-9
+"""Weights lie in [0, 1], and come from solved equations: ways closer than this are one."""
+CLEAR = 1e-9
+"""A way leaves its surface at more than this part of the largest speed: less is rounding."""
+
 
 class WaysOn:
     """Decides for one run; warns where there is no way on, or more than one."""
@@ -47,7 +56,7 @@ class WaysOn:
         self.trace = trace
         self.laws = laws
         self.crossings = Crossings(program, trace, laws)
-        self.branches = Branches(program, trace)
+        self.branches = BranchesBeside(program, trace)
 
     def decide(
         self,
@@ -124,7 +133,7 @@ class WaysOn:
             pushes = combined.blend(v).pushes
         except NumericsError:
             return
-        if pushes is not None and (pushes > 1e-9).all():
+        if pushes is not None and (pushes > PUSHED).all():
             self.trace.warn(
                 f"both sides push into {s.text} at t = {t:.9g} s, but the jump on crossing it "
                 "throws back by more than was gained: there is no sliding along it"
@@ -185,7 +194,7 @@ class WaysOn:
             return True
         n = program.nx + program.ns
         size = np.abs(rates[0][:n]) + np.abs(rates[1][:n])
-        return bool((np.abs(rates[0][:n] - rates[1][:n]) > 1e-12 * size).any())
+        return bool((np.abs(rates[0][:n] - rates[1][:n]) > MOVES_ALIKE * size).any())
 
     def _agreeing(
         self,
@@ -262,11 +271,11 @@ def _distinct(ways: Sequence[Future]) -> list[Future]:
     """Return the ways on that differ by more than rounding: a weight of 1 is the side above."""
     found: list[Future] = []
     for w in ways:
-        if not any(np.abs(w.weights - other.weights).max() <= 1e-9 for other in found):
+        if not any(np.abs(w.weights - other.weights).max() <= SAME_WEIGHTS for other in found):
             found.append(w)
     return found
 
 
 def _clear(way: Future, speed: Vector, size: float) -> bool:
     """Whether a way leaves its surfaces at a speed that is more than rounding."""
-    return all(side == SLIDES or abs(speed[j]) > 1e-9 * size for j, side in enumerate(way.sides))
+    return all(side == SLIDES or abs(speed[j]) > CLEAR * size for j, side in enumerate(way.sides))

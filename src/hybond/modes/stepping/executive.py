@@ -253,7 +253,8 @@ class TimeStepping:
                 if m.law is None and r.source == k
             ]
         v = self._values(point, interval)
-        true = {index for index, f in self._guards[point.mode] if f(v)}
+        # each machine once, in their order: so are the warnings
+        true = dict.fromkeys(index for index, f in self._guards[point.mode] if f(v))
         for index in true:
             last, count = self._row.get(index, (-1, 0))
             count = count + 1 if last == self._steps - 1 else 1
