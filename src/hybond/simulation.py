@@ -265,7 +265,9 @@ class ErrorScale:
         floor = np.zeros(n)
         floor[: self.nx] = np.where(np.isfinite(whole), NEGLIGIBLE * whole, 0.0)
         tolerance[:n] = self.rtol * np.maximum(size, floor)
-        tolerance[: self.nx] = np.maximum(tolerance[: self.nx], self.rounding)
+        # what has not moved yet has no size: the solver chooses its first step without it
+        moved = np.where(size[: self.nx] > 0.0, self.rounding, 0.0)
+        tolerance[: self.nx] = np.maximum(tolerance[: self.nx], moved)
         tolerance[self.nx : n] += IDLE * self.rtol**0.5
         return tolerance
 

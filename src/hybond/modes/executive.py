@@ -341,7 +341,9 @@ class Executive:
             y = self._note(step, step.t1, np.asarray(step.y1), equations).copy()
             if descent.resting:
                 break
-        return descent.ended(self.t, y)
+        y = descent.ended(self.t, y)
+        self._recorder.y[-1] = y
+        return y
 
     def _continue(self, field: Field, y: Vector, step: Step) -> None:
         """Tell the solver of a state that was put back on its constraints: no jump, no history."""
