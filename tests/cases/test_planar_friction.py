@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -354,6 +355,33 @@ def test_a_slanted_swing_comes_to_rest_at_loose_tolerances(angle: float, rtol: f
     assert run.events[-1].t == pytest.approx(7.0 * math.pi, abs=20.0 * rtol**0.75)
     x, y = run.final["kx.q"], run.final["ky.q"]
     assert x * c + y * s == pytest.approx(0.2, abs=20.0 * rtol)
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 2e-3, 1e-5])
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+def test_slip_ends_at_any_tolerance(solver: str, rtol: float) -> None:
+    run = hb.simulate(block((0.5, 0.0), (3.0, 4.0), limit=2.5), until=4, solver=solver, rtol=rtol)
+    assert states(run) == ["slips", "sticks"]
+    want = (5.0 * 2.5 + 0.5 * 3.0) / (2.5**2 - 0.25)
+    assert run.events[-1].t == pytest.approx(want, rel=rtol)
+
+
+@pytest.mark.parametrize("turned", list(itertools.product((1, -1), repeat=4)))
+def test_bonds_turned_round_turn_their_own_signs_alone(turned: tuple[int, ...]) -> None:
+    m = hb.Model("block", domain="translational")
+    m.add(sx=hb.One(law="coulomb", limit=1), sy=hb.One(law="coulomb", pair="sx"))
+    m.add(Fx=hb.Se(0.6), Fy=hb.Se(0.2), mx=hb.I(1, f=1.0), my=hb.I(1, f=0.5))
+    bonds = (("Fx", "sx"), ("sx", "mx"), ("Fy", "sy"), ("sy", "my"))
+    for turn, (a, b) in zip(turned, bonds, strict=True):
+        m.bond(f"{a} -> {b}" if turn > 0 else f"{b} -> {a}")
+    run = hb.simulate(m, until=1, rtol=1e-10)
+    # a source turned round pushes the other way, a mass turned round starts the other way
+    push_x, mass_x, push_y, mass_y = turned
+    straight = block((0.6 * push_x, 0.2 * push_y), (1.0 * mass_x, 0.5 * mass_y), limit=1)
+    want = hb.simulate(straight, until=1, rtol=1e-10)
+    assert run["mx.p"].at(1.0) == pytest.approx(mass_x * want["mx.p"].at(1.0), abs=1e-9)
+    assert run["my.p"].at(1.0) == pytest.approx(mass_y * want["my.p"].at(1.0), abs=1e-9)
+    assert run.audit().holds()
 
 
 @pytest.mark.parametrize("step", [0.001, 0.03, 0.2])

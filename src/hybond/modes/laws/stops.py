@@ -30,6 +30,8 @@ LOW = 1e-4
 """Part of its largest speed at which slip is left to come to its end."""
 COARSE = 300.0
 """The same in tolerances of the solver."""
+HIGHEST = 0.3
+"""The same at any tolerance: slip must have begun before it can end."""
 FLOOR = 1e-7
 """The same of the largest speed that it ever had: slower ones are no better than tolerances."""
 OUTGROWN = 10.0
@@ -46,7 +48,7 @@ ASTRAY = 0.1
 STEPS = 5.0
 """Fixed steps in which friction could stop a slip that is at its end then."""
 PROBE = 1e-6
-"""Part of a fixed step in which it is seen how fast slip falls."""
+"""Part of a step in which it is seen what drives slip."""
 FIRST = 1e-2
 """Part of what slip gains in that time up to which its heading counts in any case."""
 SOON = 1e-7
@@ -80,7 +82,7 @@ class Stops:
         self.program = program
         self.until = until
         self.step = step
-        self.low = max(LOW, COARSE * rtol)
+        self.low = min(max(LOW, COARSE * rtol), HIGHEST)
         self.slips = []
         for index, (heading, slow) in kept.places.items():
             law = program.graph.machines[index].law
@@ -197,17 +199,17 @@ class Stops:
                 continue
             v = self.program.evaluate(t, y, interval, equations)
             if math.hypot(*slip.velocity(v)) <= -y[slip.slow]:
-                slow = min(y[slip.slow], -self._weakly(slip, t, y, interval, equations))
+                slow = min(y[slip.slow], -self._heading_counts_to(slip, t, y, interval, equations))
                 if slow != y[slip.slow]:
                     new = new.copy() if new is y else new
                     new[slip.slow] = slow
         slips = [p for p in self.slips if mode[p.machine] and y[p.slow] >= 0.0]
         return self._within_a_step(t, new, interval, equations, slips)
 
-    def _weakly(
+    def _heading_counts_to(
         self, slip: Slip, t: float, y: Vector, interval: Interval, equations: ModeEquations
     ) -> float:
-        """Return the speed up to which the heading counts if slip begins with next to no force."""
+        """Return the speed up to which the heading counts where slip begins."""
         field = self.program.field(equations, interval)
         h = SOON * max(self.until - t, t)
 
