@@ -174,13 +174,13 @@ class Motion:
         nz, nu = len(self.graph.storages), len(sources)
         xi = np.zeros((nz + 2 * nu, len(self.t)))
         xi[:nz] = own.storage.matrix @ (own.storage.rates @ self.bonds(order - 1))
-        needed = np.any(own.x2 != 0.0, axis=0)
+        needed = np.any(own.finite.known != 0.0, axis=0)
         for k, source in enumerate(sources):
             if needed[nz + k]:
                 xi[nz + k] = self.derivative(source.value, order)
             if needed[nz + nu + k]:
                 xi[nz + nu + k] = self.derivative(source.value, order + 1)
-        w = own.x2 @ xi
+        w = own.finite.by_knowns(xi)
         return np.asarray(w if own.project is None else own.project @ w)
 
     @cached_property

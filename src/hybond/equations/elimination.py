@@ -3,9 +3,14 @@
 Unknown columns are eliminated in the order rows arrive; known columns are only carried along. A
 row whose unknowns all cancel is not lost: it is a constraint among the knowns, which is how
 dependent storage and contradicting sources show themselves.
+
+Unknowns that are equal (the common variable of a junction's bonds) are one from the start; only one
+of them, their representative, has a row.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 Row = dict[int, float]
 """Column to coefficient; the row says that the sum of coefficient times column is zero."""
@@ -26,10 +31,17 @@ class Elimination:
     {2: 1.0, 3: -1.0, 4: -1.0}
     >>> e.solved[0]
     {3: -1.0}
+
+    Parameters
+    ----------
+    unknowns : int
+    equal : iterable of (int, int)
+        Pairs of unknowns that are equal.
     """
 
-    def __init__(self, unknowns: int) -> None:
+    def __init__(self, unknowns: int, equal: Iterable[tuple[int, int]] = ()) -> None:
         self.unknowns = unknowns
+        self.representative = _representatives(unknowns, equal)
         self.solved: dict[int, Row] = {}
         """``unknown + sum(row) = 0``, the row in free unknowns and knowns only."""
         self._users: dict[int, set[int]] = {}
@@ -38,6 +50,7 @@ class Elimination:
     def copy(self) -> Elimination:
         """Return an independent copy."""
         other = Elimination(self.unknowns)
+        other.representative = self.representative
         other.solved = {k: dict(row) for k, row in self.solved.items()}
         other._users = {k: set(v) for k, v in self._users.items()}
         return other
@@ -46,15 +59,16 @@ class Elimination:
         """Return the row with solved unknowns replaced and cancelled terms dropped."""
         total: Row = {}
         size: Row = {}
-        for column, c in row.items():
+        for k, c in row.items():
+            column = self.representative[k] if k < self.unknowns else k
             inner = self.solved.get(column)
             if inner is None:
                 total[column] = total.get(column, 0.0) + c
                 size[column] = size.get(column, 0.0) + abs(c)
                 continue
-            for k, d in inner.items():
-                total[k] = total.get(k, 0.0) - c * d
-                size[k] = size.get(k, 0.0) + abs(c * d)
+            for i, d in inner.items():
+                total[i] = total.get(i, 0.0) - c * d
+                size[i] = size.get(i, 0.0) + abs(c * d)
         return {k: c for k, c in total.items() if abs(c) > CANCELLATION * size[k]}
 
     def add(self, row: Row, prefer: frozenset[int] = frozenset()) -> Row | None:
@@ -97,5 +111,21 @@ class Elimination:
                     self._users.setdefault(k, set()).add(user)
 
     def free(self) -> list[int]:
-        """Return the unknowns that no row has determined, in order."""
-        return [k for k in range(self.unknowns) if k not in self.solved]
+        """Return the unknowns that no row has determined, in order: of equal ones the first."""
+        return [k for k, r in enumerate(self.representative) if k == r and k not in self.solved]
+
+
+def _representatives(unknowns: int, equal: Iterable[tuple[int, int]]) -> list[int]:
+    """Return the first of the unknowns that each one is equal to."""
+    first = list(range(unknowns))
+
+    def root(k: int) -> int:
+        while first[k] != k:
+            first[k] = first[first[k]]
+            k = first[k]
+        return k
+
+    for a, b in equal:
+        a, b = sorted((root(a), root(b)))
+        first[b] = a
+    return [root(k) for k in range(unknowns)]

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import partial_time, reads_bonds
-from hybond.equations.elimination import Elimination
 from hybond.equations.leakage import junction_rows, least_leakage, null_space, undetermined
 from hybond.equations.slots import Slots
+from hybond.equations.solved import Solved
 from hybond.equations.storage import StorageLaws
 from hybond.equations.tableau import Dynamic, Tableau
 from hybond.errors import CausalityError, NumericsError
@@ -85,10 +85,8 @@ class ModeEquations:
     slots: Slots
     tableau: Tableau
     storage: StorageLaws
-    n1: Matrix
-    x1: Matrix
-    n2: Matrix
-    x2: Matrix
+    power: Solved
+    finite: Solved
     source_values: list[tuple[int, Closure]]
     source_constants: Vector
     rate_values: list[tuple[int, Closure]]
@@ -104,7 +102,6 @@ class ModeEquations:
     drift_slopes: Gradient
     rank: int
     """Rank of the structure rows, found at generic values."""
-    junctions: Matrix
     affine: bool
     """Whether all dynamic rows are affine in bond variables and nothing is hidden."""
     project: Matrix | None = None
@@ -115,6 +112,31 @@ class ModeEquations:
     """The impulses that the mode allows, once they are known and if they are always the same."""
     seen: Vector | None = None
     """What bond variables would be with a unit of energy in one storage, if always the same."""
+
+    @property
+    def n1(self) -> Matrix:
+        """Bond variables by `r`, before the hidden constraints."""
+        return self.power.free
+
+    @property
+    def x1(self) -> Matrix:
+        """Bond variables by `xi`, before the hidden constraints; made anew at each call."""
+        return self.power.spread()
+
+    @property
+    def n2(self) -> Matrix:
+        """Bond variables by `r`."""
+        return self.finite.free
+
+    @property
+    def x2(self) -> Matrix:
+        """Bond variables by `xi`; made anew at each call."""
+        return self.finite.spread()
+
+    @property
+    def junctions(self) -> Matrix:
+        """The rows whose squares are the leakage power of controlled junctions, made anew."""
+        return junction_rows(self.graph, self.graph.off_nodes(self.mode))
 
     @property
     def linear(self) -> bool:
@@ -148,7 +170,7 @@ class ModeEquations:
             HB-N301 if Newton does not converge, HB-N302 if a law gives NaN.
         """
         xi = self.knowns(v, x)
-        w = self.x2 @ xi if self.linear else self._newton(v, x, xi)
+        w = self.finite.by_knowns(xi) if self.linear else self._newton(v, x, xi)
         if self.project is not None:
             w = self.project @ w
         v[self.slots.w] = w.tolist()
@@ -157,8 +179,7 @@ class ModeEquations:
     def solution(self, v: list[float], x: Vector) -> Solution:
         """Return the bond variables with the size of their terms and their freedom."""
         w = self.solve(v, x)
-        xi = self.knowns(v, x)
-        size = np.abs(self.x2) @ np.abs(xi)
+        size = self.finite.sizes(self.knowns(v, x))
         freedom = self.freedom
         if self.n2.shape[1]:
             r = w[self._free2]
@@ -172,7 +193,7 @@ class ModeEquations:
         return self.tableau.finite.free()
 
     def _newton(self, v: list[float], x: Vector, xi: Vector) -> Vector:
-        base = self.x2 @ xi
+        base = self.finite.by_knowns(xi)
         r = self.guess if self.guess is not None else np.zeros(self.n2.shape[1])
         update = np.inf
         aside = 0
@@ -319,9 +340,10 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
             hint="a controlled source prescribes what it also measures; add storage or resistance",
         )
     storage = StorageLaws.of(graph, slots)
-    nk = len(graph.storages) + 2 * len(tableau.sources)
-    n1, x1 = _dense(tableau.power, nk)
-    n2, x2 = _dense(tableau.finite, nk)
+    nk = tableau.knowns
+    power = Solved.of(tableau.power, nk)
+    # most modes hide no constraint: one pair of matrices serves impulses and finite values
+    finite = Solved.of(tableau.finite, nk) if tableau.constraints else power
     rows = tableau.dynamic
     nw = tableau.unknowns
     structure = [k for k, d in enumerate(rows) if d.kind == "structure"]
@@ -357,18 +379,15 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
     if not structure:
         # a source rate is evaluated only where a constraint asks for it
         first = len(graph.storages) + len(tableau.sources)
-        rate_values = [(k, f) for k, f in rate_values if np.any(x2[:, first + k])]
-    off = graph.off_nodes(mode)
+        rate_values = [(k, f) for k, f in rate_values if np.any(finite.known[:, first + k])]
     equations = ModeEquations(
         graph,
         mode,
         slots,
         tableau,
         storage,
-        n1,
-        x1,
-        n2,
-        x2,
+        power,
+        finite,
         source_values,
         constants,
         rate_values,
@@ -381,7 +400,6 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
         [compiled(e) for e in drifts],
         gradient([slopes_of(e) for e in drifts]),
         0,
-        junction_rows(graph, off),
         False,
         freedom=np.zeros((nw, 0)),
     )
@@ -390,11 +408,11 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
     equations.affine = equations.rank == len(structure) and not any(
         reads_bonds(e) for d in rows for e in d.slopes.values()
     )
-    if equations.linear and n2.shape[1]:
-        equations.freedom = n2
-        equations.project = least_leakage(n2, equations.junctions)
+    if equations.linear and equations.n2.shape[1]:
+        equations.freedom = equations.n2
+        equations.project = least_leakage(equations.n2, equations.junctions)
     elif not equations.linear:
-        loose = n2 @ _generic_null(equations)
+        loose = equations.n2 @ _generic_null(equations)
         if loose.shape[1]:
             equations.freedom = loose
             equations.project = least_leakage(loose, equations.junctions)
@@ -432,21 +450,6 @@ def _generic_null(equations: ModeEquations) -> Matrix:
         if smallest is None or found.shape[1] < smallest.shape[1]:
             smallest = found
     return np.zeros((equations.n2.shape[1], 0)) if smallest is None else smallest
-
-
-def _dense(e: Elimination, knowns: int) -> tuple[Matrix, Matrix]:
-    free = {k: j for j, k in enumerate(e.free())}
-    n = np.zeros((e.unknowns, len(free)))
-    x = np.zeros((e.unknowns, knowns))
-    for k, j in free.items():
-        n[k, j] = 1.0
-    for k, row in e.solved.items():
-        for column, c in row.items():
-            if column < e.unknowns:
-                n[k, free[column]] = -c
-            else:
-                x[k, column - e.unknowns] = -c
-    return n, x
 
 
 def _least_squares(jacobian: Matrix, residual: Vector) -> Vector:

@@ -100,6 +100,8 @@ class PortEquations:
     """What the given variable is times `l`: 1 for a common variable, -1 for a net one."""
     partner: Matrix
     """``w = partner @ bond variables``, shape (ports, 2 * bonds)."""
+    partner_size: Matrix
+    """The magnitudes of `partner`."""
     source_rates: list[tuple[int, Closure]]
     constant: _Constant | None = None
 
@@ -121,7 +123,8 @@ class PortEquations:
         """Return the derivative of the bond variables by `l`, shape (2 * bonds, ports)."""
         e = self.equations
         if e.linear:
-            gain = e.x2[:, len(e.graph.storages) + self.columns] * self.sign
+            taken = e.finite.known[:, len(e.graph.storages) + self.columns]
+            gain = (taken * self.sign)[e.finite.row]
             return np.asarray(gain if e.project is None else e.project @ gain)
         # modulated two-ports and controlled sources are affine in what ports give, so that a
         # difference over a unit step is exact; through nonlinear resistors it is a chord
@@ -161,7 +164,7 @@ class PortEquations:
         nothing = np.zeros(len(self.ports))
         bonds = self.solve(v, x, nothing)
         y = self.partner @ bonds
-        size = np.abs(e.x2) @ np.abs(e.knowns(v, x)) + np.abs(bonds)
+        size = e.finite.sizes(e.knowns(v, x)) + np.abs(bonds)
         storage = e.storage
         field = storage.rates @ bonds
         if self.linear:
@@ -180,7 +183,7 @@ class PortEquations:
             coupled = self._directional(v, x, inward, y)
             rate = self._ahead(later, x, field, y, step) if later is not None else 0.0 * y
         return Response(
-            bonds, gain, y, np.abs(self.partner) @ size, d, inward, coupled, np.asarray(rate)
+            bonds, gain, y, self.partner_size @ size, d, inward, coupled, np.asarray(rate)
         )
 
     def _constant(self, v: list[float], x: Vector) -> _Constant:
@@ -355,6 +358,7 @@ def port_equations(
         np.arange(first, len(tableau.sources)),
         np.array([1.0 if p.given == "common" else -1.0 for p in ports]),
         partner,
+        np.abs(partner),
         rates,
     )
 

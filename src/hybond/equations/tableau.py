@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 from hybond.equations.calculus import gradient, partial_time, rate_name, reads_bonds
@@ -100,6 +101,11 @@ class Tableau:
     dynamic: list[Dynamic]
     too_high: list[Row]
     """Hidden rows that determine nothing: differentiating once is not enough."""
+
+    @property
+    def knowns(self) -> int:
+        """How many columns of knowns there are."""
+        return self.storages + 2 * len(self.sources)
 
 
 def settings(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> dict[str, Expr]:
@@ -186,14 +192,15 @@ def build(
         known += _port(graph.nodes[index], given, own, bonds)
         bond = graph.nodes[index].ends[0].bond
         sources.append(Source(index, bond, Number(0.0), Number(0.0)))
+    shared = [n for n in graph.nodes if n.is_junction and n.index not in off | ports.keys()]
     known += [
         r
         for n in graph.nodes
         if n.is_junction and n.index not in ports
-        for r in _junction(n, n.index in off, bonds)
+        for r in ([_balance(n, bonds)] if n.index not in off else _nothing(n, bonds))
     ]
 
-    power = Elimination(2 * bonds)
+    power = Elimination(2 * bonds, [pair for n in shared for pair in _equal(n, bonds)])
     leftover = [power.add(row) for row in known]
     leftover += [power.add(row) for row in second]
     # a source's rate column stands as far behind its value as there are sources
@@ -233,27 +240,30 @@ def _localised(node: Node) -> list[Expr]:
     return [substitute(e, local) for e in node.law.expressions]
 
 
-def _junction(node: Node, off: bool, bonds: int) -> list[Row]:
-    """An ON junction shares one variable and balances the other; OFF, each bond gets zero."""
-    common, other = (0, bonds) if node.kind == "0" else (bonds, 0)
-    if off:
-        return [{common + end.bond: 1.0} for end in node.ends]
-    if not node.ends:
-        return []
-    base = node.ends[0].bond
-    rows: list[Row] = [{common + end.bond: 1.0, common + base: -1.0} for end in node.ends[1:]]
-    rows.append({other + end.bond: float(end.sign) for end in node.ends})
-    return rows
+def _equal(node: Node, bonds: int) -> list[tuple[int, int]]:
+    """Return the variables that a junction, ON, makes equal."""
+    common = 0 if node.kind == "0" else bonds
+    return [(common + a.bond, common + b.bond) for a, b in pairwise(node.ends)]
+
+
+def _balance(node: Node, bonds: int) -> Row:
+    """Return the sum that a junction, ON, makes zero."""
+    other = bonds if node.kind == "0" else 0
+    return {other + end.bond: float(end.sign) for end in node.ends}
+
+
+def _nothing(node: Node, bonds: int) -> list[Row]:
+    """Return the rows of a junction that is OFF: each bond gets zero."""
+    common = 0 if node.kind == "0" else bonds
+    return [{common + end.bond: 1.0} for end in node.ends]
 
 
 def _port(node: Node, given: Given, own: int, bonds: int) -> list[Row]:
     """Return the rows of a junction one of whose pair of variables is the known column `own`."""
-    common = 0 if node.kind == "0" else bonds
     if given == "common":
-        return [{common + end.bond: 1.0, own: -1.0} for end in node.ends]
-    rows = _junction(node, False, bonds)
-    rows[-1] = {**rows[-1], own: -1.0}
-    return rows
+        return [{**row, own: -1.0} for row in _nothing(node, bonds)]
+    rows: list[Row] = [{a: 1.0, b: -1.0} for a, b in _equal(node, bonds)]
+    return [*rows, {**_balance(node, bonds), own: -1.0}]
 
 
 Term = tuple[str, float]

@@ -7,6 +7,7 @@ pinnacle and must be left by what the write made true. Source: Mosterman & Biswa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from hybond.errors import ModelError
@@ -36,14 +37,16 @@ def active(graph: FlatGraph, node: Node, off: frozenset[int]) -> bool:
     return not any(s.index in off for s in switches_of(graph, node))
 
 
-def fieldless_laws(graph: FlatGraph, mode: Mode) -> list[Node]:
-    """Return the elements whose active law reads ``pre()`` in `mode`."""
+def fieldless_laws(graph: FlatGraph, mode: Mode, laws: Sequence[Node] | None = None) -> list[Node]:
+    """Return the elements whose active law reads ``pre()`` in `mode`.
+
+    `laws` are the elements whose laws do so at all, if they are known.
+    """
     off = graph.off_nodes(mode)
     return [
         n
-        for n in graph.nodes
-        if reads_pre(n)
-        and active(graph, n, off)
+        for n in ([n for n in graph.nodes if reads_pre(n)] if laws is None else laws)
+        if active(graph, n, off)
         and any(_reads_in(graph, n, m, mode[m.index]) for m in graph.machines)
     ]
 

@@ -160,7 +160,7 @@ class _Constraints:
     def __init__(self, equations: ModeEquations, v: list[float], x: Vector, energy: float) -> None:
         self.e = equations
         self.v = list(v)
-        nk = equations.x1.shape[1]
+        nk = equations.tableau.knowns
         first = equations.tableau.unknowns
         rows = np.zeros((len(equations.tableau.constraints), nk))
         for row, given in zip(rows, equations.tableau.constraints, strict=True):
@@ -172,6 +172,7 @@ class _Constraints:
             frozen = equations.frozen.at(v)
             self.left = equations._split(v)[1]
             self.two_port = frozen[equations.structure]
+            self.x1 = equations.x1
             self.sourced = [
                 j
                 for j, k in enumerate(equations.structure)
@@ -192,9 +193,9 @@ class _Constraints:
         known = np.abs(xi) + self.reach
         value, size = self.rows @ xi, np.abs(self.rows) @ known
         if self.left.shape[1]:
-            w = e.x1 @ xi
+            w = self.x1 @ xi
             f = self.two_port @ w
-            terms = np.abs(self.two_port) @ (np.abs(e.x1) @ known)
+            terms = np.abs(self.two_port) @ (np.abs(self.x1) @ known)
             if self.sourced:
                 # a controlled source is read at the state tried; two-ports keep their moduli
                 v[e.slots.w] = w.tolist()
@@ -211,7 +212,7 @@ class _Constraints:
         if not e.storage.laws and not e.source_values and not (self.left.shape[1] and self.sourced):
             known = self.rows
             if self.left.shape[1]:
-                known = np.vstack([known, self.left.T @ (self.two_port @ e.x1)])
+                known = np.vstack([known, self.left.T @ (self.two_port @ self.x1)])
             return np.asarray(known[:, : len(x)] @ e.storage.matrix @ d)
         # nonlinear storage or controlled sources: a difference quotient is a good enough slope,
         # because the residual decides when Newton ends
@@ -246,8 +247,7 @@ def reach_of_bonds(equations: ModeEquations, x: Vector, energy: float) -> Vector
     seen = equations.seen
     if seen is None:
         reach = reach_of(equations.storage, x, 1.0) * stiffness_of(equations.storage, x)
-        terms = np.abs(equations.x2[:, : len(x)]) * np.where(np.isfinite(reach), reach, 0.0)
-        seen = np.asarray(terms.max(axis=1, initial=0.0))
+        seen = equations.finite.largest(np.where(np.isfinite(reach), reach, 0.0))
         if equations.storage.linear:
             equations.seen = seen
     return np.asarray(np.sqrt(energy) * seen)

@@ -91,11 +91,14 @@ class _Shape:
         Atoms of which it leaves too much, unless that is rounding beside the sides compared.
     calm : array of bool, shape (guards,)
         All atoms keep their sign, and stay away from zero between samples or on it.
+    turn : array, shape (guards,)
+        About when the first atom changes sign, as a fraction of the block; infinite if none does.
     """
 
     rest: Vector
     doubtful: NDArray[np.intp]
     calm: NDArray[np.bool_]
+    turn: Vector
 
     @staticmethod
     def of(atoms: Sequence[Sequence[Vector]]) -> _Shape:
@@ -108,8 +111,22 @@ class _Shape:
         low = np.minimum(up.min(axis=1), (up @ FINE.T).min(axis=1))
         stays = (low > NEAR * spread + 3.0 * rest) | (size == 0.0)
         calm = np.ones(len(atoms), dtype=bool)
-        calm[np.repeat(np.arange(len(atoms)), [len(ds) for ds in atoms])[~stays]] = False
-        return _Shape(rest, np.flatnonzero(~shown), calm)
+        guard = np.repeat(np.arange(len(atoms)), [len(ds) for ds in atoms])
+        calm[guard[~stays]] = False
+        turn = np.full(len(atoms), np.inf)
+        np.minimum.at(turn, guard, _first_turn(up))
+        return _Shape(rest, np.flatnonzero(~shown), calm, turn)
+
+
+def _first_turn(up: Vector) -> Vector:
+    """Return where samples that begin positive first become negative; infinite if never."""
+    below = up < 0.0
+    i = below.argmax(axis=1)
+    rows = np.arange(len(up))
+    high, low = up[rows, i - 1], up[rows, i]
+    share = high / np.where(below.any(axis=1), high - low, 1.0)
+    at = FRACTIONS[i - 1] + share * (FRACTIONS[i] - FRACTIONS[i - 1])
+    return np.where(below.any(axis=1), at, np.inf)
 
 
 @dataclass(slots=True)
@@ -123,6 +140,8 @@ class Locator:
     watched: Watched
     _points: dict[tuple[float, bytes], Pairs] = field(init=False, default_factory=dict)
     """Signals at points of this step: many guards ask about the same ones."""
+    _seen: dict[float, list[float]] = field(init=False, default_factory=dict)
+    """The same without what rounding is measured by, for the search of roots."""
 
     def first(self, step: Step) -> float | None:
         """Return the first instant in ``(t0, t1]`` at which a guard holds, or None."""
@@ -130,6 +149,7 @@ class Locator:
         if not guards:
             return None
         self._points.clear()
+        self._seen.clear()
         blocks = [(step.t0, step.t1, 0)]
         # a guard may divide by what is zero at a sample; settling refuses it by name if it must
         with np.errstate(all="ignore"):
@@ -145,12 +165,12 @@ class Locator:
                     blocks += [(middle, high, depth + 1), (low, middle, depth + 1)]
                     continue
                 found: float | None = None
-                for k, ds in enumerate(atoms):
+                for k in np.argsort(shape.turn, kind="stable").tolist():
                     truth = np.asarray(guards[k].array_test(values), dtype=bool)
                     if shape.calm[k] and not truth.any():
                         continue
                     truth = np.broadcast_to(truth, t.shape)
-                    at = self._of_rule(k, step, t, truth, ds, found)
+                    at = self._of_rule(k, step, t, truth, atoms[k], found)
                     if at is not None and (found is None or at < found):
                         found = at
                 if found is not None:
@@ -195,16 +215,20 @@ class Locator:
         atoms: list[Vector],
         before: float | None,
     ) -> float | None:
+        end = math.inf
+        if before is not None and not self._test(k, step, before):
+            # unless it holds and ceases to before that, it becomes true later than another guard
+            end = before
         candidates = set(t[1:][truth[1:]].tolist())
         for j, d in enumerate(atoms):
-            candidates.update(self._extrema(k, j, step, t, d))
+            candidates.update(self._extrema(k, j, step, t, d, end))
         if len(atoms) > 1:
             # a window between two crossings may be narrower than the sampling: ask halfway
             # between any two neighbouring roots
             roots = [
                 self._root(k, j, step, float(t[i]), float(t[i + 1]))[1]
                 for j, d in enumerate(atoms)
-                for i in np.flatnonzero(np.sign(d[:-1]) * np.sign(d[1:]) < 0)
+                for i in np.flatnonzero((np.sign(d[:-1]) * np.sign(d[1:]) < 0) & (t[:-1] < end))
             ]
             if roots:
                 marks = sorted([*roots, *t.tolist()])
@@ -213,13 +237,19 @@ class Locator:
         for c in sorted(candidates):
             # true at c: it may have become so at any time after the candidate before
             low = max([float(t[0]), *(a for a in (*t.tolist(), *candidates) if a < c)])
-            if before is not None and low >= before:
+            if c >= end or (before is not None and low >= before):
                 break
             if c > step.t0 and self._test(k, step, c):
                 return self._bracket(k, step, low, c)
         return None
 
     def _values(self, step: Step, t: float) -> list[float]:
+        found = self._seen.get(t)
+        if found is None:
+            found = self._seen[t] = self._evaluate(step, t)
+        return found
+
+    def _evaluate(self, step: Step, t: float) -> list[float]:
         y = step.y1 if t == step.t1 else step.y0 if t == step.t0 else step.interpolant(t)
         return self.program.evaluate(t, np.asarray(y), self.interval, self.equations)
 
@@ -257,20 +287,21 @@ class Locator:
             size[program.slots.w] = np.maximum(solution.size, 10.0 * reach)
         return steady(v, size.tolist())
 
-    def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector) -> list[float]:
+    def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector, end: float) -> list[float]:
         """Return extrema of an atom that reach, or nearly reach, zero between samples.
 
-        The samples' polynomial shows where they are, also next to the ends of a block.
+        Those that lie beyond `end` altogether are left out. The samples' polynomial shows where
+        they are, also next to the ends of a block.
         """
         near = NEAR * float(np.ptp(d)) + 3.0 * float(np.abs(LEFT_OVER @ d).max())
         found: list[float] = []
         for sign in (1.0, -1.0):
             if (sign * d > 0.0).any():
-                found += self._dips(k, j, step, t, sign * d, sign, near)
+                found += self._dips(k, j, step, t, sign * d, sign, near, end)
         return found
 
     def _dips(
-        self, k: int, j: int, step: Step, t: Vector, d: Vector, sign: float, near: float
+        self, k: int, j: int, step: Step, t: Vector, d: Vector, sign: float, near: float, end: float
     ) -> list[float]:
         """Return minima of ``d = sign * atom`` near zero, between samples where it is positive."""
         fine = FINE @ d
@@ -287,13 +318,14 @@ class Locator:
         # the polynomials of two neighbouring blocks may each place an extremum in the other
         for edge, away, at in ((0, AROUND, 0), (last, last - AROUND, -1)):
             if 0.0 < d[at] <= near and fine[edge] <= fine[away]:
-                begin, end = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (edge, away))
-                if sign * self._atom(k, j, step, begin + 1e-3 * (end - begin)) < d[at]:
+                begin, there = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (edge, away))
+                if sign * self._atom(k, j, step, begin + 1e-3 * (there - begin)) < d[at]:
                     brackets.append((min(edge, away), max(edge, away)))
         found: list[float] = []
         for low, high in brackets:
-            begin, end = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (low, high))
-            found += self._dip(k, j, step, begin, end, sign)
+            begin, until = (float(t[0] + (t[-1] - t[0]) * GRID[m]) for m in (low, high))
+            if begin < end:
+                found += self._dip(k, j, step, begin, until, sign)
         return found
 
     def _dip(self, k: int, j: int, step: Step, low: float, high: float, sign: float) -> list[float]:

@@ -21,16 +21,21 @@ class NamedRows:
     names : tuple of str
         ``x.e``, ``x.f`` of one-ports, the common variable of junctions, and the net variable of
         controlled ones.
-    matrix : array, shape (names, 2 * bonds)
+    name, variable : arrays of int, shape (terms,)
+        To which name each term belongs, and the bond variable that it takes.
+    sign : array, shape (terms,)
     """
 
     names: tuple[str, ...]
-    matrix: Vector
+    name: NDArray[np.intp]
+    variable: NDArray[np.intp]
+    sign: Vector
 
     def of(self, w: Vector, floor: Vector) -> dict[str, float]:
         """Return the signals of `w` that stand out of `floor`, shape (2 * bonds,), by name."""
-        values = self.matrix @ w
-        limits = np.abs(self.matrix) @ floor
+        n = len(self.names)
+        values = np.bincount(self.name, self.sign * w[self.variable], n)
+        limits = np.bincount(self.name, np.abs(self.sign) * floor[self.variable], n)
         return {
             name: float(a)
             for name, a, b in zip(self.names, values, limits, strict=True)
@@ -42,14 +47,11 @@ def named_rows(graph: FlatGraph) -> NamedRows:
     """Return the named signals of a graph."""
     bonds = len(graph.bonds)
     names: list[str] = []
-    rows: list[Vector] = []
+    entries: list[tuple[int, int, float]] = []
 
     def add(name: str, terms: list[tuple[int, float]]) -> None:
-        row = np.zeros(2 * bonds)
-        for k, sign in terms:
-            row[k] += sign
+        entries.extend((len(names), k, sign) for k, sign in terms)
         names.append(name)
-        rows.append(row)
 
     implied = {n.ends[0].bond for n in graph.nodes if n.implied}
     for node in graph.nodes:
@@ -71,7 +73,8 @@ def named_rows(graph: FlatGraph) -> NamedRows:
             port = f".{end.port + 1}" if len(node.ends) > 1 else ""
             add(f"{node.path}{port}.e", [(end.bond, 1.0)])
             add(f"{node.path}{port}.f", [(bonds + end.bond, 1.0)])
-    return NamedRows(tuple(names), np.array(rows).reshape(len(names), 2 * bonds))
+    name, variable, sign = np.array(entries).reshape(-1, 3).T
+    return NamedRows(tuple(names), name.astype(np.intp), variable.astype(np.intp), sign)
 
 
 def impulse_floor(

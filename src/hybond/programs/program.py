@@ -15,7 +15,7 @@ from hybond.equations.slots import Slots, slots_of
 from hybond.equations.tableau import build
 from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
-from hybond.model.fieldless import fieldless_laws, switches_of
+from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.resolve import prior
 from hybond.programs.interval import Interval, discrete_names, discrete_values
@@ -61,6 +61,7 @@ class Program:
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
+        self._prior = [n for n in graph.nodes if reads_pre(n)]
         self._rates = [self.compile(i.rate) for i in graph.integrals]
         self._flags: dict[Mode, list[float]] = {}
         self.refused: NumericsError | None = None
@@ -113,7 +114,7 @@ class Program:
         """Whether an active law of `mode` reads ``pre()``, one of a landed machine left out."""
         return any(
             not any(s.machine in self.landed for s in switches_of(self.graph, node))
-            for node in fieldless_laws(self.graph, mode)
+            for node in fieldless_laws(self.graph, mode, self._prior)
         )
 
     def vanishing(self, mode: Mode) -> tuple[int, ...]:
@@ -122,7 +123,7 @@ class Program:
         if found is None:
             read = {
                 self.slots.index[name]
-                for node in fieldless_laws(self.graph, mode)
+                for node in fieldless_laws(self.graph, mode, self._prior)
                 if node.law is not None
                 for e in node.law.expressions
                 for argument in prior(e)
@@ -253,7 +254,7 @@ class Program:
                 xi[self.nx + k] = self.compile_arrays(source.value)(columns)
             if k in moving:
                 xi[self.nx + nu + k] = self.compile_arrays(source.rate)(columns)
-        w = equations.x2 @ xi
+        w = equations.finite.by_knowns(xi)
         if equations.project is not None:
             w = equations.project @ w
         v[self.slots.w] = w

@@ -333,7 +333,7 @@ class Complementarity:
     def _size(self, response: Response, ports: PortEquations, x: Vector, energy: float) -> Vector:
         """Return what rounding of each `y` is measured by."""
         reach = reach_of_bonds(ports.equations, x, energy)
-        return np.asarray(response.size + 10.0 * np.abs(ports.partner) @ reach)
+        return np.asarray(response.size + 10.0 * (ports.partner_size @ reach))
 
     def observe(self, v: Sequence[float]) -> None:
         """Learn how large gaps are in this run, which their rounding is measured by."""

@@ -35,7 +35,7 @@ def meet(parts: Sequence[ModeEquations]) -> CommonSpace | None:
             continue
         seen.add(held_to(e))
         first = e.tableau.unknowns
-        own = np.zeros((len(e.tableau.constraints), e.x1.shape[1]))
+        own = np.zeros((len(e.tableau.constraints), e.tableau.knowns))
         for row, given in zip(own, e.tableau.constraints, strict=True):
             for k, c in given.items():
                 row[k - first] = c

@@ -110,7 +110,7 @@ class LinearSteps:
         v1[program.slots.x] = free.tolist()
         v1[program.slots.w] = bonds.tolist()
         laws = closed_half_way(laws, h, ports.partner @ bonds)
-        doubt = m.doubt @ np.abs(free) + np.abs(ports.partner) @ np.abs(outer)
+        doubt = m.doubt @ np.abs(free) + ports.partner_size @ np.abs(outer)
         together = self.scheme.solve(
             ports, laws, v1, bonds, bonds, m.coupling, start.mode, t1, doubt=ROUNDED * doubt
         )
@@ -137,9 +137,7 @@ class LinearSteps:
         nothing = np.zeros(self.scheme.program.nx)
         if not e.linear:
             return ports.solve(v, nothing, np.zeros(len(ports.ports)))
-        known = e.knowns(v, nothing)
-        acting = np.flatnonzero(known)
-        w = e.x2[:, acting] @ known[acting]
+        w = e.finite.by_knowns(e.knowns(v, nothing))
         return np.asarray(w if e.project is None else e.project @ w)
 
     def _zeros(self) -> list[float]:
@@ -150,7 +148,8 @@ class LinearSteps:
         e = ports.equations
         n = self.scheme.program.nx
         if e.linear:
-            state = e.x2[:, :n] if e.project is None else e.project @ e.x2[:, :n]
+            x2 = e.x2[:, :n]
+            state = x2 if e.project is None else e.project @ x2
             return np.asarray(state @ e.storage.matrix)
         # constant rows: what storage gives by itself, put through them one quantity at a time
         v, nothing = self._zeros(), np.zeros(len(ports.ports))
@@ -170,7 +169,7 @@ class LinearSteps:
             inverse = np.asarray(np.linalg.inv(np.eye(n) - h * self.scheme.theta * rates))
             push = h * (inverse @ (e.storage.rates @ gain))
             coupling = couple(ports.partner, gain, push, state)
-            doubt = np.abs(ports.partner) @ np.abs(state)
+            doubt = ports.partner_size @ np.abs(state)
             found = _Matrices(ports, state, rates, inverse, coupling, doubt)
             self._matrices[key] = found
             if len(self._matrices) > KEPT:
