@@ -239,3 +239,45 @@ class TestSixPulses:
             assert found[f"d{k}.f"].max() > 10.0
         phases = run.sample(t, ["ia.f", "ib.f", "ic.f"])
         assert np.abs(sum(phases.values())).max() <= 1e-12 * 20
+
+
+FLOATING = """
+hybond = 1
+domain = "electrical"
+
+[elements]
+grid = { Se = "325*cos(2*pi*50*time)" }
+line = { junction = 1 }
+rs = { R = "0.5 ohm" }
+ls = { I = "100 uH" }
+a = { junction = 0 }
+b = { junction = 0 }
+plus = { junction = 0 }
+minus = { junction = 0 }
+dc = { junction = 1 }
+out = { junction = 0 }
+c = { C = "470 uF" }
+load = { R = "100 ohm" }
+gnd = { Se = 0 }
+DIODES
+
+[graph]
+bonds = ["grid -> line -> rs", "line -> ls", "line -> a", "b -> line", "a -> d1 -> plus",
+  "b -> d2 -> plus", "minus -> d3 -> a", "minus -> d4 -> b", "plus -> dc -> out", "dc -> minus",
+  "out -> c", "out -> load", "gnd -> minus"]
+"""
+
+
+@pytest.mark.parametrize("order", ["1234", "4321", "2413", "3142"])
+def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(order: str) -> None:
+    # between pulses all four block; the source floats, and the shares of d1 and d4 are no one's
+    # business: no diode may be called conducting because it was written first
+    diodes = "\n".join(f'd{k} = {{ junction = 1, law = "diode" }}' for k in order)
+    run = hb.simulate(hb.loads(FLOATING.replace("DIODES", diodes)), until="30 ms")
+    assert [any(e.steps[-1].mode) for e in run.events] == [True, False] * 3 + [True]
+    assert any("least leakage decides" in w for w in run.warnings)
+    for t in (0.003, 0.005, 0.008, 0.015, 0.022):
+        u, grid = run["c.e"].at(t), 325.0 * np.cos(2.0 * np.pi * 50.0 * t)
+        shares = [run[f"d{k}.e"].at(t) for k in (1, 2, 3, 4)]
+        near, far = 0.5 * (grid - u), 0.5 * (-grid - u)
+        assert shares == pytest.approx([near, far, far, near], rel=1e-9)

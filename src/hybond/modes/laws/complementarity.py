@@ -28,15 +28,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import gradient
+from hybond.equations.leakage import null_space
 from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number, compile_expression
 from hybond.model.graph import Mode
 from hybond.modes.dirac import DIRAC, Pair, Pairs, steady
 from hybond.modes.jump import enter, reach_of_bonds
+from hybond.modes.laws.friction import Linearised, breaking_loose
 from hybond.modes.laws.gaps import check_gaps
-from hybond.modes.laws.planar import Disk, Kept, Rests, disks_of, on_the_way
+from hybond.modes.laws.planar import Kept, Rests, disks_of, on_the_way
 from hybond.modes.laws.problem import (
     BACKWARD,
     CUT,
@@ -47,6 +48,7 @@ from hybond.modes.laws.problem import (
     Answer,
     Branches,
     Friction,
+    Problem,
     ambiguous,
     solve_laws,
 )
@@ -80,6 +82,8 @@ TRIES = (
 )
 """Factors of the vanishing step; whether what is open is left as it was (None: friction exactly at
 its limit breaks loose); and whether rounding of what is stored counts as zero; in turn."""
+ADRIFT = 1e-6
+"""Share of a unit of freedom from which a junction has part in it."""
 CLOSED = 1e-10
 """Part of the largest gap so far below which a gap is closed."""
 
@@ -104,6 +108,7 @@ class Complementarity:
         self.graph = program.graph
         self.laws = tuple(m.index for m in self.graph.machines if m.law is not None)
         self.kept = Kept(self.graph)
+        self.limits = Linearised(program)
         self._largest: dict[int, float] = {}
         self._checked = False
         self._sized: dict[int, Callable[[Pairs], Pair]] = {}
@@ -142,10 +147,11 @@ class Complementarity:
             if port.law.two_sided and not port.law.impulsive:
                 roles[k] = HELD if port.given == "common" else CUT
         start = self._branches(ports, at.mode)
+        resting = set(range(len(ports.ports)))
         shift = rebound * y
         for factor in dict.fromkeys(f for f, _, _ in TRIES):
             h = factor * self._step(response, y)
-            found = self._solve(ports, v, response, y, h, roles, start, set(), shift)
+            found = self._solve(ports, v, response, y, h, roles, start, resting, shift)
             if found is not None:
                 yield self._mode(at, ports, found, keep=False, impact=True)
         if (np.abs(y) <= DUST * self._size(response, ports, x, energy))[wrong].all():
@@ -208,6 +214,10 @@ class Complementarity:
                 continue
             found.branch[apart & given_net] = 1
             solved = True
+            adrift = _adrift(response, found, given_net)
+            if adrift.any():
+                parted = replace(found, branch=np.where(adrift, 0, found.branch).astype(np.int8))
+                yield self._mode(at, ports, parted, keep=False, impact=False), False
             yield self._mode(at, ports, found, keep=bool(keep), impact=False), bool(keep)
         if not solved:
             raise self._unsolvable(at, ports, able, "finite values")
@@ -228,20 +238,14 @@ class Complementarity:
 
         `loose` are junctions at rest that break loose now.
         """
-        broken_loose = loose or set()
-        loose = {
+        held = {
             k for k, p in enumerate(ports.ports) if p.law.breakaway is not None and not p.law.planar
         }
-        moving = {k for k in loose if ports.ports[k].given == "net" and abs(y[k]) > 0.0}
-        moving |= broken_loose
-        while True:
-            found = self._solve(ports, v, response, q, h, roles, start, moving)
-            if found is None:
-                return None
-            broken = {k for k in loose - moving if found.branch[k] != 0}
-            if not broken:
-                return found
-            moving |= broken
+        held -= {k for k in held if ports.ports[k].given == "net" and abs(y[k]) > 0.0}
+        held -= loose or set()
+        return breaking_loose(
+            held, lambda resting: self._solve(ports, v, response, q, h, roles, start, resting)
+        )
 
     def _loosened(
         self,
@@ -385,13 +389,25 @@ class Complementarity:
         h: float,
         roles: list[str],
         start: Branches,
-        sliding: set[int],
+        resting: set[int],
         shift: Vector | None = None,
     ) -> Answer | None:
-        """Solve one complementarity problem; warn where another answer fits as well."""
+        """Solve one complementarity problem; warn where another answer fits as well.
+
+        `resting` are friction junctions that hold up to their breakaway limits.
+        """
+
+        def limit(k: int, *, at_rest: bool) -> Friction:
+            law = ports.ports[k].law
+            e = law.breakaway if at_rest and law.breakaway is not None else law.limit
+            assert e is not None
+            return self.limits.at(e, values, response.bonds, response.gain)
+
+        values = list(v)
+        values[self.program.slots.w] = response.bonds.tolist()
         friction = {
-            k: self._limit(port, v, response, at_rest=k not in sliding)
-            for k, port in enumerate(ports.ports)
+            k: limit(k, at_rest=k in resting)
+            for k in range(len(ports.ports))
             if roles[k] in (TWO_SIDED, FORWARD, BACKWARD)
         }
         m = response.D + h * response.CE
@@ -403,31 +419,26 @@ class Complementarity:
         idle = ~(m.any(axis=1) | m.any(axis=0))
         q = np.where(idle & (q < 0.0) & (q >= -DUST * response.size), 0.0, q)
         common = [p.given == "common" for p in ports.ports]
-        resting = [d for d in disks if d.resting]
-        if resting and shift is None:
-            found = self._held(ports, v, response, m, q, roles, friction, start, resting)
+        problem = Problem(m, q, roles, common, shift, friction)
+        held = [d for d in disks if d.resting]
+        if held and shift is None:
+            rest, slip = ([limit(d.ports[0], at_rest=r) for d in held] for r in (True, False))
+            found = Rests(held, problem, rest, slip, start).answer()
         elif friction:
-            found = solve_laws(
-                m, q, roles=roles, common=common, friction=friction, start=start, shift=shift
-            )
+            found = solve_laws(problem, start=start)
         else:
             # in units in which efforts and flows are of one size: both must show their signs
             d = self._units(ports, q)
-            found = solve_laws(
-                m * d * d[:, None],
-                q * d,
-                roles=roles,
-                common=common,
-                start=start,
-                shift=None if shift is None else shift * d,
-            )
+            scaled = None if shift is None else shift * d
+            even = replace(problem, M=m * d * d[:, None], q=q * d, shift=scaled)
+            found = solve_laws(even, start=start)
             found = None if found is None else replace(found, l=found.l * d)
-        if found is None or resting or np.array_equal(found.branch, start):
+        if found is None or held or np.array_equal(found.branch, start):
             return found
         coupled = any(f.slope.any() for f in friction.values())
         if not coupled and positive_semidefinite(m):
             return found
-        other = ambiguous(m, q, found, roles=roles, common=common, friction=friction, shift=shift)
+        other = ambiguous(problem, found)
         if other:
             names = ", ".join(ports.ports[k].path for k in other)
             self.trace.warn(
@@ -435,36 +446,6 @@ class Complementarity:
                 "the one found first is taken; a stiffness in the contact decides"
             )
         return found
-
-    def _held(
-        self,
-        ports: PortEquations,
-        v: list[float],
-        response: Response,
-        m: Matrix,
-        q: Vector,
-        roles: list[str],
-        friction: dict[int, Friction],
-        start: Branches,
-        resting: list[Disk],
-    ) -> Answer | None:
-        """Solve with planar friction at rest, which holds or begins to slip."""
-        common = [p.given == "common" for p in ports.ports]
-        firsts = [ports.ports[d.ports[0]] for d in resting]
-
-        def solve(m: Matrix, own: dict[int, str], forces: dict[int, Friction]) -> Answer | None:
-            taking = [own.get(k, role) for k, role in enumerate(roles)]
-            given = friction | forces
-            return solve_laws(m, q, roles=taking, common=common, friction=given, start=start)
-
-        return Rests(
-            resting,
-            m,
-            q,
-            [self._limit(p, v, response, at_rest=True) for p in firsts],
-            [self._limit(p, v, response, at_rest=False) for p in firsts],
-            solve,
-        ).answer()
 
     def _units(self, ports: PortEquations, q: Vector) -> Vector:
         """Return factors of `w` that make its efforts and its flows alike, domain by domain.
@@ -486,22 +467,6 @@ class Complementarity:
             if e > 0.0 and f > 0.0:
                 d[own] = np.where(effort[own], np.sqrt(f / e), np.sqrt(e / f))
         return d
-
-    def _limit(self, port: Port, v: list[float], response: Response, *, at_rest: bool) -> Friction:
-        """Return the limit of a friction law, affine in `l`."""
-        law = port.law
-        limit = law.breakaway if at_rest and law.breakaway is not None else law.limit
-        assert limit is not None
-        slots = self.program.slots
-        values = list(v)
-        values[slots.w] = response.bonds.tolist()
-        slope = np.zeros(response.gain.shape[1])
-        bonds = len(self.graph.bonds)
-        for name, d in gradient(limit).items():
-            kind, _, index = name.partition(":")
-            at = int(index) + (bonds if kind == "f" else 0)
-            slope = slope + self.value(d, values) * response.gain[at]
-        return Friction(float(self.value(limit, values)), slope)
 
     # -- answers
 
@@ -544,6 +509,24 @@ class Complementarity:
             hint="friction of a rigid contact may leave none (Painleve): give the contact a "
             "stiffness, or a source a resistance",
         )
+
+
+def _adrift(response: Response, found: Answer, given_net: Mask) -> Mask:
+    """Return the junctions that conduct nothing and whose blocked value nothing determines.
+
+    Around a loop that others have opened, each may block as well as conduct, and the voltage of the
+    loop lies on the open ones in shares that no equation fixes. To let one conduct would put all of
+    it on the others, in the order of the elements.
+    """
+    idle = found.open & given_net & (found.branch == 1)
+    if not idle.any():
+        return np.asarray(idle)
+    blocked = given_net & (found.branch == 0)
+    who = np.flatnonzero(idle | blocked)
+    shares = null_space(np.vstack([m[np.ix_(who, who)] for m in (response.D, response.CE)]))
+    shown = np.zeros(len(idle), dtype=bool)
+    shown[who] = (np.abs(shares) > ADRIFT).any(axis=1)
+    return np.asarray(idle & shown)
 
 
 def _role(port: Port, takes: bool) -> str:

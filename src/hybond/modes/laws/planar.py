@@ -13,7 +13,7 @@ turns until none moves.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,7 +23,15 @@ from hybond.equations.ports import Port, PortEquations, Response
 from hybond.errors import CausalityError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import HEADING, SLOW, TINY
-from hybond.modes.laws.problem import FORWARD, HELD, Answer, Friction
+from hybond.modes.laws.problem import (
+    FORWARD,
+    HELD,
+    Answer,
+    Branches,
+    Friction,
+    Problem,
+    solve_laws,
+)
 from hybond.names import join
 from hybond.solvers.friction_disk import on_disk
 
@@ -49,8 +57,6 @@ ENOUGH = 1e-9
 
 GIVES = 1e-8
 """Part of the largest response that disks give way by, if one body rests on more than it takes."""
-
-Solve = Callable[[Matrix, dict[int, str], dict[int, Friction]], "Answer | None"]
 
 
 @dataclass(slots=True)
@@ -142,22 +148,21 @@ class Rests:
     ----------
     disks : list of Disk
         Their `way` is written.
-    M, q : arrays
-        ``w = M l + q``.
+    problem : Problem
+        That of all laws; `Rests` gives the disks' ports their roles and forces.
     rest, limit : list
         By disk: what it holds at rest, what it gives while it slips.
-    solve : callable
-        The other laws, for roles and forces of the disks' ports.
+    start : array of int
+        A guess of the branches.
     forces : list
         By disk, while an answer is looked for: the force it gives; None for one that is held.
     """
 
     disks: list[Disk]
-    M: Matrix
-    q: Vector
+    problem: Problem
     rest: list[Friction]
     limit: list[Friction]
-    solve: Solve
+    start: Branches
     forces: list[Vector | None] = field(default_factory=list)
 
     def answer(self) -> Answer | None:
@@ -175,15 +180,16 @@ class Rests:
         All give way by the same little then.
         """
         ports = [k for disk in self.disks for k in disk.ports]
-        own = self.M[np.ix_(ports, ports)]
+        own = self.problem.M[np.ix_(ports, ports)]
         size = float(np.abs(own).max(initial=0.0))
         if np.linalg.matrix_rank(own, tol=1e-2 * GIVES * size) == len(ports):
             return self._answer()
-        rigid = self.M
-        self.M = rigid.copy()
-        self.M[ports, ports] += GIVES * size
+        rigid = self.problem
+        soft = rigid.M.copy()
+        soft[ports, ports] += GIVES * size
+        self.problem = replace(rigid, M=soft)
         found = self._answer()
-        self.M = rigid
+        self.problem = rigid
         # what does not slip then holds to the last digit, if that is unique
         return None if found is None else self._with(self.forces) or found
 
@@ -299,7 +305,7 @@ class Rests:
             roles.update(dict.fromkeys(disk.ports, HELD if force is None else FORWARD))
             if force is not None:
                 friction.update(on_the_way(disk, limit, force))
-        return self.solve(self.M, roles, friction)
+        return solve_laws(self.problem.within(roles, friction), start=self.start)
 
     def _limit(self, k: int, found: Answer) -> float:
         return self.limit[k].value + float(self.limit[k].slope @ found.l)
@@ -321,7 +327,7 @@ class Rests:
             found = self._with(forces)
             if found is None:
                 return None
-            slips.append((self.M @ found.l + self.q)[ports])
+            slips.append((self.problem.M @ found.l + self.problem.q)[ports])
             limits.append(self._limit(k, found))
         A = -np.column_stack([slips[1] - slips[0], slips[2] - slips[0]]) / probe
         follow = np.array([limits[1] - limits[0], limits[2] - limits[0]]) / probe

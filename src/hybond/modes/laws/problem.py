@@ -18,8 +18,8 @@ chapters 10 and 12.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,64 +71,9 @@ class Answer:
     open: NDArray[np.bool_]
 
 
-def ambiguous(
-    M: Matrix,
-    q: Vector,
-    answer: Answer,
-    *,
-    roles: Sequence[str],
-    common: Sequence[bool],
-    shift: Vector | None = None,
-    friction: dict[int, Friction] | None = None,
-    tol: float = 1e-6,
-) -> list[int]:
-    """Return the ports whose `w` differs in another solution; finding none proves nothing.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> M, q = np.array([[-1.0]]), np.array([1.0])
-    >>> known = dict(roles=[ONE_SIDED], common=[True])
-    >>> ambiguous(M, q, solve_laws(M, q, **known), **known)
-    [0]
-    """
-    moved = q if shift is None else q + shift
-    w = M @ answer.l + q
-    size = np.abs(M) @ np.abs(answer.l) + np.abs(q)
-    if all(r in (ONE_SIDED, CUT) for r in roles):
-        who = np.array([k for k, r in enumerate(roles) if r == ONE_SIDED], dtype=np.intp)
-        own = M[np.ix_(who, who)]
-        if not len(who) or positive_semidefinite(own):
-            return []
-        second = second_solution(own, moved[who], lemke(own, moved[who]))
-        if second is None:
-            return []
-        other = np.zeros(len(q))
-        other[who] = second.z
-        found = [other]
-    else:
-        on = np.ones(len(q), dtype=np.int8)
-        given = dict(roles=roles, common=common, shift=shift, friction=friction)
-        tries = [solve_laws(M, q, **given, start=s) for s in (on, -on, 0 * on)]  # type: ignore[arg-type]
-        found = [a.l for a in tries if a is not None]
-    scale = tol * max(float(size.max(initial=0.0)), float(np.finfo(float).tiny))
-    apart = np.zeros(len(q), dtype=bool)
-    for other in found:
-        apart |= np.abs(M @ other + q - w) > scale
-    return [int(k) for k in np.flatnonzero(apart)]
-
-
-def solve_laws(
-    M: Matrix,
-    q: Vector,
-    *,
-    roles: Sequence[str],
-    common: Sequence[bool],
-    shift: Vector | None = None,
-    friction: dict[int, Friction] | None = None,
-    start: Branches | None = None,
-) -> Answer | None:
-    """Return what the laws of all ports do together, None if nothing was found.
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What all laws ask for, together.
 
     Parameters
     ----------
@@ -142,30 +87,91 @@ def solve_laws(
         Added to `w` in the conditions of one-sided ports: restitution times the velocity before.
     friction : dict
         The limit of each two-sided port.
-    start : array of int, optional
-        A guess of the branches.
+    """
+
+    M: Matrix
+    q: Vector
+    roles: Sequence[str]
+    common: Sequence[bool]
+    shift: Vector | None = None
+    friction: Mapping[int, Friction] = field(default_factory=dict)
+
+    @property
+    def moved(self) -> Vector:
+        """What `w` of one-sided ports is without `l`, restitution included."""
+        return self.q if self.shift is None else self.q + self.shift
+
+    def within(self, roles: Mapping[int, str], friction: Mapping[int, Friction]) -> Problem:
+        """Return the problem with some ports in other roles or under other limits."""
+        return replace(
+            self,
+            roles=[roles.get(k, role) for k, role in enumerate(self.roles)],
+            friction={**self.friction, **friction},
+        )
+
+
+def ambiguous(problem: Problem, answer: Answer, *, tol: float = 1e-6) -> list[int]:
+    """Return the ports whose `w` differs in another solution; finding none proves nothing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bistable = Problem(np.array([[-1.0]]), np.array([1.0]), [ONE_SIDED], [True])
+    >>> ambiguous(bistable, solve_laws(bistable))
+    [0]
+    """
+    M, q, roles = problem.M, problem.q, problem.roles
+    w = M @ answer.l + q
+    size = np.abs(M) @ np.abs(answer.l) + np.abs(q)
+    if all(r in (ONE_SIDED, CUT) for r in roles):
+        who = np.array([k for k, r in enumerate(roles) if r == ONE_SIDED], dtype=np.intp)
+        own, moved = M[np.ix_(who, who)], problem.moved[who]
+        if not len(who) or positive_semidefinite(own):
+            return []
+        second = second_solution(own, moved, lemke(own, moved))
+        if second is None:
+            return []
+        other = np.zeros(len(q))
+        other[who] = second.z
+        found = [other]
+    else:
+        on = np.ones(len(q), dtype=np.int8)
+        tries = [solve_laws(problem, start=s) for s in (on, -on, 0 * on)]
+        found = [a.l for a in tries if a is not None]
+    scale = tol * max(float(size.max(initial=0.0)), float(np.finfo(float).tiny))
+    apart = np.zeros(len(q), dtype=bool)
+    for other in found:
+        apart |= np.abs(M @ other + q - w) > scale
+    return [int(k) for k in np.flatnonzero(apart)]
+
+
+def solve_laws(problem: Problem, *, start: Branches | None = None) -> Answer | None:
+    """Return what the laws of all ports do together, None if nothing was found.
+
+    `start`, shape (ports,), is a guess of the branches.
 
     Examples
     --------
     A block pushed by 10 N: dry friction of 3 N brakes it, of 12 N it stays at rest.
 
     >>> import numpy as np
-    >>> push = dict(M=np.eye(1), q=np.array([10.0]), roles=[TWO_SIDED], common=[False])
     >>> for limit in (3.0, 12.0):
-    ...     found = solve_laws(**push, friction={0: Friction(limit, np.zeros(1))})
+    ...     friction = {0: Friction(limit, np.zeros(1))}
+    ...     push = Problem(np.eye(1), np.array([10.0]), [TWO_SIDED], [False], friction=friction)
+    ...     found = solve_laws(push)
     ...     print(found.l, found.branch)
     [-3.] [1]
     [-10.] [0]
     """
-    n = len(q)
-    moved = q if shift is None else q + shift
-    if not n:
+    M, q, roles, common = problem.M, problem.q, problem.roles, problem.common
+    moved = problem.moved
+    if not len(q):
         return Answer(np.zeros(0), np.zeros(0, dtype=np.int8), np.zeros(0, dtype=bool))
     if all(r in (ONE_SIDED, CUT) for r in roles):
         return _one_sided(M, moved, roles, common, start)
     if not {TWO_SIDED, FORWARD, BACKWARD}.intersection(roles):
         return _without_held(M, moved, roles, common, start)
-    return _mixed(M, q, moved, roles, common, friction or {}, start)
+    return _mixed(M, q, moved, roles, common, problem.friction, start)
 
 
 def _one_sided(
@@ -291,7 +297,7 @@ def _mixed(
     moved: Vector,
     roles: Sequence[str],
     common: Sequence[bool],
-    friction: dict[int, Friction],
+    friction: Mapping[int, Friction],
     start: Branches | None,
 ) -> Answer | None:
     """Write the laws as rows ``A a + B b + C l = d`` with ``a, b >= 0`` and ``a b = 0``."""

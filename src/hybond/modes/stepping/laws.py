@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybond.equations.ports import PortEquations
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Machine, Mode
+from hybond.modes.laws.friction import breaking_loose
 from hybond.modes.laws.planar import Disk, Rests, undetermined_slip
 from hybond.modes.laws.problem import (
     CUT,
@@ -20,6 +21,7 @@ from hybond.modes.laws.problem import (
     Answer,
     Branches,
     Friction,
+    Problem,
     ambiguous,
     solve_laws,
 )
@@ -35,7 +37,7 @@ CANCELLED = 1e-14
 """A sum below this part of its terms is rounding: a law does not change its branch for it."""
 TOUCHING = 1e-9
 """Part of the motion in a step within which a contact that was closed is still closed."""
-Limit = Callable[[Expr], tuple[float, Vector]]
+Limit = Callable[[Expr], Friction]
 Leaks = tuple[Vector, Matrix]
 
 
@@ -131,48 +133,40 @@ class Laws:
             for k, (m, (_, rest)) in enumerate(zip(self.machines, self.limits, strict=True))
             if rest is not None and m.states[self.start[m.index]] == "sticks"
         } - {k for pair in self.planar for k in pair}
-        given = {"roles": self.roles, "common": self.common}
         shift = self.restitution * self.w if self.restitution.any() else None
-        while True:
+        problem = Problem(M, q, self.roles, self.common, shift)
+
+        def answered(resting: set[int]) -> Answer | None:
+            nonlocal problem
             friction = {
-                k: Friction(*limit(rest if k in loose and rest is not None else sliding))
+                k: limit(rest if k in resting and rest is not None else sliding)
                 for k, (sliding, rest) in enumerate(self.limits)
                 if sliding is not None
             }
+            problem = replace(problem, friction=friction)
             if self.planar:
-                answer = self._in_the_plane(M, q, shift, friction, guess, limit)
-            else:
-                answer = solve_laws(M, q, **given, shift=shift, friction=friction, start=guess)  # type: ignore[arg-type]
-            if answer is None:
-                return None
-            broken = {k for k in loose if answer.branch[k] != 0}
-            if not broken:
-                break
-            loose -= broken
+                return self._in_the_plane(problem, guess, limit)
+            return solve_laws(problem, start=guess)
+
+        answer = breaking_loose(loose, answered)
+        if answer is None:
+            return None
         doubtful: list[int] = []
         convex = set(self.roles) <= {ONE_SIDED, CUT} and coupling.semidefinite
         if not convex and not self.planar and not np.array_equal(answer.branch, guess):
-            doubtful = ambiguous(M, q, answer, **given, shift=shift, friction=friction)  # type: ignore[arg-type]
+            doubtful = ambiguous(problem, answer)
         # where either branch fits nothing has happened
-        moved = q if shift is None else q + shift
+        moved = problem.moved
         either = answer.open | self._rounding(M, moved, answer.l)
         answer = replace(answer, open=either)
         kept = either & (np.array(self.roles) != CUT) & (np.array(self.roles) != HELD)
         answer = replace(answer, branch=np.where(kept, guess, answer.branch))
         if not coupling.still.shape[1]:
             return Together(answer, doubtful, [])
-        answer, shared = self._shared(coupling, moved, answer, friction, leaks)
+        answer, shared = self._shared(coupling, moved, answer, problem.friction, leaks)
         return Together(answer, doubtful, shared)
 
-    def _in_the_plane(
-        self,
-        M: Matrix,
-        q: Vector,
-        shift: Vector | None,
-        friction: dict[int, Friction],
-        guess: Branches,
-        limit: Limit,
-    ) -> Answer | None:
+    def _in_the_plane(self, problem: Problem, guess: Branches, limit: Limit) -> Answer | None:
         """Return what the laws do, those of two directions in their disks."""
         rest: list[Friction] = []
         for x, _ in self.planar:
@@ -180,25 +174,13 @@ class Laws:
             sticks = self.start[self.machines[x].index] == 0
             most = still if sticks and still is not None else sliding
             assert most is not None
-            rest.append(Friction(*limit(most)))
-
-        def solve(M: Matrix, own: dict[int, str], forces: dict[int, Friction]) -> Answer | None:
-            return solve_laws(
-                M,
-                q,
-                roles=[own.get(k, role) for k, role in enumerate(self.roles)],
-                common=self.common,
-                shift=shift,
-                friction=friction | forces,
-                start=guess,
-            )
-
+            rest.append(limit(most))
         disks = [
             Disk(self.machines[x].index, (x, y), 0.0, 0.0, np.array([1.0, 0.0]), resting=True)
             for x, y in self.planar
         ]
-        sliding_limits = [friction[x] for x, _ in self.planar]
-        return Rests(disks, M, q, rest, sliding_limits, solve).answer()
+        slip = [problem.friction[x] for x, _ in self.planar]
+        return Rests(disks, problem, rest, slip, guess).answer()
 
     def _rounding(self, M: Matrix, q: Vector, l: Vector) -> Mask:
         """Return which one-sided laws have nothing but rounding in both of their variables."""

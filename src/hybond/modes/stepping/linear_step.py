@@ -112,7 +112,7 @@ class LinearSteps:
         laws = closed_half_way(laws, h, ports.partner @ bonds)
         doubt = m.doubt @ np.abs(free) + ports.partner_size @ np.abs(outer)
         together = self.scheme.solve(
-            ports, laws, v1, bonds, bonds, m.coupling, start.mode, t1, doubt=ROUNDED * doubt
+            ports, laws, v1, bonds, m.coupling, start.mode, t1, doubt=ROUNDED * doubt
         )
         l = together.answer.l
         x1 = free + m.coupling.push @ l

@@ -32,14 +32,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import gradient
 from hybond.equations.end_of_step import end_of_step_ports
 from hybond.equations.ports import PortEquations, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
 from hybond.modes.jump import enter
-from hybond.modes.laws.problem import CUT, ONE_SIDED, Answer
+from hybond.modes.laws.friction import Linearised
+from hybond.modes.laws.problem import CUT, ONE_SIDED, Answer, Friction
 from hybond.modes.stepping.coupling import Coupling
 from hybond.modes.stepping.laws import Laws, Together, read_laws
 from hybond.modes.stepping.linear_step import KEPT, LinearSteps
@@ -124,7 +124,7 @@ class ThetaScheme:
         self.program = program
         self.theta = theta
         self._linear = LinearSteps(self)
-        self._limits: dict[Expr, tuple[Closure, list[tuple[int, Closure]]]] = {}
+        self.limits = Linearised(program)
         self._discrete = discrete_names(program.graph)
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
         self._values: dict[Expr, Closure] = {}
@@ -257,7 +257,6 @@ class ThetaScheme:
         ports: PortEquations,
         laws: Laws,
         v: list[float],
-        here: Vector,
         bonds: Vector,
         coupling: Coupling,
         mode: Mode,
@@ -267,20 +266,14 @@ class ThetaScheme:
     ) -> Together:
         """Return what the laws do if bond variables are ``bonds + coupling.gain @ l``.
 
-        `v` holds the values at which limits of friction are linearised, `here` its bond variables.
-        What `w` has below `doubt` without `l` is rounding.
+        `v` holds the values at which limits of friction are linearised. What `w` has below `doubt`
+        without `l` is rounding.
         """
         q = ports.partner @ bonds
         q = np.where(np.abs(q) <= doubt, 0.0, q)
 
-        def limit(e: Expr) -> tuple[float, Vector]:
-            value, slopes = self._limit(e)
-            at, slope = float(value(v)), np.zeros(len(q))
-            for k, f in slopes:
-                d = f(v)
-                at += d * float(bonds[k] - here[k])
-                slope = slope + d * coupling.gain[k]
-            return at, slope
+        def limit(e: Expr) -> Friction:
+            return self.limits.at(e, v, bonds, coupling.gain)
 
         leaks = None
         if coupling.still.shape[1]:
@@ -305,17 +298,6 @@ class ThetaScheme:
         own = {p.law.node for p in ports.ports}
         switched = [n.index for n in graph.nodes if n.controlled and n.is_junction and n.ends]
         return ports.equations.junctions[[k not in own for k in switched]]
-
-    def _limit(self, e: Expr) -> tuple[Closure, list[tuple[int, Closure]]]:
-        """Return a limit, compiled, and its derivatives by bond variables."""
-        if e not in self._limits:
-            bonds = len(self.program.graph.bonds)
-            slopes = []
-            for name, d in gradient(e).items():
-                kind, _, index = name.partition(":")
-                slopes.append((int(index) + (bonds if kind == "f" else 0), self.program.compile(d)))
-            self._limits[e] = self.program.compile(e), slopes
-        return self._limits[e]
 
 
 def _with_sources(program: Program, ports: PortEquations, w: Vector, answer: Answer) -> Vector:

@@ -150,7 +150,7 @@ def newton_step(
         if k == 0:
             laws = closed_half_way(laws, h, ports.partner @ base)
         end.at(y, l)
-        together = scheme.solve(ports, laws, v1, w, base, coupling, start.mode, t1)
+        together = scheme.solve(ports, laws, v1, base, coupling, start.mode, t1)
         answer, gain = together.answer, coupling.gain
         change = move + push @ (answer.l - l)
         update = float((np.abs(change) / size).max(initial=0.0))
