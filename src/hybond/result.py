@@ -83,6 +83,8 @@ class Result:
     warnings : tuple of str
     stats : dict
         Steps, evaluations, modes built, and the tolerances used.
+    kernel : str
+        How many of the steps the compiled kernel took, and why not more.
 
     Examples
     --------
@@ -117,6 +119,7 @@ class Result:
         self.events = EventTable(self.graph, tuple(trace.events))
         self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
+        self.kernel = trace.kernel
         self._expressions: dict[str, Expr] = {}
         self._grids: dict[tuple[int, bytes], tuple[Vector, list[Vector]]] = {}
         self._kept = 0

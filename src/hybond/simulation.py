@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
+from hybond.kernel.marcher import Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
@@ -58,6 +59,7 @@ def simulate(
     impact: str | None = None,
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
+    kernel: bool = True,
 ) -> Result:
     """Simulate a model from t = 0.
 
@@ -98,10 +100,14 @@ def simulate(
         answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
-        ``progress(t, events)`` after each step.
+        ``progress(t, events)`` after each step, or each few that the kernel takes.
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
+    kernel : bool
+        Whether the compiled kernel takes the steps in which nothing happens, if there is one and
+        it was made for the mode. The results are the same but for rounding; `Result.kernel` says
+        how much it did.
 
     Returns
     -------
@@ -182,6 +188,9 @@ def simulate(
         step=given_step if fixed or step is not None else None,
         max_step=math.inf if longest is None else longest,
     )
+    fast: Marcher | str = "the reference was asked for"
+    if kernel:
+        fast = marcher(program, method, scale, watched=progress is not None)
     executive = Executive(
         program,
         method,
@@ -192,7 +201,9 @@ def simulate(
         impact=_impact(impact, experiment),
         rtol=rtol,
         started=scale.start,
+        march=fast if isinstance(fast, Marcher) else None,
     )
+    executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     return _finish(graph, program, executive, end, name, on_error)
 
 
@@ -237,6 +248,21 @@ class ErrorScale:
         equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
         self.storage = equations.storage
 
+    @property
+    def atol_or_nan(self) -> float:
+        """The absolute tolerance, nan if none is given."""
+        return math.nan if self.atol is None else self.atol
+
+    @property
+    def negligible(self) -> float:
+        """Part of what a storage would hold with all energy below which it need not be right."""
+        return NEGLIGIBLE
+
+    @property
+    def idle(self) -> float:
+        """What an integrated signal may be wrong by at zero."""
+        return float(IDLE * self.rtol**0.5)
+
     def start(self, terms: Vector) -> None:
         """Learn what the rates of stored quantities cancel from, where motion starts.
 
@@ -268,7 +294,7 @@ class ErrorScale:
         # what has not moved yet has no size: the solver chooses its first step without it
         moved = np.where(size[: self.nx] > 0.0, self.rounding, 0.0)
         tolerance[: self.nx] = np.maximum(tolerance[: self.nx], moved)
-        tolerance[self.nx : n] += IDLE * self.rtol**0.5
+        tolerance[self.nx : n] += self.idle
         return tolerance
 
 

@@ -199,6 +199,8 @@ class Trace:
     accumulations: list[Accumulation] = field(default_factory=list)
     slidings: list[Sliding] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    kernel: str = ""
+    """How many of the steps the compiled kernel took, and why not more."""
     stats: dict[str, float] = field(default_factory=dict)
     energy: float = 0.0
     """The largest energy seen, J: what rounding of stored quantities is measured by."""

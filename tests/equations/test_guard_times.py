@@ -48,16 +48,19 @@ def test_two_crossings_in_one_step(depth, rtol) -> None:
     assert times(run) == [pytest.approx(1.0 - math.sqrt(depth), rel=1e-9, abs=slack)]
 
 
-def test_touch_fires_only_with_or_equal() -> None:
-    # (an integral rounds: a miss by 1e-13 is the closest there is to an exact touch from above)
-    m = base(ramp=RAMP, s=parabola(1e-13))
-    watch(m, "s < 0", name="strict")
-    assert hb.simulate(m, until=3.0).mode == {"strict": "strict0"}
-    m = base(ramp=RAMP, s=parabola())
-    watch(m, "s <= 0", name="touch")
-    run = hb.simulate(m, until=3.0)
-    assert run.mode == {"touch": "touch1"}
-    assert times(run) == [pytest.approx(1.0, abs=1e-6)]
+@pytest.mark.parametrize("kernel", [False, True])
+@pytest.mark.parametrize("where", [0.5, 0.7, 1.0, 1.37, 1.9])
+@pytest.mark.parametrize("guard", ["s < 0", "s <= 0"])
+def test_a_touch_is_told_from_a_miss(guard, where, kernel) -> None:
+    # an integral rounds: whether it comes back to zero exactly is not for a guard to say, but a
+    # part in 1e13 to either side is
+    for lowest in (1e-13, -1e-13):
+        s = hb.Integral(f"2*(ramp - {where})", start=where**2 + lowest)
+        m = base(ramp=RAMP, s=s)
+        watch(m, guard)
+        run = hb.simulate(m, until=3.0, kernel=kernel)
+        assert run.mode == {"m": "m0" if lowest > 0.0 else "m1"}
+        assert all(t == pytest.approx(where, abs=1e-6) for t in times(run))
 
 
 def test_restart_exactly_on_a_guard() -> None:

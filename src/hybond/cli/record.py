@@ -77,6 +77,7 @@ def run_record(
         ],
         "warnings": notes,
         "stats": {k: int(v) if float(v).is_integer() else v for k, v in run.stats.items()},
+        "kernel": run.kernel,
     }
     if run.error is not None:
         record["error"] = run.error.to_dict()

@@ -117,12 +117,16 @@ class StorageLaws:
 
         Storage on pseudo bonds has none: effort times flow is no power there.
         """
-        true = np.where(self.pseudo, 0.0, x)
-        total = 0.5 * float(true @ self.matrix @ true)
+        total = float(self.linear_energy(x))
         for group in self.groups:
             if not self.pseudo[list(group)].any():
                 total += self._along(x, group)
         return total
+
+    def linear_energy(self, x: Vector) -> Vector:
+        """Return the energy of linear storage, J, for states of shape (..., n): shape (...)."""
+        true = np.where(self.pseudo, 0.0, x)
+        return np.asarray(0.5 * ((true @ self.matrix) * true).sum(axis=-1))
 
     def stored(self, z: Vector, k: int, graph: FlatGraph) -> float:
         """Return the stored quantity of port k at the co-energy values `z` of its storage.
@@ -163,9 +167,13 @@ class StorageLaws:
 
         point = np.zeros(len(x))
 
+        own = list(group)
+        laws = [f for k, f in self.laws if k in group]
+
         def power(a: float) -> float:
-            point[list(group)] = a * x[list(group)]
-            return float(self.co_energy(point)[list(group)] @ x[list(group)])
+            point[own] = a * x[own]
+            v = self._values(point)
+            return float(sum(f(v) * b for f, b in zip(laws, x[own].tolist(), strict=True)))
 
         value, _ = quad(power, 0.0, 1.0, epsabs=0.0, epsrel=1e-13, limit=200)
         return float(value)

@@ -38,6 +38,7 @@ from hybond.modes.landing.landing import MOMENT, Landings
 from hybond.modes.laws.limits import FrictionLimits
 from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
+from hybond.modes.marching import March, Marched
 from hybond.modes.settle import Settler, event_of
 from hybond.modes.sliding.motion import Slider
 from hybond.modes.sliding.view import View
@@ -45,6 +46,7 @@ from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.solvers import Field, Solver, Step, StepFailure
+from hybond.solvers.dense import Polynomial
 from hybond.solvers.fixed import FixedStep
 from hybond.trace import Cause, Segment, Trace
 
@@ -121,12 +123,14 @@ class Executive:
         impact: tuple[str, float] = ("newton", 1.0),
         rtol: float = 0.0,
         started: Callable[[Vector], None] | None = None,
+        march: March | None = None,
     ) -> None:
         self.program = program
         self.solver = solver
         self.limits = limits
         self.progress = progress
         self.started = started
+        self.march = march
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
         self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
@@ -143,6 +147,7 @@ class Executive:
         self._watched: dict[tuple[Mode, tuple[str, ...]], Watched] = {}
         self._steps = 0
         self._rejected = 0
+        self._marched = 0
         self._idle: list[float] = []
         """Instants in a row at which a guard held and nothing changed."""
 
@@ -178,9 +183,13 @@ class Executive:
             self.trace.stats.update(
                 steps=float(self._steps),
                 rejected=float(self._rejected),
+                marched=float(self._marched),
                 evaluations=float(program.evaluations),
                 modes=float(program.built),
             )
+            if self.march is not None:
+                done = f"{self._marched} of {self._steps} steps"
+                self.trace.kernel = "; ".join([done, *self.march.reasons()])
         return "ok"
 
     # -- continuous motion
@@ -212,7 +221,20 @@ class Executive:
         field = (view.program if view else program).field(equations, interval)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
         beyond = 0.0
+        march = self._marching(view)
         while True:
+            if march is not None:
+                watched = self._watched[key]
+                taken = march.march(equations, watched, interval, self.settler, end, tolerance)
+                march = None if taken is None else march
+                if taken is not None and len(taken.t):
+                    y = self._note_march(taken, y, equations)
+                    if taken.arrived:
+                        return y, self._timed_cause(interval) if interval.end <= end else "guard"
+                    if taken.event:
+                        return y, "guard"
+                    if taken.interrupted:
+                        continue
             step = self._followed(self._guarded(lambda: self.solver.step(end)), interval, equations)
             self._steps += 1
             self._rejected += step.rejected
@@ -238,6 +260,37 @@ class Executive:
             y = self._to_rest(y, end, equations)
             timed = self.t >= end and interval.end <= end
             return y, self._timed_cause(interval) if timed else "guard"
+
+    def _marching(self, view: View | None) -> March | None:
+        """Return what marches, if nothing else has to see every step."""
+        slow = view is not None or self.landings.landed or self.frictions.laws or self.stops.slips
+        return None if slow else self.march
+
+    def _note_march(self, taken: Marched, y: Vector, equations: ModeEquations) -> Vector:
+        """Note the steps of a march from the state `y`."""
+        recorder = self._recorder
+        assert recorder is not None
+        t = [self.t, *taken.t.tolist()]
+        rows = [y, *taken.y]
+        for k, dense in enumerate(taken.dense):
+            recorder.interpolants.append(
+                Polynomial(t[k], float(taken.stop[k]), rows[k], taken.end[k], dense)
+            )
+        recorder.t += t[1:]
+        recorder.y += rows[1:]
+        self.t = t[-1]
+        self._steps += len(taken.t)
+        self._marched += len(taken.t)
+        self._rejected += taken.rejected
+        laws = self.settler.trials.laws
+        if laws.laws:
+            laws.observed(taken.gaps)
+            if equations.storage.linear:
+                stored = equations.storage.linear_energy(taken.y[:, : self.program.nx])
+                self.trace.energy = max(self.trace.energy, float(np.abs(stored).max()))
+        if self.progress is not None:
+            self.progress(self.t, len(self.trace.events))
+        return np.asarray(rows[-1])
 
     def _terms(self, y: Vector, interval: Interval, equations: ModeEquations) -> Vector:
         """Return the size of what the rate of each stored quantity cancels from."""

@@ -79,29 +79,34 @@ class Guards:
         return found
 
 
-def _follow(program: Program, rule: Rule) -> Followed:
+def seen_in_motion(rule: Rule) -> tuple[Expr, list[Expr]]:
+    """Return a guard as it is while time passes, and the differences of its comparisons."""
     guard = transform(rule.guard, _without_pre)
     compared = [c for c in comparisons(guard) if isinstance(c, Compare)]
-    differences = [Binary("-", c.left, c.right) for c in compared]
+    return guard, [Binary("-", c.left, c.right) for c in compared]
+
+
+def _follow(program: Program, rule: Rule) -> Followed:
+    guard, differences = seen_in_motion(rule)
     return Followed(
         rule,
         program.compile(guard),
         tuple(program.compile(d) for d in differences),
         tuple(program.compile_arrays(d) for d in differences),
         program.compile_arrays(guard),
-        tuple(program.compile_arrays(_magnitude(d)) for d in differences),
+        tuple(program.compile_arrays(magnitude(d)) for d in differences),
     )
 
 
-def _magnitude(e: Expr) -> Expr:
+def magnitude(e: Expr) -> Expr:
     """Return what the magnitudes of the terms of `e` add up to."""
     match e:
         case Binary(op="+" | "-"):
-            return Binary("+", _magnitude(e.left), _magnitude(e.right))
+            return Binary("+", magnitude(e.left), magnitude(e.right))
         case Binary(op="*"):
-            return Binary("*", _magnitude(e.left), _magnitude(e.right))
+            return Binary("*", magnitude(e.left), magnitude(e.right))
         case Neg():
-            return _magnitude(e.arg)
+            return magnitude(e.arg)
         case _:
             return Call("abs", (e,))
 

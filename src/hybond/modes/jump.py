@@ -12,6 +12,7 @@ state); for linear storage this is the projection ``D (G H D)^-1 (c - G z)``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -319,16 +320,23 @@ def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Ve
     if equations.ways is not None:
         return equations.ways  # type: ignore[return-value]
     directions = impulse_directions(equations, v)
-    rates = equations.storage.rates @ directions
-    moving = _moving(rates)
-    d = rates @ moving
     if not (equations.linear and equations.storage.linear):
-        return Ways(directions, moving, d)
-    slope = problem.slope(x, d)
-    inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
-    found = Ways(directions, moving, d, slope, inverse, _rank(slope))
+        rates = equations.storage.rates @ directions
+        moving = _moving(rates)
+        return Ways(directions, moving, rates @ moving)
+    found = ways_of(equations.storage, directions, lambda d: problem.slope(x, d))
     equations.ways = found
     return found
+
+
+def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix], Matrix]) -> Ways:
+    """Return the impulses of a linear mode; `slope_of` gives the slopes of its constraints."""
+    rates = storage.rates @ directions
+    moving = _moving(rates)
+    d = rates @ moving
+    slope = slope_of(d)
+    inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
+    return Ways(directions, moving, d, slope, inverse, _rank(slope))
 
 
 def _rank(slope: Matrix) -> int:

@@ -40,6 +40,8 @@ FINE = np.vander(2.0 * GRID - 1.0, 6) @ np.linalg.pinv(_POWERS)
 """Samples to that polynomial on a fine grid."""
 UNRESOLVED = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
+ROUNDED = 1e-9
+"""... unless that is less than this part of the largest sample."""
 DEEPEST = 14
 """Halvings of one step; a jump of a guard's signal is closed in on no further."""
 AROUND = 6
@@ -54,9 +56,18 @@ SEARCH = 40
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """The guards that may leave the current mode."""
+    """The guards that may leave the current mode.
+
+    Parameters
+    ----------
+    guards : tuple of Followed
+    rounded : bool
+        Whether a guard leaves as soon as it holds with rounding counted as zero. What ends sliding
+        is asked without.
+    """
 
     guards: tuple[Followed, ...]
+    rounded: bool = True
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -106,7 +117,7 @@ class _Shape:
         d = np.array([a for ds in atoms for a in ds]).reshape(-1, len(FRACTIONS))
         rest = np.abs(d @ LEFT_OVER.T).max(axis=1, initial=0.0)
         spread, size = np.ptp(d, axis=1), np.abs(d).max(axis=1)
-        shown = (rest <= UNRESOLVED * spread) | (rest <= 1e-9 * size) | ~np.isfinite(rest)
+        shown = (rest <= UNRESOLVED * spread) | (rest <= ROUNDED * size) | ~np.isfinite(rest)
         up = np.sign(d[:, :1]) * d
         low = np.minimum(up.min(axis=1), (up @ FINE.T).min(axis=1))
         stays = (low > NEAR * spread + 3.0 * rest) | (size == 0.0)
@@ -382,23 +393,40 @@ class Locator:
             if (f(before) > 0.0) != (f(after) > 0.0) or f(before) * f(after) == 0.0
         ]
         if len(turned) == 1 and _crosses(atoms[turned[0]], before, after):
-            _, b = self._root(k, turned[0], step, low, high)
-            # the guard holds a little after the root where it is strict or rounding hides it
-            reach = 4.0 * float(np.spacing(b))
-            while b < high:
-                if self._test(k, step, b):
-                    return b
-                b, reach = b + reach, 2.0 * reach
-            return high
+            low, high = self._around(
+                k, step, low, self._root(k, turned[0], step, low, high)[1], high
+            )
         wide = 4.0 * float(np.spacing(max(abs(low), abs(high))))
         while high - low > wide:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self._test(k, step, middle) else (middle, high)
         return high
 
+    def _around(
+        self, k: int, step: Step, low: float, root: float, high: float
+    ) -> tuple[float, float]:
+        """Return a bracket, near the root of its comparison, of the instant where a guard holds.
+
+        It may hold a little before the root, because rounding counts as zero, or a little after,
+        where the comparison is strict. All guards are asked alike, and by the same test as
+        settling: a bounce ever smaller begins and ends at the same distance then.
+        """
+        reach = 4.0 * float(np.spacing(root))
+        if self._test(k, step, root):
+            if not self.watched.rounded:
+                return root, root
+            yes = root
+            while (at := root - reach) > low and self._test(k, step, at):
+                yes, reach = at, 2.0 * reach
+            return max(at, low), yes
+        no = root
+        while (at := root + reach) < high and not self._test(k, step, at):
+            no, reach = at, 2.0 * reach
+        return no, min(at, high)
+
 
 def _crosses(
     atom: Callable[[Sequence[float]], float], before: Sequence[float], after: Sequence[float]
 ) -> bool:
-    """Whether an atom has opposite signs: a restart exactly on its zero has none to begin with."""
-    return atom(before) * atom(after) < 0.0
+    """Whether an atom passes or reaches zero: a restart exactly on it has no sign to begin with."""
+    return atom(before) != 0.0 and atom(before) * atom(after) <= 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -60,6 +61,31 @@ _BETA = 0.04
 _EXPONENT = 0.2 - 0.75 * _BETA
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 10.0
 _SMALLEST_ERROR = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where a solver stands.
+
+    Parameters
+    ----------
+    t : float
+    y, f : array, shape (n,)
+        State and derivative.
+    h : float
+        Size of the next step to try.
+    error_before : float
+        Norm of the error of the step before.
+    controlled : int
+        Components whose error counts.
+    """
+
+    t: float
+    y: FloatArray
+    f: FloatArray
+    h: float
+    error_before: float
+    controlled: int
 
 
 class DormandPrince(Solver):
@@ -170,6 +196,21 @@ class DormandPrince(Solver):
                 self._h = h * factor
                 self._error_before = max(error, _SMALLEST_ERROR)
             return self._accept(t0, t1, y0, y1, f0, error, rejected)
+
+    @property
+    def max_step(self) -> float:
+        """Largest step."""
+        return self._max_step
+
+    def state(self) -> State:
+        """Return where the solver stands and what it has learnt."""
+        return State(self._t, self._y, self._f, self._h, self._error_before, self._controlled)
+
+    def resume(self, state: State) -> None:
+        """Go on from a state that the same method reached elsewhere."""
+        self._t, self._y, self._f = state.t, state.y, state.f
+        self._h, self._error_before = state.h, state.error_before
+        self._retryable = None
 
     def retry(self, t_end: float) -> Step:
         """Repeat the last step with the size that ends it at `t_end`; six evaluations."""

@@ -22,7 +22,7 @@ one after another.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -341,12 +341,18 @@ class Complementarity:
 
     def observe(self, v: Sequence[float]) -> None:
         """Learn how large gaps are in this run, which their rounding is measured by."""
-        for index in self.laws:
-            law = self.graph.machines[index].law
-            assert law is not None
-            if law.gap is not None:
-                gap = abs(float(self.value(law.gap, v)))
-                self._largest[index] = max(self._largest.get(index, 0.0), gap)
+        self.observed({k: abs(float(self.value(gap, v))) for k, gap in self.gaps.items()})
+
+    @property
+    def gaps(self) -> dict[int, Expr]:
+        """The distances of contacts, machine by machine."""
+        laws = {k: self.graph.machines[k].law for k in self.laws}
+        return {k: law.gap for k, law in laws.items() if law is not None and law.gap is not None}
+
+    def observed(self, gaps: Mapping[int, float]) -> None:
+        """Learn the same from the largest distances of a stretch of motion."""
+        for index, gap in gaps.items():
+            self._largest[index] = max(self._largest.get(index, 0.0), gap)
 
     def value(self, e: Expr, v: Sequence[float]) -> float:
         """Return the value of an expression of a law."""

@@ -126,7 +126,7 @@ class View:
             Followed(rule, _beyond(f), (f,), (many,), _beyond_many(many), (_one,))
             for rule, f, many in zip(bounds, margins, arrays, strict=True)
         ]
-        watched = Watched((*known.guards, *beyond))
+        watched = Watched((*known.guards, *beyond), rounded=False)
         others = self._of_branches(equations, interval)
         return SlidingLocator(
             self.program, self.settler, equations, interval, watched, bounds, others

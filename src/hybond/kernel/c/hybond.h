@@ -1,0 +1,148 @@
+/* The kernel of hybond: what every file of it shares.
+ *
+ * Everything is plain data made by the Python side (kernel/plan.py), and stays owned by it: the
+ * kernel reads modes, moves a motion on, and gives up (declines) on whatever it was not made for,
+ * with the motion as it was before the step in question.
+ */
+#ifndef HYBOND_H
+#define HYBOND_H
+
+#include <stdint.h>
+
+/* Instructions of expressions; kernel/bytecode.py has the same list in the same order. */
+enum hb_op {
+    HB_END, HB_CONST, HB_SLOT, HB_ADD, HB_SUB, HB_MUL, HB_DIV, HB_POW, HB_NEG, HB_SQUARE,
+    HB_LT, HB_LE, HB_GT, HB_GE, HB_EQ, HB_NE, HB_NOT, HB_TRUTH, HB_SKIP, HB_SKIP_UNLESS, HB_SKIP_IF,
+    HB_SIN, HB_COS, HB_TAN, HB_ASIN, HB_ACOS, HB_ATAN, HB_SINH, HB_COSH, HB_TANH,
+    HB_EXP, HB_LOG, HB_LOG10, HB_SQRT, HB_ABS, HB_SIGN, HB_FLOOR, HB_CEIL,
+    HB_ATAN2, HB_HYPOT, HB_MOD, HB_MIN, HB_MAX, HB_TABLE
+};
+
+/* Where guards are looked at within a step, and what counts as quiet: modes/locate.py. */
+enum { HB_SAMPLES = 9, HB_GRID = 65 };
+
+typedef struct {
+    const double *fractions;  /* HB_SAMPLES */
+    const double *left_over;  /* HB_SAMPLES x HB_SAMPLES */
+    const double *fine;       /* HB_GRID x HB_SAMPLES */
+    double unresolved, near_zero, rounding;
+} hb_sampling;
+
+/* Sparse rows: entry k of row i has first[i] <= k < first[i + 1]. */
+typedef struct {
+    const int32_t *first, *column;
+    const double *value;
+} hb_rows;
+
+/* One mode. Expressions are places in `code`; `w` below are rows of bond variables that something
+ * reads, each once. */
+typedef struct {
+    int32_t slots, storages, signals, inputs;
+    int32_t stored_slot, signal_slot, input_slot, input_rate_slot;
+    int32_t knowns, rows, free, values, entries, affine;
+    int32_t laws, sources, spread, supplied, dissipated, guards, outputs, slopes;
+    int32_t constraints, agreements;
+    const int32_t *code;
+    const double *constants;
+    hb_rows co_energy;                              /* storages x storages */
+    const int32_t *law_at, *law_code;               /* nonlinear storage: co-energy variables */
+    const double *known;                            /* knowns that are constants, else 0 */
+    const int32_t *source_at, *source_code;         /* knowns that are expressions */
+    hb_rows solved;                                 /* rows x knowns */
+    const double *by_free;                          /* rows x free */
+    const int32_t *spread_row, *spread_slot;        /* rows to slots that are read */
+    const int32_t *value_code;                      /* dynamic rows: zero at the solution */
+    const double *slope;                            /* values x free, constant part */
+    const int32_t *entry_at, *entry_code;           /* slopes that vary: the dynamic row of each */
+    const double *entry_by_free;                    /* entries x free */
+    const int32_t *rate_row;                        /* storages */
+    const double *rate_sign;
+    const int32_t *signal_code;
+    const int32_t *supplied_e, *supplied_f, *dissipated_e, *dissipated_f;
+    const double *supplied_sign, *dissipated_sign;
+    const int32_t *guard_test, *guard_atoms;        /* guards, guards + 1 */
+    const int32_t *atom_code, *size_code;           /* differences, and sizes of their terms */
+    const double *seen;                             /* rows, with a unit of energy in one storage */
+    const int32_t *output_code;                     /* asked for at the end of each step */
+    const double *stiffness;                        /* storages, constant part */
+    const int32_t *slope_at, *slope_code;           /* nonlinear storage: stiffness */
+    hb_rows constraint, agreement;                  /* constraints, agreements: of knowns */
+    const double *known_reach, *stored_reach;       /* knowns, storages: with a unit of energy */
+    const double *put_back;                         /* storages x constraints */
+} hb_mode;
+
+/* A motion under way: read and written. States are stored quantities, signals, energy supplied,
+ * energy dissipated. */
+typedef struct {
+    double t, h, error_before, energy;
+    double max_step, rtol, atol;                    /* atol: nan if none is given */
+    double negligible, idle;
+    double input_time;                              /* at which `input` holds */
+    double run_energy, instant;                     /* seen by the run; what is one instant, s */
+    int64_t evaluations;
+    int32_t controlled;
+    double *y, *f, *largest, *free;
+    const double *rounding, *input, *input_rate;
+    double *v;                                      /* 2 slots: flags written, the rest is work */
+} hb_motion;
+
+/* What a march leaves behind, one row a step. */
+typedef struct {
+    double *t, *y, *outputs;                        /* what it came to */
+    double *stop, *end, *dense;                     /* the step: its end, 4 x states of x ... x^4 */
+    int32_t *rejected;
+} hb_trail;
+
+/* Why a march ends. */
+enum { HB_ARRIVED, HB_FULL, HB_EVENT, HB_UNSURE, HB_DECLINED, HB_NO_MEMORY };
+
+double hb_evaluate(const int32_t *code, const double *constants, const double *v);
+
+/* The same of a guard whose values have sizes; -1 if it has no meaning. */
+int hb_holds(const int32_t *code, const double *constants, const double *v, const double *size);
+
+/* Work space of one march. */
+typedef struct hb_work hb_work;
+struct hb_work {
+    double *known, *w, *residual, *jacobian, *step;  /* one evaluation */
+    double *k, *y1, *trial, *tolerance, *error;      /* one step */
+    double *sampled, *atoms, *sizes, *magnitudes;    /* guards */
+    double *kept, *residuals, *dense;                /* constraints; the step to an event */
+    void *all;
+};
+
+int hb_reserve(hb_work *work, const hb_mode *mode);
+
+/* The knowns at (t, y), in work->known; values but for bond variables. */
+void hb_known(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y);
+
+/* Bond variables at (t, y), written to the slots that are read; 0 if Newton does not converge. */
+int hb_solve(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y);
+
+/* The rate of y; 0 as above. */
+int hb_rate(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y, double *rate);
+
+/* One accepted step of Dormand and Prince, its result in work->y1 and work->k; 0 if there is none. */
+int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
+            int32_t *rejected);
+
+/* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
+int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
+
+/* The size of the terms of each value of the last hb_solve, in work->sizes. */
+void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work);
+
+/* Put y back on the constraints; 0 if that is not possible. */
+int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, int *moved);
+
+/* The state at the part x of a step. */
+void hb_between(int n, const double *y0, const double *dense, double x, double *y);
+
+/* Coefficients of the step's dense output, 4 x states. */
+void hb_dense(const hb_mode *m, const hb_work *work, double h, double *dense);
+
+/* The first instant in (t, t1] at which a guard holds: 1 and *at, 0 if none does, -1 if in doubt. */
+int hb_locate(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling, double t1,
+              const double *dense, double *at);
+
+#endif

@@ -1,0 +1,44 @@
+"""The compiled kernel, loaded once; and why it is not there if it is not."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+from pathlib import Path
+
+from hybond.kernel.build import NAME, digest
+from hybond.kernel.structs import Mode, Motion, Sampling, Trail
+
+
+@functools.cache
+def library() -> ctypes.CDLL | str:
+    """Return the library, or a text that says why there is none.
+
+    The environment variable ``HYBOND_KERNEL`` names another file, or says ``off``.
+    """
+    chosen = os.environ.get("HYBOND_KERNEL", "")
+    if chosen == "off":
+        return "HYBOND_KERNEL is off"
+    path = Path(chosen) if chosen else Path(__file__).parent / NAME
+    if not path.is_file():
+        return f"{path.name} was not built: no C compiler was found when hybond was installed"
+    try:
+        kernel = ctypes.CDLL(str(path))
+        kernel.hb_source.restype = ctypes.c_char_p
+        made = kernel.hb_source().decode()
+    except (OSError, AttributeError) as error:
+        return f"{path.name} cannot be loaded: {error}"
+    if digest() not in ("", made):
+        return f"{path.name} was built from other sources: install hybond again"
+    kernel.hb_march.restype = ctypes.c_int32
+    kernel.hb_march.argtypes = [
+        ctypes.POINTER(Mode),
+        ctypes.POINTER(Motion),
+        ctypes.POINTER(Sampling),
+        ctypes.c_double,
+        ctypes.c_int32,
+        ctypes.POINTER(Trail),
+        ctypes.POINTER(ctypes.c_int32),
+    ]
+    return kernel

@@ -1,0 +1,246 @@
+"""A mode as the kernel reads it, made from the same equations as the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.equations.elimination import Row
+from hybond.equations.mode import ModeEquations
+from hybond.equations.tableau import Tableau, stiffness, stored_names
+from hybond.kernel.bytecode import Book, Declined
+from hybond.kernel.structs import Filled, Mode
+from hybond.model.expressions import Expr, Number, substitute
+from hybond.model.inputs import Constant, Pwm, Timetable
+from hybond.modes.guards import magnitude, seen_in_motion
+from hybond.modes.jump import impulse_directions, reach_of, reach_of_bonds, ways_of
+from hybond.modes.locate import Watched
+from hybond.programs.combined import Combined
+from hybond.programs.program import Program
+
+Matrix = NDArray[np.float64]
+
+
+def plan(
+    program: Program,
+    equations: ModeEquations,
+    watched: Watched,
+    outputs: Sequence[Expr],
+    *,
+    lawful: bool,
+) -> Filled:
+    """Return a mode with the guards that may leave it.
+
+    `outputs` are expressions whose values are wanted at the end of each step; `lawful` says
+    whether junctions have laws, which count rounding of what is stored as zero.
+
+    Raises
+    ------
+    Declined
+        For what the kernel was not made for.
+    """
+    _check(program, equations, lawful=lawful)
+    mode = Filled(Mode())
+    book = Book(program.slots.index, pre_offset=program.slots.size)
+    _layout(mode, program)
+    _storage(mode, book, program, equations)
+    _knowns(mode, book, equations)
+    _dynamic(mode, book, equations)
+    _guards(mode, book, watched)
+    _put_codes(mode, book, "signal_code", [i.rate for i in program.graph.integrals])
+    _put_codes(mode, book, "output_code", outputs, count="outputs")
+    _rows(mode, book, program, equations, lawful=lawful)
+    _constraints(mode, equations)
+    code, constants = book.arrays()
+    mode.put("code", code)
+    mode.put("constants", constants)
+    return mode
+
+
+def _check(program: Program, equations: ModeEquations, *, lawful: bool) -> None:
+    tableau = equations.tableau
+    if isinstance(equations, Combined):
+        raise Declined("motion along a surface")
+    straight = equations.linear and equations.storage.linear
+    if tableau.constraints and not straight:
+        raise Declined("dependent storage in a nonlinear mode")
+    if tableau.agreements and equations.rows:
+        raise Declined("sources that must agree in a nonlinear mode")
+    if equations.rank != len(equations.structure):
+        raise Declined("a modulated structure that hides constraints")
+    if equations.project is not None and not equations.linear:
+        raise Declined("bond variables that are not determined in a nonlinear mode")
+    if equations.rows and len(equations.rows) != equations.n2.shape[1]:
+        raise Declined("laws that do not determine what they should")
+    if lawful and not equations.storage.linear:
+        raise Declined("junction laws beside nonlinear storage")
+    kinds = (Constant, Pwm, Timetable)
+    if not all(isinstance(i.waveform, kinds) for i in program.graph.inputs):
+        raise Declined("an input that is a function in Python")
+
+
+def _layout(mode: Filled, program: Program) -> None:
+    m, slots = mode.structure, program.slots
+    m.slots = slots.size
+    m.storages, m.signals, m.inputs = program.nx, program.ns, len(program.graph.inputs)
+    m.stored_slot, m.signal_slot = slots.x.start, slots.s.start
+    m.input_slot, m.input_rate_slot = slots.u.start, slots.du.start
+
+
+def _storage(mode: Filled, book: Book, program: Program, equations: ModeEquations) -> None:
+    graph, laws = program.graph, equations.storage
+    _put_rows(mode, "co_energy", laws.matrix)
+    at: list[int] = []
+    values: list[Expr] = []
+    slopes: list[Expr] = []
+    for s in graph.storages:
+        node = graph.nodes[s.node]
+        assert node.law is not None
+        if node.law.matrix is None:
+            at.append(s.index)
+            values.append(substitute(node.law.expressions[s.port], stored_names(node, graph)))
+            slopes.append(stiffness(node, s.port, s.port, graph))
+    mode.put("law_at", at)
+    mode.put("slope_at", at)
+    _put_codes(mode, book, "law_code", values, count="laws")
+    _put_codes(mode, book, "slope_code", slopes, count="slopes")
+    mode.put("stiffness", np.diagonal(laws.matrix))
+
+
+def _knowns(mode: Filled, book: Book, equations: ModeEquations) -> None:
+    sources = equations.tableau.sources
+    nx, nu = len(equations.graph.storages), len(sources)
+    known = np.zeros(nx + 2 * nu)
+    known[nx : nx + nu] = equations.source_constants
+    mode.structure.knowns = len(known)
+    mode.put("known", known)
+    values = [(nx + k, sources[k].value) for k, _ in equations.source_values]
+    values += [(nx + nu + k, sources[k].rate) for k, _ in equations.rate_values]
+    mode.put("source_at", [k for k, _ in values])
+    _put_codes(mode, book, "source_code", [e for _, e in values], count="sources")
+
+
+def _dynamic(mode: Filled, book: Book, equations: ModeEquations) -> None:
+    """Put in the rows that Newton solves, and their slopes by the free unknowns."""
+    m, slots = mode.structure, equations.slots
+    # without laws to solve the free unknowns are those that least leakage sets
+    n2 = equations.n2 if equations.rows else equations.n2[:, :0]
+    m.free, m.affine = n2.shape[1], int(equations.affine)
+    _put_codes(mode, book, "value_code", [d.expression for d in equations.rows], count="values")
+    mode.put("slope", equations.slopes.constant @ n2)
+    at: list[int] = []
+    slopes: list[Expr] = []
+    by_free: list[Matrix] = []
+    for i, row in enumerate(equations.rows):
+        for name, e in row.slopes.items():
+            if not isinstance(e, Number):
+                at.append(i)
+                slopes.append(e)
+                by_free.append(n2[slots.index[name] - slots.w.start])
+    mode.put("entry_at", at)
+    _put_codes(mode, book, "entry_code", slopes, count="entries")
+    mode.put("entry_by_free", np.array(by_free).reshape(len(by_free), n2.shape[1]))
+
+
+def _guards(mode: Filled, book: Book, watched: Watched) -> None:
+    tests: list[Expr] = []
+    atoms: list[Expr] = []
+    first = [0]
+    for guard in watched.guards:
+        test, differences = seen_in_motion(guard.rule)
+        tests.append(test)
+        atoms += differences
+        first.append(len(atoms))
+    _put_codes(mode, book, "guard_test", tests, count="guards")
+    _put_codes(mode, book, "atom_code", atoms)
+    _put_codes(mode, book, "size_code", [magnitude(a) for a in atoms])
+    mode.put("guard_atoms", first)
+
+
+def _rows(
+    mode: Filled, book: Book, program: Program, equations: ModeEquations, *, lawful: bool
+) -> None:
+    """Put in the rows of bond variables that something reads: expressions, rates, powers."""
+    m, w = mode.structure, program.slots.w
+    meter, storage, solved = program.meter, equations.storage, equations.finite
+    read = sorted(k - w.start for k in book.read if w.start <= k < w.stop)
+    _, rates = np.nonzero(storage.rates)
+    bonds = np.concatenate([read, rates, *meter.supplied[:2], *meter.dissipated[:2]])
+    bonds = bonds.astype(np.intp)
+    if equations.project is None:
+        # equal bond variables share a row; one of them stands for it
+        shared, known = solved.row, solved.known
+    else:
+        shared, known = np.arange(w.stop - w.start), equations.project @ solved.spread()
+    own, some = np.unique(shared[bonds], return_index=True)
+    place = np.zeros(len(known), dtype=np.intp)
+    place[own] = np.arange(len(own))
+
+    def row_of(k: NDArray[np.intp]) -> NDArray[np.intp]:
+        return np.asarray(place[shared[np.asarray(k, dtype=np.intp)]])
+
+    m.rows = len(own)
+    _put_rows(mode, "solved", known[own])
+    mode.put("by_free", solved.free[bonds[some]][:, : m.free])
+    seen = np.zeros(w.stop - w.start)
+    if lawful:
+        seen = reach_of_bonds(equations, np.zeros(program.nx), 1.0)
+    mode.put("seen", seen[bonds[some]])
+    m.spread = len(read)
+    mode.put("spread_row", row_of(np.array(read)))
+    mode.put("spread_slot", [w.start + k for k in read])
+    mode.put("rate_row", row_of(rates))
+    mode.put("rate_sign", storage.rates[np.arange(len(rates)), rates])
+    m.supplied, m.dissipated = len(meter.supplied[2]), len(meter.dissipated[2])
+    for name, (e, f, sign) in (("supplied", meter.supplied), ("dissipated", meter.dissipated)):
+        mode.put(f"{name}_e", row_of(e))
+        mode.put(f"{name}_f", row_of(f))
+        mode.put(f"{name}_sign", sign)
+
+
+def _constraints(mode: Filled, equations: ModeEquations) -> None:
+    """Put in what is stored dependently, and how a state is put back (see `modes.jump`)."""
+    tableau, storage = equations.tableau, equations.storage
+    nx = len(equations.graph.storages)
+    rows = _of_knowns(tableau, tableau.constraints)
+    back = np.zeros((nx, 0))
+    if len(rows):
+        directions = impulse_directions(equations, [])
+        ways = ways_of(storage, directions, lambda d: rows[:, :nx] @ storage.matrix @ d)
+        assert ways.inverse is not None
+        back = ways.d @ ways.inverse
+    mode.structure.constraints, mode.structure.agreements = len(rows), len(tableau.agreements)
+    _put_rows(mode, "constraint", rows)
+    _put_rows(mode, "agreement", _of_knowns(tableau, tableau.agreements))
+    mode.put("put_back", back)
+    reach = reach_of(storage, np.zeros(nx), 1.0) if storage.linear else np.zeros(nx)
+    known = np.zeros(tableau.knowns)
+    known[:nx] = reach * np.abs(np.diagonal(storage.matrix))
+    mode.put("stored_reach", reach)
+    mode.put("known_reach", known)
+
+
+def _of_knowns(tableau: Tableau, given: Sequence[Row]) -> Matrix:
+    rows = np.zeros((len(given), tableau.knowns))
+    for row, terms in zip(rows, given, strict=True):
+        for k, c in terms.items():
+            row[k - tableau.unknowns] = c
+    return rows
+
+
+def _put_codes(
+    mode: Filled, book: Book, name: str, expressions: Sequence[Expr], *, count: str = ""
+) -> None:
+    mode.put(name, [book.add(e) for e in expressions])
+    if count:
+        setattr(mode.structure, count, len(expressions))
+
+
+def _put_rows(mode: Filled, name: str, dense: Matrix) -> None:
+    row, column = np.nonzero(dense)
+    first = np.searchsorted(row, np.arange(len(dense) + 1))
+    mode.put("first", first, part=name)
+    mode.put("column", column, part=name)
+    mode.put("value", dense[row, column], part=name)

@@ -1,0 +1,107 @@
+"""The kernel builds, is clean, and is not needed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import hybond as hb
+from hybond.kernel import build
+from hybond.kernel.library import library
+
+ROOT = Path(__file__).parents[2]
+RUNS = """
+import hybond as hb, pathlib, sys
+for name in ("rope_and_disc", "buck", "friction_oscillator", "bouncing_rod", "end_stops"):
+    run = hb.simulate(hb.load(pathlib.Path(sys.argv[1]) / f"{name}.toml"), on_error="return")
+    print(name, run.kernel)
+"""
+
+
+def python(code: str, *, env: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    """Run some code in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", code, str(ROOT / "examples")],
+        env={**os.environ, "PYTHONPATH": str(ROOT / "src"), **env},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory) -> tuple[Path, str]:
+    """Return the kernel with its sanitizers, and the runtime library of the address sanitizer."""
+    command = build.compiler()
+    if command is None:
+        pytest.skip("there is no C compiler")
+    target = tmp_path_factory.mktemp("kernel") / build.NAME
+    flags = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    why = build.compile_kernel(target, flags=flags)
+    if why:
+        pytest.skip(f"no sanitizers: {why.splitlines()[-1]}")
+    asked = subprocess.run(
+        [*command, "-print-file-name=libasan.so"], capture_output=True, text=True, check=False
+    )
+    runtime = asked.stdout.strip()
+    if not Path(runtime).is_file():
+        pytest.skip("the address sanitizer has no shared runtime here")
+    return target, runtime
+
+
+def test_runs_are_clean_under_sanitizers(checked):
+    target, runtime = checked
+    env = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "HYBOND_KERNEL": str(target)}
+    done = python(RUNS, env=env)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "runtime error" not in done.stderr
+    assert done.stdout.count(" of ") == 5 and "not used" not in done.stdout
+
+
+def test_the_sanitizers_would_have_seen_a_wrong_index(checked, tmp_path):
+    # what cannot fail proves nothing
+    target, runtime = checked
+    wrong = """
+import ctypes, os, numpy as np
+kernel = ctypes.CDLL(os.environ["HYBOND_KERNEL"])
+code, v = np.array([2, 1 << 24, 0], dtype=np.int32), np.zeros(4)
+kernel.hb_evaluate(*(a.ctypes.data_as(ctypes.c_void_p) for a in (code, v, v)))
+"""
+    env = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "HYBOND_KERNEL": str(target)}
+    assert python(wrong, env=env).returncode != 0
+
+
+def test_without_a_kernel_the_reference_runs_and_says_so():
+    done = python(RUNS, env={"HYBOND_KERNEL": "off"})
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[0] == "rope_and_disc not used: HYBOND_KERNEL is off"
+
+
+def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
+    old = tmp_path / build.NAME
+    assert build.compile_kernel(old, flags=("-UHYBOND_SOURCE", '-DHYBOND_SOURCE="old"')) == ""
+    done = python(RUNS, env={"HYBOND_KERNEL": str(old)})
+    assert "built from other sources" in done.stdout
+
+
+def test_a_machine_without_a_compiler_builds_no_kernel(monkeypatch, tmp_path):
+    monkeypatch.setenv("HYBOND_NO_COMPILER", "1")
+    assert build.compile_kernel(tmp_path / build.NAME) == "there is no C compiler"
+    assert not build.wants_zig()
+    monkeypatch.delenv("HYBOND_NO_COMPILER")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert "no-such-compiler" in build.compile_kernel(tmp_path / build.NAME)
+    monkeypatch.delenv("CC")
+    monkeypatch.setattr(build.shutil, "which", lambda name: None)
+    monkeypatch.setattr(build.importlib.util, "find_spec", lambda name: None)
+    assert build.wants_zig()
+
+
+def test_a_result_says_how_much_the_kernel_did(kernel):
+    assert not isinstance(library(), str)
+    run = hb.simulate(hb.load(ROOT / "examples" / "rope_and_disc.toml"))
+    steps = int(run.stats["steps"])
+    assert run.kernel == f"{steps} of {steps} steps" and run.stats["marched"] == steps
