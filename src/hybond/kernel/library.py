@@ -38,6 +38,7 @@ def library() -> ctypes.CDLL | str:
         ctypes.POINTER(Sampling),
         ctypes.c_double,
         ctypes.c_int32,
+        ctypes.c_int32,
         ctypes.POINTER(Trail),
         ctypes.POINTER(ctypes.c_int32),
     ]

@@ -25,6 +25,8 @@ Vector = NDArray[np.float64]
 ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY = range(6)
 MOST = 1024
 """Steps of one call: between calls a run can be interrupted."""
+BUDGET = 2e7
+"""Operations of one call, about: some hundredths of a second."""
 WATCHED = 16
 """The same where someone wants to be told how far a run is."""
 KEPT = 256
@@ -73,6 +75,7 @@ class Marcher:
         settler: Settler,
         end: float,
         instant: float,
+        start: tuple[float, Vector] | None,
     ) -> Marched | None:
         """Return the steps up to `end`, or up to one in which something may happen.
 
@@ -83,7 +86,10 @@ class Marcher:
         mode = self._plan(equations, watched, tuple(gaps.values()), lawful=bool(laws.laws))
         if mode is None:
             return None
-        motion = self._prepare(equations, interval)
+        state = self.solver.state()
+        if start is not None:
+            state = State(start[0], start[1], np.zeros(len(start[1])), 0.0, 0.0, 0)
+        motion = self._prepare(state, equations, interval)
         motion.structure.run_energy, motion.structure.instant = settler.trace.energy, instant
         trail = self._room(len(motion.arrays[".y"]), len(gaps))
         count = ctypes.c_int32()
@@ -92,7 +98,8 @@ class Marcher:
             motion.structure,
             self._sampling.structure,
             end,
-            self.most,
+            max(1, min(self.most, int(BUDGET / _cost(mode)))),
+            start is not None,
             trail.structure,
             count,
         )
@@ -128,10 +135,9 @@ class Marcher:
             known = self._plans[key] = equations, watched, found
         return known[2]
 
-    def _prepare(self, equations: ModeEquations, interval: Interval) -> Filled:
+    def _prepare(self, state: State, equations: ModeEquations, interval: Interval) -> Filled:
         motion, solver, scale, program = self._motion, self.solver, self.scale, self.program
         m = motion.structure
-        state = solver.state()
         m.t, m.h, m.error_before = state.t, state.h, state.error_before
         m.controlled, m.max_step = state.controlled, solver.max_step
         m.energy, m.rtol, m.atol = scale.energy, scale.rtol, scale.atol_or_nan
@@ -208,6 +214,13 @@ def marcher(
     if not isinstance(solver, DormandPrince):
         return "the kernel has rk45 only"
     return Marcher(kernel, program, solver, scale, most=WATCHED if watched else MOST)
+
+
+def _cost(mode: Filled) -> float:
+    """Return about how many operations a step takes: its evaluations, and those for its guards."""
+    m, arrays = mode.structure, mode.arrays
+    once = len(arrays["solved.value"]) + len(arrays[".code"]) + m.free**3 + m.rows * m.free
+    return float(1.0 + 50.0 * once)
 
 
 def _sampling() -> Filled:

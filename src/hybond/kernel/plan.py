@@ -184,6 +184,14 @@ def _rows(
     m.rows = len(own)
     _put_rows(mode, "solved", known[own])
     mode.put("by_free", solved.free[bonds[some]][:, : m.free])
+    # rounding is that of the terms before least leakage shares them out
+    loose = equations.tableau.finite.free() if equations.project is not None else []
+    m.loose = len(loose)
+    _put_rows(mode, "measured", known[own] if not loose else solved.spread()[own])
+    _put_rows(mode, "shares", known[loose])
+    mode.put("by_share", solved.free[bonds[some]][:, : m.loose])
+    weighed = ~equations.storage.pseudo if lawful else np.zeros(program.nx)
+    mode.put("weighed", weighed)
     seen = np.zeros(w.stop - w.start)
     if lawful:
         seen = reach_of_bonds(equations, np.zeros(program.nx), 1.0)

@@ -33,7 +33,7 @@ _SIZES = """
     slots storages signals inputs stored_slot signal_slot input_slot input_rate_slot
     knowns rows free values entries affine
     laws sources spread supplied dissipated guards outputs slopes
-    constraints agreements
+    constraints agreements loose
 """
 
 
@@ -52,6 +52,9 @@ class Mode(ctypes.Structure):
         ("source_code", INTEGERS),
         ("solved", Rows),
         ("by_free", REALS),
+        ("measured", Rows),
+        ("shares", Rows),
+        ("by_share", REALS),
         ("spread_row", INTEGERS),
         ("spread_slot", INTEGERS),
         ("value_code", INTEGERS),
@@ -82,6 +85,7 @@ class Mode(ctypes.Structure):
         ("known_reach", REALS),
         ("stored_reach", REALS),
         ("put_back", REALS),
+        ("weighed", REALS),
     )
 
 

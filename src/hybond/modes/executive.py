@@ -218,23 +218,31 @@ class Executive:
         self._recorder = _Recorder(self.mode, interval, [self.t], [y], [], landed, view, equations)
         if self.started is not None and view is None:
             self.started(self._terms(y, interval, equations))
-        field = (view.program if view else program).field(equations, interval)
-        self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=True))
+        field: Field | None = None
         beyond = 0.0
         march = self._marching(view)
+        begins = True
         while True:
             if march is not None:
                 watched = self._watched[key]
-                taken = march.march(equations, watched, interval, self.settler, end, tolerance)
+                start = (self.t, y) if begins else None
+                taken = march.march(
+                    equations, watched, interval, self.settler, end, tolerance, start
+                )
                 march = None if taken is None else march
+                begins &= taken is None or not len(taken.t)
                 if taken is not None and len(taken.t):
                     y = self._note_march(taken, y, equations)
+                    beyond = max(beyond - 0.1 * len(taken.t), 0.0)
                     if taken.arrived:
                         return y, self._timed_cause(interval) if interval.end <= end else "guard"
                     if taken.event:
                         return y, "guard"
                     if taken.interrupted:
                         continue
+            if field is None:
+                field = self._begun(y, end, interval, equations, jumped=begins)
+                begins = False
             step = self._followed(self._guarded(lambda: self.solver.step(end)), interval, equations)
             self._steps += 1
             self._rejected += step.rejected
@@ -260,6 +268,15 @@ class Executive:
             y = self._to_rest(y, end, equations)
             timed = self.t >= end and interval.end <= end
             return y, self._timed_cause(interval) if timed else "guard"
+
+    def _begun(
+        self, y: Vector, end: float, interval: Interval, equations: ModeEquations, *, jumped: bool
+    ) -> Field:
+        """Tell the solver where it starts, and return the field that it was given."""
+        view = None if self.slider is None else self.slider.view
+        field = (view.program if view else self.program).field(equations, interval)
+        self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=jumped))
+        return field
 
     def _marching(self, view: View | None) -> March | None:
         """Return what marches, if nothing else has to see every step."""

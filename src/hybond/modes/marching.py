@@ -92,10 +92,12 @@ class March(Protocol):
         settler: Settler,
         end: float,
         instant: float,
+        start: tuple[float, Vector] | None,
     ) -> Marched | None:
         """Return the steps, None if this mode is not for marching.
 
-        A guard that holds within `instant` of `end`, s, is left to the executive.
+        A guard that holds within `instant` of `end`, s, is left to the executive. `start` are time
+        and state where a motion begins; without it the last one goes on.
         """
 
     def reasons(self) -> list[str]:

@@ -12,7 +12,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.mode import ModeEquations, undetermined_names
+from hybond.equations.mode import ModeEquations, Solution, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
@@ -164,17 +164,17 @@ class Trials:
         factors: Vector | None,
     ) -> Trial:
         """Return the trial of a mode whose jump is known."""
-        floor = impulse_floor(
-            self.graph, done.impulses, self._reach(equations, x, done.x), x, done.x, IMPULSE_RTOL
-        )
-        pairs = self._pairs(equations, v, done, s, pre, floor)
+        reach = self._reach(equations, x, done.x)
+        floor = np.zeros(len(done.impulses))
+        if done.happened:
+            floor = impulse_floor(self.graph, done.impulses, reach, x, done.x, IMPULSE_RTOL)
+        pairs, solution = self._pairs(equations, v, done, s, pre, floor)
         landed = s
         if done.happened and self._rates:
             areas = np.array([self._area(f, pairs) for f in self._rates])
             if areas.any():
                 landed = s + areas
-                pairs = self._pairs(equations, v, done, landed, pre, floor)
-        solution = equations.solution(v, done.x)
+                pairs, solution = self._pairs(equations, v, done, landed, pre, floor)
         if done.happened and factors is not None:
             self._check_factors(equations, v, factors, done, t)
         names = tuple(undetermined_names(self.graph, solution.freedom))
@@ -373,7 +373,7 @@ class Trials:
         s: Vector,
         pre: list[float],
         floor: Vector,
-    ) -> Pairs:
+    ) -> tuple[Pairs, Solution]:
         slots = self.program.slots
         v[slots.x] = jump.x.tolist()
         v[slots.s] = s.tolist()
@@ -383,4 +383,4 @@ class Trials:
         impulse = [0.0] * self._offset
         if jump.happened:
             impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()
-        return Pairs(v[: self._offset], pre, impulse, size)
+        return Pairs(v[: self._offset], pre, impulse, size), solution

@@ -88,6 +88,11 @@ class State:
     controlled: int
 
 
+def _nowhere(t: float, y: FloatArray) -> FloatArray:
+    """Stand for the field until a start gives one."""
+    raise RuntimeError("step() before start()")
+
+
 class DormandPrince(Solver):
     """Explicit Runge-Kutta 5(4), adaptive, with Shampine's dense output of order 4.
 
@@ -207,9 +212,11 @@ class DormandPrince(Solver):
         return State(self._t, self._y, self._f, self._h, self._error_before, self._controlled)
 
     def resume(self, state: State) -> None:
-        """Go on from a state that the same method reached elsewhere."""
+        """Go on from a state that the same method reached elsewhere, once it is started there."""
+        self._field = self._field or _nowhere
         self._t, self._y, self._f = state.t, state.y, state.f
         self._h, self._error_before = state.h, state.error_before
+        self._controlled = state.controlled
         self._retryable = None
 
     def retry(self, t_end: float) -> Step:

@@ -157,6 +157,63 @@ int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double 
     return 1;
 }
 
+/* The norm of a vector in units of the tolerances. */
+static double norm(const hb_mode *m, const hb_motion *o, const double *vector,
+                   const double *tolerance)
+{
+    double sum = 0.0;
+    for (int i = 0; i < states(m); ++i) {
+        if (isinf(tolerance[i]) || (tolerance[i] == 0.0 && vector[i] == 0.0))
+            continue;
+        sum += vector[i] / tolerance[i] * (vector[i] / tolerance[i]);
+    }
+    return sqrt(sum / o->controlled);
+}
+
+/* As solvers/control.py chooses it. */
+static double first_step(const hb_mode *m, hb_motion *o, hb_work *work, double limit)
+{
+    const int n = states(m);
+    const double unit = limit < INFINITY ? limit : 1.0;
+    const double d0 = norm(m, o, o->y, work->tolerance), d1 = norm(m, o, o->f, work->tolerance);
+    double h0 = d1 > 0.0 && d1 < INFINITY ? fmax(0.01 * d0, 10.0) / d1 : 1e-6 * unit;
+    h0 = h0 > 0.0 ? fmin(h0, 1e-3 * unit) : 1e-6 * unit;
+    for (int i = 0; i < n; ++i)
+        work->trial[i] = o->y[i] + h0 * o->f[i];
+    if (!hb_rate(m, o, work, o->t + h0, work->trial, work->k))
+        return 0.01 * h0;
+    for (int i = 0; i < n; ++i)
+        work->k[i] -= o->f[i];
+    const double d2 = norm(m, o, work->k, work->tolerance) / h0;
+    if (!isfinite(d2))
+        return 0.01 * h0;
+    double h1 = INFINITY;
+    if (d2 > 0.0) {
+        h1 = d1 > 0.0 ? d1 / d2 * pow(0.01 / d1 * (d2 / d1), 0.2) : 0.0;
+        h1 = fmax(h1, 1.0 / sqrt(d2));
+    }
+    return fmin(fmin(100.0 * h0, h1), limit);
+}
+
+int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound)
+{
+    if (!hb_rate(m, o, work, o->t, o->y, o->f))
+        return 0;
+    for (int i = 0; i < states(m); ++i)
+        if (!isfinite(o->f[i]) || !isfinite(o->y[i]))
+            return 0;
+    tolerances(m, o, o->y, o->y, work->tolerance);
+    o->controlled = 0;
+    for (int i = 0; i < states(m); ++i)
+        o->controlled += work->tolerance[i] < INFINITY;
+    if (!o->controlled)
+        o->controlled = 1;
+    o->error_before = SMALLEST;
+    o->h = first_step(m, o, work,
+                      t_bound > o->t ? fmin(o->max_step, t_bound - o->t) : o->max_step);
+    return 1;
+}
+
 int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
 {
     return isfinite(attempt(m, o, work, t1));

@@ -41,7 +41,7 @@ typedef struct {
     int32_t stored_slot, signal_slot, input_slot, input_rate_slot;
     int32_t knowns, rows, free, values, entries, affine;
     int32_t laws, sources, spread, supplied, dissipated, guards, outputs, slopes;
-    int32_t constraints, agreements;
+    int32_t constraints, agreements, loose;
     const int32_t *code;
     const double *constants;
     hb_rows co_energy;                              /* storages x storages */
@@ -50,6 +50,9 @@ typedef struct {
     const int32_t *source_at, *source_code;         /* knowns that are expressions */
     hb_rows solved;                                 /* rows x knowns */
     const double *by_free;                          /* rows x free */
+    hb_rows measured;                               /* rows x knowns: whose terms make the size, */
+    hb_rows shares;                                 /* loose x knowns: with what least leakage sets */
+    const double *by_share;                         /* rows x loose */
     const int32_t *spread_row, *spread_slot;        /* rows to slots that are read */
     const int32_t *value_code;                      /* dynamic rows: zero at the solution */
     const double *slope;                            /* values x free, constant part */
@@ -69,6 +72,7 @@ typedef struct {
     hb_rows constraint, agreement;                  /* constraints, agreements: of knowns */
     const double *known_reach, *stored_reach;       /* knowns, storages: with a unit of energy */
     const double *put_back;                         /* storages x constraints */
+    const double *weighed;                          /* storages: 1 if it has energy that laws ask for */
 } hb_mode;
 
 /* A motion under way: read and written. States are stored quantities, signals, energy supplied,
@@ -107,7 +111,7 @@ struct hb_work {
     double *known, *w, *residual, *jacobian, *step;  /* one evaluation */
     double *k, *y1, *trial, *tolerance, *error;      /* one step */
     double *sampled, *atoms, *sizes, *magnitudes;    /* guards */
-    double *kept, *residuals, *dense;                /* constraints; the step to an event */
+    double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
     void *all;
 };
 
@@ -125,6 +129,10 @@ int hb_rate(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doubl
 /* One accepted step of Dormand and Prince, its result in work->y1 and work->k; 0 if there is none. */
 int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
             int32_t *rejected);
+
+/* Derivative, and size of the first step, of a motion that begins at o->t with o->y; 0 if it does not
+ * begin. */
+int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
 
 /* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
 int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1);

@@ -1,6 +1,7 @@
 /* Move a motion on, step by step, as long as nothing can happen. */
 #include "hybond.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,6 +91,11 @@ static int advance(march *a, size_t k)
         for (int32_t i = 0; i < a->m->outputs; ++i)
             outputs[i] = hb_evaluate(a->m->code + a->m->output_code[i], a->m->constants, o->v);
     }
+    double energy = 0.0;
+    hb_known(a->m, o, &a->work, at, y);
+    for (int32_t i = 0; i < a->m->storages; ++i)
+        energy += 0.5 * a->m->weighed[i] * y[i] * a->work.known[i];
+    o->run_energy = fmax(o->run_energy, fabs(energy));
     o->t = trail->t[k] = at;
     trail->stop[k] = t1;
     memcpy(o->y, y, sizeof *y * a->n);
@@ -97,26 +103,28 @@ static int advance(march *a, size_t k)
     return found ? HB_EVENT : HB_FULL;
 }
 
-/* March to t_end, or until `most` steps are on the trail, or to the first instant at which a guard
+/* March to t_end (after a jump if it `begins`), or until `most` steps are on the trail, or to the first instant at which a guard
  * holds, or up to the start of a step that the reference has to look at. Returns the reason; *count
  * are the steps. */
 int32_t hb_march(const hb_mode *m, hb_motion *o, const hb_sampling *sampling, double t_end,
-                 int32_t most, hb_trail *trail, int32_t *count)
+                 int32_t most, int32_t begins, hb_trail *trail, int32_t *count)
 {
     march a = {.m = m, .o = o, .sampling = sampling, .trail = trail, .t_end = t_end};
     a.n = (size_t)m->storages + (size_t)m->signals + 2;
     *count = 0;
     if (!hb_reserve(&a.work, m))
         return HB_NO_MEMORY;
-    int32_t why = HB_FULL;
+    int32_t why = begins && !hb_begin(m, o, &a.work, t_end) ? HB_DECLINED : HB_FULL;
     while (why == HB_FULL && *count < most && o->t < t_end) {
         const double h = o->h, before = o->error_before;
+        memcpy(a.work.guess, o->free, sizeof(double) * (size_t)m->free);
         why = advance(&a, (size_t)*count);
         if (why == HB_FULL || why == HB_EVENT) {
             ++*count;
         } else {
             o->h = h;
             o->error_before = before;
+            memcpy(o->free, a.work.guess, sizeof(double) * (size_t)m->free);
         }
     }
     free(a.work.all);

@@ -16,11 +16,11 @@ int hb_reserve(hb_work *work, const hb_mode *m)
     size_t guards = (size_t)m->guards, slots = (size_t)m->slots, nx = (size_t)m->storages;
     size_t sizes[] = {(size_t)m->knowns, 2 * (size_t)m->rows, (size_t)m->values, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
-                      2 * slots, slots, nx, (size_t)m->constraints, 4 * n};
+                      2 * slots, slots, nx, (size_t)m->constraints, 4 * n, free_};
     double **parts[] = {&work->known, &work->w, &work->residual, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->sizes, &work->magnitudes, &work->kept,
-                        &work->residuals, &work->dense};
+                        &work->residuals, &work->dense, &work->guess};
     size_t total = 1, count = sizeof sizes / sizeof *sizes;
     for (size_t i = 0; i < count; ++i)
         total += sizes[i];
@@ -190,10 +190,12 @@ void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work)
     for (int i = 0; i < m->spread; ++i) {
         const int row = m->spread_row[i], slot = m->spread_slot[i];
         double sum = 0.0;
-        for (int32_t k = m->solved.first[row]; k < m->solved.first[row + 1]; ++k)
-            sum += fabs(m->solved.value[k] * work->known[m->solved.column[k]]);
+        for (int32_t k = m->measured.first[row]; k < m->measured.first[row + 1]; ++k)
+            sum += fabs(m->measured.value[k] * work->known[m->measured.column[k]]);
         for (int j = 0; j < m->free; ++j)
             sum += fabs(m->by_free[row * m->free + j] * o->free[j]);
+        for (int j = 0; j < m->loose; ++j)
+            sum += fabs(m->by_share[row * m->loose + j] * product(&m->shares, j, work->known));
         size[slot] = fmax(size[slot], fmax(sum, 10.0 * energy * m->seen[row]));
     }
 }
