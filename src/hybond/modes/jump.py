@@ -89,6 +89,8 @@ def enter(
     """
     check_agreement(equations, v, x, where)
     nothing = np.zeros(equations.tableau.unknowns)
+    if not equations.tableau.constraints and not equations.structure:
+        return Jump(x, nothing, (), happened=False)
     problem = _Constraints(equations, v, x, energy)
     if problem.count == 0:
         return Jump(x, nothing, (), happened=False)

@@ -164,9 +164,10 @@ class Trials:
         factors: Vector | None,
     ) -> Trial:
         """Return the trial of a mode whose jump is known."""
-        reach = self._reach(equations, x, done.x)
         floor = np.zeros(len(done.impulses))
+        self._note_energy(equations, x, done.x)
         if done.happened:
+            reach = reach_of(equations.storage, x, self.trace.energy)
             floor = impulse_floor(self.graph, done.impulses, reach, x, done.x, IMPULSE_RTOL)
         pairs, solution = self._pairs(equations, v, done, s, pre, floor)
         landed = s
@@ -353,13 +354,11 @@ class Trials:
         names = ", ".join(n.path for n in impulsive)
         self.trace.warn(f"impulsive laws enter the jump equations: {names}")
 
-    def _reach(self, equations: ModeEquations, x: Vector, after: Vector) -> Vector:
-        """Return what each storage would hold with all the energy seen so far in the run."""
-        storage = equations.storage
-        self.trace.energy = max(
-            self.trace.energy, abs(storage.energy(x)), abs(storage.energy(after))
-        )
-        return reach_of(storage, x, self.trace.energy)
+    def _note_energy(self, equations: ModeEquations, x: Vector, after: Vector) -> None:
+        """Learn how much energy the run has seen: rounding of what is stored is measured by it."""
+        states = (x,) if after is x else (x, after)
+        seen = (abs(equations.storage.energy(a)) for a in states)
+        self.trace.energy = max(self.trace.energy, *seen)
 
     def _area(self, rate: Callable[[Pairs], object], pairs: Pairs) -> float:
         value = rate(pairs)

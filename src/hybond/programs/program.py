@@ -25,6 +25,9 @@ Field = Callable[[float, Vector], Vector]
 KEPT = 512
 """Configurations kept; the least recently used is forgotten first."""
 
+COMPILED = 10_000
+"""Expressions kept compiled."""
+
 
 @dataclass(frozen=True, slots=True)
 class PowerMeter:
@@ -62,6 +65,7 @@ class Program:
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
         self._prior = [n for n in graph.nodes if reads_pre(n)]
+        self._compiled: dict[int, tuple[Expr, Callable[[Sequence[float]], float]]] = {}
         self._rates = [self.compile(i.rate) for i in graph.integrals]
         self._flags: dict[Mode, list[float]] = {}
         self.refused: NumericsError | None = None
@@ -74,11 +78,17 @@ class Program:
         self.evaluations = 0
 
     def compile(self, e: Expr) -> Callable[[Sequence[float]], float]:
-        """Return a closure of the values for a canonical expression."""
-        f: Callable[[Sequence[float]], float] = compile_expression(
-            e, self.slots.index, pre_offset=self.slots.size
-        )
-        return f
+        """Return a closure of the values for a canonical expression, made once.
+
+        Expressions are told apart by identity: to hash one takes longer than to read it.
+        """
+        known = self._compiled.get(id(e))
+        if known is None:
+            if len(self._compiled) >= COMPILED:
+                self._compiled.clear()
+            f = compile_expression(e, self.slots.index, pre_offset=self.slots.size)
+            known = self._compiled[id(e)] = e, f
+        return known[1]
 
     def equations(self, mode: Mode, interval: Interval, t: float) -> ModeEquations:
         """Return the equations of a mode, made the first time it is entered."""
