@@ -77,7 +77,7 @@ class Jets:
                 # what an OFF source would give, it does not
                 value = rng.normal() if s.node in off else u[order][k]
                 self.data[graph.nodes[s.node].path + prime] = value
-            x = own.storage.rates @ w
+            x = own.storage.rates_of(w)
             z = own.storage.matrix @ x
 
 

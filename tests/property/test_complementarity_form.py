@@ -70,7 +70,7 @@ def check_ports(form) -> None:
     for column in free.T:
         moved = ports.response(v, column)
         near(m["C"] @ column, moved.y - zero.y)
-        near(m["A"] @ column, ports.equations.storage.rates @ (moved.bonds - zero.bonds))
+        near(m["A"] @ column, ports.equations.storage.rates_of(moved.bonds - zero.bonds))
     if len(response.D) and response.D.any():
         least = np.linalg.eigvalsh(response.D + response.D.T).min() / np.abs(response.D).max()
         if abs(least) > 1e-7:
@@ -149,7 +149,7 @@ def test_a_nonlinear_graph_is_linearised_at_its_start(seed: int, size: int) -> N
     near(m["E"], response.E)
     # the tangent touches at the point
     near(m["C"] @ x + m["c"][:, 0], response.y)
-    near(m["A"] @ x + m["a"][:, 0], ports.equations.storage.rates @ response.bonds)
+    near(m["A"] @ x + m["a"][:, 0], ports.equations.storage.rates_of(response.bonds))
     # and what it leaves out is of second order: a step ten times shorter, a rest a hundredth
     rng = np.random.default_rng(seed)
     way = rng.normal(size=len(x))
@@ -159,7 +159,7 @@ def test_a_nonlinear_graph_is_linearised_at_its_start(seed: int, size: int) -> N
         v[slots.x] = moved.tolist()
         bonds = ports.solve(v, moved, np.zeros(len(ports.ports)))
         rests.append(
-            np.abs(ports.equations.storage.rates @ bonds - m["A"] @ moved - m["a"][:, 0]).max()
+            np.abs(ports.equations.storage.rates_of(bonds) - m["A"] @ moved - m["a"][:, 0]).max()
         )
     assert rests[1] <= 0.05 * rests[0] + 1e-8
 

@@ -130,8 +130,8 @@ def point_of(graph, mode, rng) -> Point:
         u={s.node: point[nz + k] for k, s in enumerate(tableau.sources)},
         du={s.node: du[k] for k, s in enumerate(tableau.sources)},
         w=w,
-        rates=own.storage.rates @ w,
-        moved=own.storage.rates @ freedom,
+        rates=own.storage.rates_of(w),
+        moved=own.storage.rates_of(freedom),
     )
 
 

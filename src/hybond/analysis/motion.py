@@ -130,14 +130,14 @@ class Motion:
         kind, _, index = name.partition(":")
         k = int(index)
         if kind == "x":
-            return np.asarray(self.equations.storage.rates[k] @ self.bonds(order - 1))
+            return np.asarray(self.equations.storage.rates_of(self.bonds(order - 1))[k])
         if kind == "s":
             return self.derivative(self.graph.integrals[k].rate, order - 1)
         if not self.linear and name in self._co_energy:
             # exact where a difference would not be
             sign, storage = self._co_energy[name]
             own = self.equations.storage
-            return np.asarray(sign * own.matrix[storage] @ own.rates @ self.bonds(order - 1))
+            return np.asarray(sign * own.matrix[storage] @ own.rates_of(self.bonds(order - 1)))
         return np.asarray(self.bonds(order)[k + (len(self.graph.bonds) if kind == "f" else 0)])
 
     @cached_property
@@ -173,7 +173,7 @@ class Motion:
         sources = own.tableau.sources
         nz, nu = len(self.graph.storages), len(sources)
         xi = np.zeros((nz + 2 * nu, len(self.t)))
-        xi[:nz] = own.storage.matrix @ (own.storage.rates @ self.bonds(order - 1))
+        xi[:nz] = own.storage.matrix @ own.storage.rates_of(self.bonds(order - 1))
         needed = np.any(own.finite.known != 0.0, axis=0)
         for k, source in enumerate(sources):
             if needed[nz + k]:

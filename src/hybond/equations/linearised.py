@@ -109,7 +109,7 @@ def linearised(ports: PortEquations, v: list[float], x: Vector) -> Linearised:
             v[e.slots.x] = moved.tolist()
             sides.append(ports.solve(v, moved, nothing))
         slope = (sides[0] - sides[1]) / (2.0 * h)
-        A[:, k] = e.storage.rates @ slope
+        A[:, k] = e.storage.rates_of(slope)
         C[:, k] = ports.partner @ slope
     v[e.slots.x] = x.tolist()
     if not all(np.isfinite(m).all() for m in (A, C, response.D, response.E)):
@@ -119,7 +119,7 @@ def linearised(ports: PortEquations, v: list[float], x: Vector) -> Linearised:
             where=e.graph.name,
             hint="start beside this point",
         )
-    a = e.storage.rates @ response.bonds - A @ x
+    a = e.storage.rates_of(response.bonds) - A @ x
     c = response.y - C @ x
     return Linearised(_clean(A), _clean(response.E), _clean(C), _clean(response.D), a, c)
 

@@ -305,7 +305,9 @@ class ModeEquations:
         """Return A, b with ``d xi / dt = A w + b`` (source rates are not known twice)."""
         nz, nu = len(self.graph.storages), len(self.tableau.sources)
         a = np.zeros((nz + 2 * nu, self.slots.w.stop - self.slots.w.start))
-        a[:nz] = self.storage.stiffness(x) @ self.storage.rates
+        stiffness = self.storage.stiffness(x) * self.storage.sign
+        for k, bond in enumerate(self.storage.bond.tolist()):
+            a[:nz, bond] += stiffness[:, k]
         b = np.zeros(nz + 2 * nu)
         for k, f in self.rate_values:
             b[nz + k] = f(v)

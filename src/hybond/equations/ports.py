@@ -166,7 +166,7 @@ class PortEquations:
         y = self.partner @ bonds
         size = e.finite.sizes(e.knowns(v, x)) + np.abs(bonds)
         storage = e.storage
-        field = storage.rates @ bonds
+        field = storage.rates_of(bonds)
         if self.linear:
             if self.constant is None:
                 self.constant = self._constant(v, x)
@@ -178,7 +178,7 @@ class PortEquations:
             gain, d, inward, coupled = known.gain, known.D, known.E, known.CE
         else:
             gain = self.gains(v, x)
-            inward = storage.rates @ gain
+            inward = storage.rates_of(gain)
             d = _product(self.partner, gain)
             coupled = self._directional(v, x, inward, y)
             rate = self._ahead(later, x, field, y, step) if later is not None else 0.0 * y
@@ -194,7 +194,7 @@ class PortEquations:
         project = np.eye(len(gain)) if e.project is None else e.project
         shown = self.partner @ project
         seen = shown @ e.x2[:, :nz] @ e.storage.matrix
-        inward = e.storage.rates @ gain
+        inward = e.storage.rates_of(gain)
         return _Constant(
             gain,
             _product(self.partner, gain),

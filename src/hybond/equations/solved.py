@@ -29,9 +29,8 @@ class Solved:
     free: Matrix
     known: Matrix
     row: NDArray[np.intp]
-    _terms: tuple[NDArray[np.intp], NDArray[np.intp], Vector] | None = field(
-        init=False, default=None
-    )
+    _terms: tuple[NDArray[np.intp], NDArray[np.intp], Vector] = field(init=False)
+    """Row, column and magnitude of what is not zero in `known`, rows in order."""
 
     @staticmethod
     def of(e: Elimination, knowns: int) -> Solved:
@@ -57,8 +56,12 @@ class Solved:
         n, x = np.zeros((len(shared), len(free))), np.zeros((len(shared), knowns))
         n[at[inner], number[column[inner]]] = value[inner]
         n[place[free], number[free]] = 1.0
-        x[at[~inner], column[~inner] - e.unknowns] = value[~inner]
-        return Solved(n[row], x, row)
+        at, column, value = at[~inner], column[~inner] - e.unknowns, value[~inner]
+        x[at, column] = value
+        found = Solved(n[row], x, row)
+        order = np.lexsort((column, at))
+        found._terms = at[order], column[order], np.abs(value[order])
+        return found
 
     def by_knowns(self, xi: Vector) -> Vector:
         """Return what `xi` adds to the bond variables: shape (2 * bonds,), or a column each."""
@@ -70,21 +73,23 @@ class Solved:
 
     def sizes(self, xi: Vector) -> Vector:
         """Return the sum of the magnitudes of what each known adds, shape (2 * bonds,)."""
-        row, column, size = self._nonzero()
+        row, column, size = self._terms
         terms = size * np.abs(xi)[column]
         return np.asarray(np.bincount(row, terms, len(self.known))[self.row], dtype=np.float64)
 
     def largest(self, xi: Vector) -> Vector:
         """Return the largest magnitude of what one of the first knowns `xi` adds to each."""
-        row, column, size = self._nonzero()
+        row, column, size = self._terms
         first = column < len(xi)
         found = np.zeros(len(self.known))
         np.maximum.at(found, row[first], size[first] * np.abs(xi)[column[first]])
         return found[self.row]
 
-    def _nonzero(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
-        """Return row, column and magnitude of what is not zero in `known`, rows in order."""
-        if self._terms is None:
-            row, column = np.nonzero(self.known)
-            self._terms = row, column, np.abs(self.known[row, column])
-        return self._terms
+    def sparse(self, rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp], Vector]:
+        """Return where each of some rows begins, columns and values of what is not zero there."""
+        first = np.searchsorted(self._terms[0], np.arange(len(self.known) + 1))
+        many = first[rows + 1] - first[rows]
+        begin = np.concatenate([[0], np.cumsum(many)])
+        taken = np.repeat(first[rows] - begin[:-1], many) + np.arange(begin[-1])
+        column = self._terms[1][taken]
+        return begin, column, self.known[np.repeat(rows, many), column]

@@ -12,7 +12,7 @@ from hybond.equations.slots import Slots
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.model.expressions import compile_expression, substitute
-from hybond.model.graph import FlatGraph
+from hybond.model.graph import FlatGraph, Storage
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -27,12 +27,13 @@ class StorageLaws:
     ----------
     matrix : array, shape (n, n)
         Of the linear storages; zero rows for the others.
-    rates : array, shape (n, 2 * bonds)
-        ``x' = rates @ w``.
+    bond, sign : array of int and array, shape (n,)
+        The bond variable that each stored quantity's rate is, among all, and its sign.
     """
 
     matrix: Matrix
-    rates: Matrix
+    bond: NDArray[np.intp]
+    sign: Vector
     laws: list[tuple[int, Closure]]
     slopes: list[tuple[int, int, Closure]]
     groups: list[tuple[int, ...]]
@@ -48,19 +49,23 @@ class StorageLaws:
         n = len(graph.storages)
         bonds = len(graph.bonds)
         matrix = np.zeros((n, n))
-        rates = np.zeros((n, 2 * bonds))
+        bond = np.zeros(n, dtype=np.intp)
+        sign = np.ones(n)
         laws: list[tuple[int, Closure]] = []
         slopes: list[tuple[int, int, Closure]] = []
         groups: dict[int, list[int]] = {}
+        ports: dict[int, list[Storage]] = {}
+        for s in graph.storages:
+            ports.setdefault(s.node, []).append(s)
         for s in graph.storages:
             # reversing an arrow reverses the flow into the element, not the effort on it
             if s.kind == "C":
-                rates[s.index, bonds + s.bond] = s.sign
+                bond[s.index], sign[s.index] = bonds + s.bond, s.sign
             else:
-                rates[s.index, s.bond] = 1.0
+                bond[s.index] = s.bond
             node = graph.nodes[s.node]
             assert node.law is not None
-            siblings = [t for t in graph.storages if t.node == s.node]
+            siblings = ports[s.node]
             if node.law.matrix is not None:
                 for t in siblings:
                     matrix[s.index, t.index] = node.law.matrix[s.port][t.port]
@@ -74,7 +79,8 @@ class StorageLaws:
                 slopes.append((s.index, t.index, f))
         return StorageLaws(
             matrix,
-            rates,
+            bond,
+            sign,
             laws,
             slopes,
             [tuple(g) for g in groups.values()],
@@ -87,6 +93,11 @@ class StorageLaws:
     def linear(self) -> bool:
         """Whether all storage laws are linear."""
         return not self.laws
+
+    def rates_of(self, w: Vector) -> Vector:
+        """Return the rates that bond variables `w`, one after the other or as columns, make."""
+        taken = w[self.bond]
+        return np.asarray(self.sign[:, None] * taken if w.ndim > 1 else self.sign * taken)
 
     def _values(self, x: Vector) -> list[float]:
         v = [0.0] * self.size

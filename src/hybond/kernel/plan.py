@@ -166,7 +166,7 @@ def _rows(
     m, w = mode.structure, program.slots.w
     meter, storage, solved = program.meter, equations.storage, equations.finite
     read = sorted(k - w.start for k in book.read if w.start <= k < w.stop)
-    _, rates = np.nonzero(storage.rates)
+    rates = storage.bond
     bonds = np.concatenate([read, rates, *meter.supplied[:2], *meter.dissipated[:2]])
     bonds = bonds.astype(np.intp)
     if equations.project is None:
@@ -182,12 +182,16 @@ def _rows(
         return np.asarray(place[shared[np.asarray(k, dtype=np.intp)]])
 
     m.rows = len(own)
-    _put_rows(mode, "solved", known[own])
+    solid = equations.project is None
+    if solid:
+        _put_sparse(mode, "solved", *solved.sparse(own))
+    else:
+        _put_rows(mode, "solved", known[own])
     mode.put("by_free", solved.free[bonds[some]][:, : m.free])
     # rounding is that of the terms before least leakage shares them out
     loose = equations.tableau.finite.free() if equations.project is not None else []
     m.loose = len(loose)
-    _put_rows(mode, "measured", known[own] if not loose else solved.spread()[own])
+    _put_sparse(mode, "measured", *solved.sparse(own if solid else solved.row[own]))
     _put_rows(mode, "shares", known[loose])
     mode.put("by_share", solved.free[bonds[some]][:, : m.loose])
     weighed = ~equations.storage.pseudo if lawful else np.zeros(program.nx)
@@ -200,7 +204,7 @@ def _rows(
     mode.put("spread_row", row_of(np.array(read)))
     mode.put("spread_slot", [w.start + k for k in read])
     mode.put("rate_row", row_of(rates))
-    mode.put("rate_sign", storage.rates[np.arange(len(rates)), rates])
+    mode.put("rate_sign", storage.sign)
     m.supplied, m.dissipated = len(meter.supplied[2]), len(meter.dissipated[2])
     for name, (e, f, sign) in (("supplied", meter.supplied), ("dissipated", meter.dissipated)):
         mode.put(f"{name}_e", row_of(e))
@@ -249,6 +253,12 @@ def _put_codes(
 def _put_rows(mode: Filled, name: str, dense: Matrix) -> None:
     row, column = np.nonzero(dense)
     first = np.searchsorted(row, np.arange(len(dense) + 1))
+    _put_sparse(mode, name, first, column, dense[row, column])
+
+
+def _put_sparse(
+    mode: Filled, name: str, first: NDArray[np.intp], column: NDArray[np.intp], value: Matrix
+) -> None:
     mode.put("first", first, part=name)
     mode.put("column", column, part=name)
-    mode.put("value", dense[row, column], part=name)
+    mode.put("value", value, part=name)

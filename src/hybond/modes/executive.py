@@ -315,7 +315,7 @@ class Executive:
         nx, ns = program.nx, program.ns
         v = program.values(self.t, interval, self.mode, y[:nx], y[nx : nx + ns])
         size = equations.solution(v, y[:nx]).size
-        return np.asarray(np.abs(equations.storage.rates) @ size)
+        return np.asarray(size[equations.storage.bond])
 
     def _followed(self, step: Step, interval: Interval, equations: ModeEquations) -> Step:
         """Repeat a step shorter until it follows slip in the plane."""

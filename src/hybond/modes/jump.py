@@ -323,7 +323,7 @@ def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Ve
         return equations.ways  # type: ignore[return-value]
     directions = impulse_directions(equations, v)
     if not (equations.linear and equations.storage.linear):
-        rates = equations.storage.rates @ directions
+        rates = equations.storage.rates_of(directions)
         moving = _moving(rates)
         return Ways(directions, moving, rates @ moving)
     found = ways_of(equations.storage, directions, lambda d: problem.slope(x, d))
@@ -333,7 +333,7 @@ def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Ve
 
 def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix], Matrix]) -> Ways:
     """Return the impulses of a linear mode; `slope_of` gives the slopes of its constraints."""
-    rates = storage.rates @ directions
+    rates = storage.rates_of(directions)
     moving = _moving(rates)
     d = rates @ moving
     slope = slope_of(d)

@@ -122,7 +122,7 @@ class Combined(ModeEquations):
         self.program.set_mode(v, part.mode)
         x = np.array(v[self.slots.x])
         w = part.solve(v, x)
-        rates = np.asarray(part.storage.rates @ w)
+        rates = np.asarray(part.storage.rates_of(w))
         if self.common is not None and kept:
             w, rates = self.common.kept(v, x, w, rates)
             v[self.slots.w] = w.tolist()

@@ -183,7 +183,7 @@ class Program:
         nx, ns = self.nx, self.ns
         v = self.values(0.0, interval, equations.mode, np.zeros(nx), np.zeros(ns))
         timed = bool(self.graph.inputs)
-        rates = equations.storage.rates
+        rates_of = equations.storage.rates_of
         meter = self.meter
 
         def field(t: float, y: Vector) -> Vector:
@@ -203,7 +203,7 @@ class Program:
                 self.refused = error
                 return np.full(nx + ns + 2, np.nan)
             rate = np.empty(nx + ns + 2)
-            rate[:nx] = rates @ w
+            rate[:nx] = rates_of(w)
             if ns:
                 rate[nx : nx + ns] = self.rates(v)
             rate[nx + ns :] = meter.read(w)

@@ -33,6 +33,21 @@ static int states(const hb_mode *m)
     return m->storages + m->signals + 2;
 }
 
+/* h times the sum of the first stages with these weights; loop by loop, for the sake of vectors. */
+static void combine(int n, int stages, double h, const double *weight, const double *k,
+                    double *restrict sum)
+{
+    for (int i = 0; i < n; ++i)
+        sum[i] = h * weight[0] * k[i];
+    for (int s = 1; s < stages; ++s) {
+        const double factor = h * weight[s], *stage = k + s * n;
+        if (factor == 0.0)
+            continue;
+        for (int i = 0; i < n; ++i)
+            sum[i] += factor * stage[i];
+    }
+}
+
 /* Each storage's own stiffness at y. */
 static void stiffness_at(const hb_mode *m, hb_motion *o, const double *y, double *stiffness)
 {
@@ -91,12 +106,9 @@ static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
     memcpy(k, o->f, sizeof *k * (size_t)n);
     for (int s = 1; s < STAGES; ++s) {
         double *y = s == STAGES - 1 ? work->y1 : work->trial;
-        for (int i = 0; i < n; ++i) {
-            double sum = 0.0;
-            for (int j = 0; j < s; ++j)
-                sum += h * A[s][j] * k[j * n + i];
-            y[i] = o->y[i] + sum;
-        }
+        combine(n, s, h, A[s], k, y);
+        for (int i = 0; i < n; ++i)
+            y[i] += o->y[i];
         double t = s < 5 ? o->t + C[s] * h : t1;
         if (!hb_rate(m, o, work, t, y, k + s * n))
             return NAN;
@@ -109,10 +121,9 @@ static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
             return NAN;
     tolerances(m, o, o->y, work->y1, work->tolerance);
     double sum = 0.0;
+    combine(n, STAGES, h, E, k, work->error);
     for (int i = 0; i < n; ++i) {
-        double error = 0.0, allowed = work->tolerance[i];
-        for (int s = 0; s < STAGES; ++s)
-            error += h * E[s] * k[s * n + i];
+        const double error = work->error[i], allowed = work->tolerance[i];
         if (isinf(allowed) || (allowed == 0.0 && error == 0.0))
             continue;
         sum += error / allowed * (error / allowed);
@@ -223,10 +234,5 @@ void hb_dense(const hb_mode *m, const hb_work *work, double h, double *dense)
 {
     const int n = states(m);
     for (int p = 0; p < 4; ++p)
-        for (int i = 0; i < n; ++i) {
-            double sum = 0.0;
-            for (int s = 0; s < STAGES; ++s)
-                sum += h * D[p][s] * work->k[s * n + i];
-            dense[p * n + i] = sum;
-        }
+        combine(n, STAGES, h, D[p], work->k, dense + p * n);
 }

@@ -28,7 +28,7 @@ would make of it: else the sign of a rounding error could close a contact that i
 
 def moved(equations: ModeEquations, v: list[float]) -> tuple[int, ...]:
     """Return the storages that impulses of a mode can move."""
-    rates = equations.storage.rates @ impulse_directions(equations, v)
+    rates = equations.storage.rates_of(impulse_directions(equations, v))
     return tuple(np.flatnonzero(np.abs(rates).max(axis=1, initial=0.0) > 0.0).tolist())
 
 

@@ -207,7 +207,7 @@ class Crossings:
         nx, n = program.nx, program.nx + program.ns
         for e in parts:
             v = program.values(t, interval, e.mode, y[:nx], y[nx:n])
-            rates = e.storage.rates @ e.solve(v, y[:nx])
+            rates = e.storage.rates_of(e.solve(v, y[:nx]))
             if not common.can_keep(v, y[:nx], rates):
                 return False
         return True

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
+from hybond.equations.storage import StorageLaws
 from hybond.modes.jump import impulse_directions
 from hybond.programs.common_space import CommonSpace
 
@@ -42,8 +43,8 @@ def meet(parts: Sequence[ModeEquations]) -> CommonSpace | None:
         holders.append(e)
         rows.append(own)
         ways.append(impulse_directions(e, [0.0] * (2 * e.slots.size)))
-    directions = _moving(np.hstack(ways), holders[0].storage.rates)
-    return CommonSpace(holders, rows, directions, holders[0].storage.rates @ directions)
+    directions = _moving(np.hstack(ways), holders[0].storage)
+    return CommonSpace(holders, rows, directions, holders[0].storage.rates_of(directions))
 
 
 def meets(parts: Sequence[ModeEquations]) -> bool:
@@ -60,9 +61,9 @@ def held_to(e: ModeEquations) -> object:
     return e.rank - len(e.structure), *sorted(tuple(sorted(r.items())) for r in rows)
 
 
-def _moving(directions: Matrix, rates: Matrix) -> Matrix:
+def _moving(directions: Matrix, storage: StorageLaws) -> Matrix:
     """Return the impulses that move what is stored, without those that repeat others."""
-    moves = rates @ directions
+    moves = storage.rates_of(directions)
     _, values, vt = np.linalg.svd(moves, full_matrices=False)
     rank = int((values > REPEATS * max(float(values.max(initial=0.0)), 1e-300)).sum())
     return np.asarray(directions @ vt[:rank].T)

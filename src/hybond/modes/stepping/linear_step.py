@@ -95,7 +95,7 @@ class LinearSteps:
         nx, ns = program.nx, program.ns
         x, s = start.y[:nx], start.y[nx : nx + ns]
         m = self._prepared(ports, h)
-        rates = ports.equations.storage.rates
+        rates_of = ports.equations.storage.rates_of
         past = self._outer_part(ports, v)
         slow = np.zeros(0)
         if ns:
@@ -103,7 +103,7 @@ class LinearSteps:
             slow = np.array(program.rates(v))
         v1 = program.values(t1, interval, start.mode, np.zeros(nx), s)
         outer = self._outer_part(ports, v1)
-        driven = rates @ (theta * outer + (1.0 - theta) * past)
+        driven = rates_of(theta * outer + (1.0 - theta) * past)
         free = m.inverse @ (x + h * ((1.0 - theta) * (m.rates @ x) + driven))
         free = self.scheme.constrained(ports, v1, free, start.mode, energy)
         bonds = outer + m.state @ free
@@ -165,9 +165,9 @@ class LinearSteps:
             n = self.scheme.program.nx
             state = self._state(ports)
             gain = ports.gains(self._zeros(), np.zeros(n))
-            rates = e.storage.rates @ state
+            rates = e.storage.rates_of(state)
             inverse = np.asarray(np.linalg.inv(np.eye(n) - h * self.scheme.theta * rates))
-            push = h * (inverse @ (e.storage.rates @ gain))
+            push = h * (inverse @ (e.storage.rates_of(gain)))
             coupling = couple(ports.partner, gain, push, state)
             doubt = ports.partner_size @ np.abs(state)
             found = _Matrices(ports, state, rates, inverse, coupling, doubt)

@@ -61,7 +61,7 @@ class _Rates:
         self.v[slots.s] = y[program.nx :].tolist()
         w = self.ports.solve(self.v, x, l)
         slow = program.rates(self.v)
-        return np.concatenate([self.ports.equations.storage.rates @ w, slow]), w
+        return np.concatenate([self.ports.equations.storage.rates_of(w), slow]), w
 
     def implicit(self, y: Vector, l: Vector) -> tuple[Vector, Vector, Vector]:
         """Return what the end adds to a step over `h`, and bond variables without and with `l`."""
