@@ -53,7 +53,11 @@ def make_environment(extra):
     usable = PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0
     sources = [ROOT / "pyproject.toml", ROOT / "src" / "hybond" / "_version.py"]
     kernel = ROOT / "src" / "hybond" / "kernel"
-    sources += [ROOT / "hatch_build.py", kernel / "build.py", *sorted((kernel / "c").iterdir())]
+    sources += [
+        ROOT / "hatch_build.py",
+        kernel / "build.py",
+        *sorted((kernel / "c").glob("*.[ch]")),
+    ]
     text = b"".join(path.read_bytes() for path in sources) + str(ROOT).encode()
     digest = hashlib.sha256(text).hexdigest()
     installed = STAMP.read_text().split() if usable and STAMP.exists() else []

@@ -1,4 +1,4 @@
-/* P1: a ball that loses a thousandth of its speed at each bounce. */
+/* A ball that loses a thousandth of its speed at each bounce. */
 #include "limit.h"
 
 static void fall(int n, double t, const double *y, double *f)

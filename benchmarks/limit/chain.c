@@ -1,4 +1,4 @@
-/* P4 and P9: a chain of masses with springs (stiffening ones if asked for) and dampers, pulled. */
+/* A chain of masses with springs (stiffening ones if asked for) and dampers, pulled. */
 #include "limit.h"
 
 static double cubic;

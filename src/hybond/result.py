@@ -82,7 +82,7 @@ class Result:
     segments : tuple of Segment
     warnings : tuple of str
     stats : dict
-        Steps, evaluations, modes built, and the tolerances used.
+        Steps (``marched``: those that the kernel took), evaluations, modes built.
     kernel : str
         How many of the steps the compiled kernel took, and why not more.
 

@@ -171,6 +171,7 @@ def simulate(
         ignored = _ignored_impact(impact, experiment)
         if ignored is not None:
             executive.trace.warn(ignored)
+        executive.trace.kernel = "not used: the kernel has rk45 only"
         return _finish(graph, program, executive, end, name, on_error)
     if theta is not None:
         raise UsageError(
@@ -190,7 +191,7 @@ def simulate(
     )
     fast: Marcher | str = "the reference was asked for"
     if kernel:
-        fast = marcher(program, method, scale, watched=progress is not None)
+        fast = marcher(program, method, scale, reporting=progress is not None)
     executive = Executive(
         program,
         method,

@@ -52,6 +52,12 @@ def checked(tmp_path_factory) -> tuple[Path, str]:
     return target, runtime
 
 
+@pytest.mark.skipif(build.compiler() is None, reason="there is no C compiler")
+def test_the_kernel_compiles_without_a_warning(tmp_path):
+    flags = ("-Wall", "-Wextra", "-Werror")
+    assert build.compile_kernel(tmp_path / build.NAME, flags=flags) == ""
+
+
 def test_runs_are_clean_under_sanitizers(checked):
     target, runtime = checked
     env = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "HYBOND_KERNEL": str(target)}

@@ -101,6 +101,7 @@ def failure_record(file: str, error: HybondError | None) -> dict[str, Any]:
         "final": {},
         "warnings": [],
         "stats": {},
+        "kernel": "",
     }
     if error is not None:
         record["error"] = error.to_dict()

@@ -27,8 +27,9 @@ class StorageLaws:
     ----------
     matrix : array, shape (n, n)
         Of the linear storages; zero rows for the others.
-    bond, sign : array of int and array, shape (n,)
-        The bond variable that each stored quantity's rate is, among all, and its sign.
+    bond, sign : arrays, shape (n,)
+        Of each stored quantity: which bond variable is its rate, among efforts then flows, and
+        with which sign: ``x' = sign * w[bond]``.
     """
 
     matrix: Matrix

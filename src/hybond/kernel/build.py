@@ -17,7 +17,8 @@ from pathlib import Path
 SOURCES = Path(__file__).parent / "c"
 NAME = {"win32": "_kernel.dll", "darwin": "_kernel.dylib"}.get(sys.platform, "_kernel.so")
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
-"""Products are not fused with sums: results are the same on every machine."""
+"""Products are not fused with sums, so that a result does not depend on which instructions a
+machine has; the functions of its C library may still differ in the last place."""
 TIMEOUT = 300.0
 
 

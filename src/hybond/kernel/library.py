@@ -22,7 +22,9 @@ def library() -> ctypes.CDLL | str:
         return "HYBOND_KERNEL is off"
     path = Path(chosen) if chosen else Path(__file__).parent / NAME
     if not path.is_file():
-        return f"{path.name} was not built: no C compiler was found when hybond was installed"
+        if chosen:
+            return f"HYBOND_KERNEL names {chosen}, which is no file"
+        return f"{NAME} was not built (pip install -v says why)"
     try:
         kernel = ctypes.CDLL(str(path))
         kernel.hb_source.restype = ctypes.c_char_p

@@ -25,10 +25,12 @@ Vector = NDArray[np.float64]
 ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY = range(6)
 MOST = 1024
 """Steps of one call: between calls a run can be interrupted."""
+REPORTED = 16
+"""Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
-WATCHED = 16
-"""The same where someone wants to be told how far a run is."""
+LOOKS = 50.0
+"""Evaluations of a step, those of its guards included, about."""
 KEPT = 256
 """Modes that are kept ready."""
 
@@ -71,6 +73,7 @@ class Marcher:
         self,
         equations: ModeEquations,
         watched: Watched,
+        *,
         interval: Interval,
         settler: Settler,
         end: float,
@@ -91,7 +94,7 @@ class Marcher:
             state = State(start[0], start[1], np.zeros(len(start[1])), 0.0, 0.0, 0)
         motion = self._prepare(state, equations, interval)
         motion.structure.run_energy, motion.structure.instant = settler.trace.energy, instant
-        trail = self._room(len(motion.arrays[".y"]), len(gaps))
+        trail = self._room(len(motion.arrays["y"]), len(gaps))
         count = ctypes.c_int32()
         why = self._kernel.hb_march(
             mode.structure,
@@ -181,22 +184,22 @@ class Marcher:
         m, arrays = motion.structure, motion.arrays
         self.program.evaluations += m.evaluations
         scale.energy = m.energy
-        scale.largest = arrays[".largest"].copy()
+        scale.largest = arrays["largest"].copy()
         if equations.rows:
-            equations.guess = arrays[".free"].copy()
+            equations.guess = arrays["free"].copy()
         names = ("t", "y", "stop", "end", "dense")
-        t, y, stop, end, dense = (trail.arrays[f".{a}"][:count].copy() for a in names)
+        t, y, stop, end, dense = (trail.arrays[a][:count].copy() for a in names)
         if count:
-            f = arrays[".f"].copy()
+            f = arrays["f"].copy()
             self.solver.resume(State(m.t, y[-1], f, m.h, m.error_before, m.controlled))
-        sizes = np.abs(trail.arrays[".outputs"][:count]).max(axis=0, initial=0.0)
+        sizes = np.abs(trail.arrays["outputs"][:count]).max(axis=0, initial=0.0)
         return Marched(
             t,
             y,
             stop,
             end,
             dense,
-            int(trail.arrays[".rejected"][:count].sum()),
+            int(trail.arrays["rejected"][:count].sum()),
             dict(zip(gaps, sizes.tolist(), strict=True)),
             arrived=why == ARRIVED,
             interrupted=why == FULL,
@@ -205,22 +208,25 @@ class Marcher:
 
 
 def marcher(
-    program: Program, solver: object, scale: Scale, *, watched: bool = False
+    program: Program, solver: object, scale: Scale, *, reporting: bool = False
 ) -> Marcher | str:
-    """Return what marches this program, or why nothing does; `watched` if progress is reported."""
+    """Return what marches this program, or why nothing does.
+
+    `reporting` says that someone is told of progress.
+    """
     kernel = library()
     if isinstance(kernel, str):
         return kernel
     if not isinstance(solver, DormandPrince):
         return "the kernel has rk45 only"
-    return Marcher(kernel, program, solver, scale, most=WATCHED if watched else MOST)
+    return Marcher(kernel, program, solver, scale, most=REPORTED if reporting else MOST)
 
 
 def _cost(mode: Filled) -> float:
     """Return about how many operations a step takes: its evaluations, and those for its guards."""
     m, arrays = mode.structure, mode.arrays
-    once = len(arrays["solved.value"]) + len(arrays[".code"]) + m.free**3 + m.rows * m.free
-    return float(1.0 + 50.0 * once)
+    once = len(arrays["solved.value"]) + len(arrays["code"]) + m.free**3 + m.rows * m.free
+    return float(1.0 + LOOKS * once)
 
 
 def _sampling() -> Filled:

@@ -42,6 +42,8 @@ def plan(
         For what the kernel was not made for.
     """
     _check(program, equations, lawful=lawful)
+    if not watched.rounded:
+        raise Declined("guards that are asked without rounding")
     mode = Filled(Mode())
     book = Book(program.slots.index, pre_offset=program.slots.size)
     _layout(mode, program)
@@ -56,6 +58,7 @@ def plan(
     code, constants = book.arrays()
     mode.put("code", code)
     mode.put("constants", constants)
+    mode.check()
     return mode
 
 

@@ -17,6 +17,7 @@ REALS = ctypes.POINTER(REAL)
 class Sampling(ctypes.Structure):
     """`hb_sampling`."""
 
+    __slots__ = ()
     _fields_ = (
         *((name, REALS) for name in ("fractions", "left_over", "fine")),
         *((name, REAL) for name in ("unresolved", "near_zero", "rounding")),
@@ -26,6 +27,7 @@ class Sampling(ctypes.Structure):
 class Rows(ctypes.Structure):
     """`hb_rows`."""
 
+    __slots__ = ()
     _fields_ = (("first", INTEGERS), ("column", INTEGERS), ("value", REALS))
 
 
@@ -40,6 +42,7 @@ _SIZES = """
 class Mode(ctypes.Structure):
     """`hb_mode`."""
 
+    __slots__ = ()
     _fields_ = (
         *((name, INTEGER) for name in _SIZES.split()),
         ("code", INTEGERS),
@@ -92,6 +95,7 @@ class Mode(ctypes.Structure):
 class Motion(ctypes.Structure):
     """`hb_motion`."""
 
+    __slots__ = ()
     _fields_ = (
         *((name, REAL) for name in ("t", "h", "error_before", "energy")),
         *((name, REAL) for name in ("max_step", "rtol", "atol", "negligible", "idle")),
@@ -108,6 +112,7 @@ class Motion(ctypes.Structure):
 class Trail(ctypes.Structure):
     """`hb_trail`."""
 
+    __slots__ = ()
     _fields_ = (
         *((name, REALS) for name in ("t", "y", "outputs", "stop", "end", "dense")),
         ("rejected", INTEGERS),
@@ -132,6 +137,13 @@ class Filled:
         kind = {f[0]: f[1] for f in type(owner)._fields_}[name]
         dtype = np.int32 if kind is INTEGERS else np.float64
         array: NDArray[Any] = np.ascontiguousarray(values, dtype=dtype)
-        self.arrays[f"{part}.{name}"] = array
+        self.arrays[f"{part}.{name}" if part else name] = array
         setattr(owner, name, array.ctypes.data_as(kind))
         return array
+
+    def check(self) -> None:
+        """Refuse a structure one of whose pointers leads nowhere."""
+        for name, kind in ((f[0], f[1]) for f in type(self.structure)._fields_):
+            parts = [f"{name}.{f[0]}" for f in Rows._fields_] if kind is Rows else [name]
+            if kind in (Rows, INTEGERS, REALS) and not self.arrays.keys() >= set(parts):
+                raise AssertionError(f"{type(self.structure).__name__}.{name} was not filled")

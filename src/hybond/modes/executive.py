@@ -7,6 +7,7 @@ The whole algorithm::
       interval <- what inputs and comparisons of time are from t to the next timed event
       start the solver in mode's field; it is told that field or state jumped
       repeat
+        let the kernel make steps as far as it is sure (marching.py); where it stops, make one here:
         step, not beyond the next timed event or `until`
         find the first instant t* of the step at which a guard that leaves mode holds (locate.py)
         if there is one: repeat the step so that it ends just past t*, find t* again on it, end
@@ -227,7 +228,13 @@ class Executive:
                 watched = self._watched[key]
                 start = (self.t, y) if begins else None
                 taken = march.march(
-                    equations, watched, interval, self.settler, end, tolerance, start
+                    equations,
+                    watched,
+                    interval=interval,
+                    settler=self.settler,
+                    end=end,
+                    instant=tolerance,
+                    start=start,
                 )
                 march = None if taken is None else march
                 begins &= taken is None or not len(taken.t)

@@ -88,6 +88,7 @@ class March(Protocol):
         self,
         equations: ModeEquations,
         watched: Watched,
+        *,
         interval: Interval,
         settler: Settler,
         end: float,

@@ -97,6 +97,19 @@ static void tolerances(const hb_mode *m, hb_motion *o, const double *y0, const d
     }
 }
 
+/* The norm of a vector in units of the tolerances. */
+static double norm(const hb_mode *m, const hb_motion *o, const double *vector,
+                   const double *tolerance)
+{
+    double sum = 0.0;
+    for (int i = 0; i < states(m); ++i) {
+        if (isinf(tolerance[i]) || (tolerance[i] == 0.0 && vector[i] == 0.0))
+            continue;
+        sum += vector[i] / tolerance[i] * (vector[i] / tolerance[i]);
+    }
+    return sqrt(sum / o->controlled);
+}
+
 /* Try a step from o->t to t1; the norm of its error, nan if something is not finite. */
 static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
 {
@@ -120,15 +133,8 @@ static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
         if (!isfinite(work->y1[i]))
             return NAN;
     tolerances(m, o, o->y, work->y1, work->tolerance);
-    double sum = 0.0;
     combine(n, STAGES, h, E, k, work->error);
-    for (int i = 0; i < n; ++i) {
-        const double error = work->error[i], allowed = work->tolerance[i];
-        if (isinf(allowed) || (allowed == 0.0 && error == 0.0))
-            continue;
-        sum += error / allowed * (error / allowed);
-    }
-    return sqrt(sum / o->controlled);
+    return norm(m, o, work->error, work->tolerance);
 }
 
 int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
@@ -166,19 +172,6 @@ int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double 
         o->error_before = fmax(error, SMALLEST);
     }
     return 1;
-}
-
-/* The norm of a vector in units of the tolerances. */
-static double norm(const hb_mode *m, const hb_motion *o, const double *vector,
-                   const double *tolerance)
-{
-    double sum = 0.0;
-    for (int i = 0; i < states(m); ++i) {
-        if (isinf(tolerance[i]) || (tolerance[i] == 0.0 && vector[i] == 0.0))
-            continue;
-        sum += vector[i] / tolerance[i] * (vector[i] / tolerance[i]);
-    }
-    return sqrt(sum / o->controlled);
 }
 
 /* As solvers/control.py chooses it. */

@@ -9,7 +9,8 @@
 
 #include <stdint.h>
 
-/* Instructions of expressions; kernel/bytecode.py has the same list in the same order. */
+/* Instructions of expressions, those of one value from HB_SIN to HB_CEIL; kernel/bytecode.py has the
+ * same list in the same order. */
 enum hb_op {
     HB_END, HB_CONST, HB_SLOT, HB_ADD, HB_SUB, HB_MUL, HB_DIV, HB_POW, HB_NEG, HB_SQUARE,
     HB_LT, HB_LE, HB_GT, HB_GE, HB_EQ, HB_NE, HB_NOT, HB_TRUTH, HB_SKIP, HB_SKIP_UNLESS, HB_SKIP_IF,
@@ -34,8 +35,8 @@ typedef struct {
     const double *value;
 } hb_rows;
 
-/* One mode. Expressions are places in `code`; `w` below are rows of bond variables that something
- * reads, each once. */
+/* One mode. Expressions are places in `code`; rows are those of the bond variables that something
+ * reads; equal ones share a row. */
 typedef struct {
     int32_t slots, storages, signals, inputs;
     int32_t stored_slot, signal_slot, input_slot, input_rate_slot;
@@ -51,7 +52,7 @@ typedef struct {
     hb_rows solved;                                 /* rows x knowns */
     const double *by_free;                          /* rows x free */
     hb_rows measured;                               /* rows x knowns: whose terms make the size, */
-    hb_rows shares;                                 /* loose x knowns: with what least leakage sets */
+    hb_rows shares;                                 /* loose x knowns: what leakage sets */
     const double *by_share;                         /* rows x loose */
     const int32_t *spread_row, *spread_slot;        /* rows to slots that are read */
     const int32_t *value_code;                      /* dynamic rows: zero at the solution */
@@ -72,7 +73,7 @@ typedef struct {
     hb_rows constraint, agreement;                  /* constraints, agreements: of knowns */
     const double *known_reach, *stored_reach;       /* knowns, storages: with a unit of energy */
     const double *put_back;                         /* storages x constraints */
-    const double *weighed;                          /* storages: 1 if it has energy that laws ask for */
+    const double *weighed;                          /* storages: 1 if laws ask for its energy */
 } hb_mode;
 
 /* A motion under way: read and written. States are stored quantities, signals, energy supplied,
@@ -108,7 +109,7 @@ int hb_holds(const int32_t *code, const double *constants, const double *v, cons
 /* Work space of one march. */
 typedef struct hb_work hb_work;
 struct hb_work {
-    double *known, *w, *residual, *jacobian, *step;  /* one evaluation */
+    double *known, *w, *jacobian, *step;             /* one evaluation */
     double *k, *y1, *trial, *tolerance, *error;      /* one step */
     double *sampled, *atoms, *sizes, *magnitudes;    /* guards */
     double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
@@ -126,12 +127,11 @@ int hb_solve(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doub
 /* The rate of y; 0 as above. */
 int hb_rate(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y, double *rate);
 
-/* One accepted step of Dormand and Prince, its result in work->y1 and work->k; 0 if there is none. */
+/* One accepted step of Dormand and Prince, in work->y1 and work->k; 0 if there is none. */
 int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
             int32_t *rejected);
 
-/* Derivative, and size of the first step, of a motion that begins at o->t with o->y; 0 if it does not
- * begin. */
+/* Derivative and first step of a motion that begins at o->t with o->y; 0 if it cannot. */
 int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
 
 /* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
@@ -149,8 +149,13 @@ void hb_between(int n, const double *y0, const double *dense, double x, double *
 /* Coefficients of the step's dense output, 4 x states. */
 void hb_dense(const hb_mode *m, const hb_work *work, double h, double *dense);
 
-/* The first instant in (t, t1] at which a guard holds: 1 and *at, 0 if none does, -1 if in doubt. */
+/* The first instant in (t, t1] at which a guard holds: 1 and *at; 0 if none does; -1 in doubt. */
 int hb_locate(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling, double t1,
               const double *dense, double *at);
+
+/* What Python calls: which sources this was built from, and a march (march.c). */
+const char *hb_source(void);
+int32_t hb_march(const hb_mode *m, hb_motion *o, const hb_sampling *sampling, double t_end,
+                 int32_t most, int32_t begins, hb_trail *trail, int32_t *count);
 
 #endif

@@ -1,4 +1,5 @@
-/* The first instant of a step at which a guard holds: modes/locate.py, word for word. */
+/* The first instant of a step at which a guard holds: modes/locate.py, function
+ * by function, for guards that count rounding as zero. */
 #include "hybond.h"
 
 #include <math.h>

@@ -103,9 +103,9 @@ static int advance(march *a, size_t k)
     return found ? HB_EVENT : HB_FULL;
 }
 
-/* March to t_end (after a jump if it `begins`), or until `most` steps are on the trail, or to the first instant at which a guard
- * holds, or up to the start of a step that the reference has to look at. Returns the reason; *count
- * are the steps. */
+/* March to t_end (after a jump if it `begins`), or until `most` steps are on the trail, or to the first
+ * instant at which a guard holds, or up to the start of a step that the reference has to look at.
+ * Returns the reason; *count are the steps. */
 int32_t hb_march(const hb_mode *m, hb_motion *o, const hb_sampling *sampling, double t_end,
                  int32_t most, int32_t begins, hb_trail *trail, int32_t *count)
 {

@@ -110,6 +110,9 @@ int hb_holds(const int32_t *code, const double *constants, const double *v, cons
             --s;
             break;
         default: { /* the size of any other function is its value's */
+            if (op != HB_SQUARE && op != HB_TABLE && op != HB_POW && op != HB_ATAN2 &&
+                op != HB_MOD && (op < HB_SIN || op > HB_CEIL))
+                return -1;
             int32_t one[] = {HB_SLOT, 0, op, 0, 0, 0};
             double both[] = {s->value, 0.0};
             if (op == HB_POW || op == HB_ATAN2 || op == HB_MOD) {

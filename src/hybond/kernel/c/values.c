@@ -14,10 +14,10 @@ int hb_reserve(hb_work *work, const hb_mode *m)
     size_t atoms = (size_t)m->guard_atoms[m->guards];
     size_t free_ = (size_t)m->free;
     size_t guards = (size_t)m->guards, slots = (size_t)m->slots, nx = (size_t)m->storages;
-    size_t sizes[] = {(size_t)m->knowns, 2 * (size_t)m->rows, (size_t)m->values, free_ * free_, free_,
+    size_t sizes[] = {(size_t)m->knowns, 2 * (size_t)m->rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
                       2 * slots, slots, nx, (size_t)m->constraints, 4 * n, free_};
-    double **parts[] = {&work->known, &work->w, &work->residual, &work->jacobian, &work->step,
+    double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->sizes, &work->magnitudes, &work->kept,
                         &work->residuals, &work->dense, &work->guess};

@@ -118,7 +118,7 @@ class Complementarity:
     def jumping(self, at: Instant, x: Vector, *, energy: float) -> Iterator[Mode]:
         """Yield modes whose branches may carry impulses, the likeliest first.
 
-        None if no law is violated by what is stored.
+        Nothing if no law is violated by what is stored.
         """
         ports, v, x = self.consistent(at, x, energy)
         self.kept.disks = []
