@@ -67,7 +67,7 @@ class Marcher:
         self._sampling = _sampling()
         self._motion = Filled(Motion())
         self._trail = Filled(Trail())
-        self._size = (0, 0)
+        self._size = (0, 0, 0)
 
     def march(
         self,
@@ -94,14 +94,15 @@ class Marcher:
             state = State(start[0], start[1], np.zeros(len(start[1])), 0.0, 0.0, 0)
         motion = self._prepare(state, equations, interval)
         motion.structure.run_energy, motion.structure.instant = settler.trace.energy, instant
-        trail = self._room(len(motion.arrays["y"]), len(gaps))
+        most = max(1, min(self.most, int(BUDGET / _cost(mode))))
+        trail = self._room(most, len(motion.arrays["y"]), len(gaps))
         count = ctypes.c_int32()
         why = self._kernel.hb_march(
             mode.structure,
             motion.structure,
             self._sampling.structure,
             end,
-            max(1, min(self.most, int(BUDGET / _cost(mode)))),
+            most,
             start is not None,
             trail.structure,
             count,
@@ -160,16 +161,18 @@ class Marcher:
         motion.put("v", v)
         return motion
 
-    def _room(self, states: int, outputs: int) -> Filled:
-        if self._size != (states, outputs):
-            self._size = states, outputs
-            self._trail.put("t", np.zeros(self.most))
-            self._trail.put("y", np.zeros((self.most, states)))
-            self._trail.put("stop", np.zeros(self.most))
-            self._trail.put("end", np.zeros((self.most, states)))
-            self._trail.put("dense", np.zeros((self.most, 4, states)))
-            self._trail.put("outputs", np.zeros((self.most, outputs)))
-            self._trail.put("rejected", np.zeros(self.most))
+    def _room(self, most: int, states: int, outputs: int) -> Filled:
+        """Return a trail for so many steps: in a large graph few of them fill much memory."""
+        room, *others = self._size
+        if room < most or others != [states, outputs]:
+            self._size = most, states, outputs
+            self._trail.put("t", np.zeros(most))
+            self._trail.put("y", np.zeros((most, states)))
+            self._trail.put("stop", np.zeros(most))
+            self._trail.put("end", np.zeros((most, states)))
+            self._trail.put("dense", np.zeros((most, 4, states)))
+            self._trail.put("outputs", np.zeros((most, outputs)))
+            self._trail.put("rejected", np.zeros(most))
         return self._trail
 
     def _taken(
