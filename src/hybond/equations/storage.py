@@ -177,15 +177,14 @@ class StorageLaws:
         """Integrate ``z dx`` from 0 along a ray; the law has an energy, so any path will do."""
         from scipy.integrate import quad
 
-        point = np.zeros(len(x))
-
-        own = list(group)
         laws = [f for k, f in self.laws if k in group]
+        ends = x[list(group)].tolist()
+        v = [0.0] * self.size
 
         def power(a: float) -> float:
-            point[own] = a * x[own]
-            v = self._values(point)
-            return float(sum(f(v) * b for f, b in zip(laws, x[own].tolist(), strict=True)))
+            for k, b in zip(group, ends, strict=True):
+                v[self.offset + k] = a * b
+            return float(sum(f(v) * b for f, b in zip(laws, ends, strict=True)))
 
         value, _ = quad(power, 0.0, 1.0, epsabs=0.0, epsrel=1e-13, limit=200)
         return float(value)
