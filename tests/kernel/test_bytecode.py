@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import hybond as hb
 from hybond.kernel.build import SOURCES
 from hybond.kernel.bytecode import CODE, DEPTH, OPERATIONS, Book, Declined
 from hybond.model.expressions import (
@@ -26,6 +27,7 @@ from hybond.model.expressions import (
     Table,
     compile_expression,
 )
+from hybond.modes.dirac import DIRAC, steady
 
 SLOT = {"x": 0, "y": 1, "z": 2}
 TABLES = [
@@ -82,6 +84,53 @@ def test_the_kernel_gives_what_the_reference_gives(kernel, tree, v):
     else:
         # functions of the C library may differ from Python's in the last place
         assert got == want or got == pytest.approx(want, rel=1e-12)
+
+
+def guards():
+    """Return truths of numbers: what a guard may be."""
+    number = st.sampled_from([-1.0, 0.0, 1.0, 2.0, 0.5]).map(Number)
+    name = st.sampled_from(["x", "y", "z"]).map(Name)
+
+    def grow(inner):
+        calls = [
+            st.builds(Call, st.just(f), st.lists(inner, min_size=low, max_size=most).map(tuple))
+            for f, (low, most) in ((f, (a, min(b, 3))) for f, (a, b) in FUNCTIONS.items())
+        ]
+        arithmetic = st.builds(Binary, st.sampled_from("+-*/^"), inner, inner)
+        return st.builds(Neg, inner) | arithmetic | st.one_of(calls)
+
+    values = st.recursive(number | name | st.sampled_from(TABLES), grow, max_leaves=5)
+    signs = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
+    compared = st.builds(Compare, signs, values, values)
+
+    def join(inner):
+        several = st.lists(inner, min_size=2, max_size=3).map(tuple)
+        return st.builds(And, several) | st.builds(Or, several) | st.builds(Not, inner)
+
+    return st.recursive(compared, join, max_leaves=4)
+
+
+@given(
+    guards(),
+    st.lists(st.sampled_from([-1.0, 0.0, 1e-14, 1.0, 1.0 + 1e-14, 2.5]), min_size=6, max_size=6),
+    st.lists(st.sampled_from([0.0, 1.0, 1e3]), min_size=3, max_size=3),
+)
+@settings(max_examples=1000, deadline=None)
+def test_guards_with_sizes_hold_as_settling_asks_them(kernel, tree, v, more):
+    v = [*v[:3], *v[:3]]  # while time passes, values before are those after
+    size = [abs(a) + b for a, b in zip(v, more, strict=False)]
+    try:
+        answer = compile_expression(tree, SLOT, DIRAC, pre_offset=3)(steady(v, size))
+        want = int(bool(answer))
+    except hb.ModelError:
+        want = -1
+    book = Book(SLOT, pre_offset=3)
+    place = book.add(tree)
+    code, constants = book.arrays()
+    values, sizes = np.array(v), np.array([*size, *size])
+    given = (code[place:], constants, values, sizes)
+    got = kernel.hb_holds(*(a.ctypes.data_as(ctypes.c_void_p) for a in given))
+    assert got == want
 
 
 @pytest.mark.parametrize("value", [-2.0, -1.0, -0.5, 0.0, 1.0, 2.0, 3.0, math.nan])
