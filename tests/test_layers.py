@@ -14,7 +14,7 @@ FILES = sorted((SOURCE / "hybond").rglob("*.py"))
 
 LAYERS = [
     ["_version"],
-    ["errors", "names", "uncollected", "units"],
+    ["chronicle", "errors", "names", "uncollected", "units"],
     ["model"],
     ["files"],
     ["library"],

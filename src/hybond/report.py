@@ -27,7 +27,7 @@ class EventTable(Sequence[Event]):
     t = 0 s  start    (the only mode)  continuous  energy 50 mJ
     """
 
-    def __init__(self, graph: FlatGraph, events: tuple[Event, ...]) -> None:
+    def __init__(self, graph: FlatGraph, events: Sequence[Event]) -> None:
         self.graph = graph
         self.events = events
 
@@ -36,7 +36,7 @@ class EventTable(Sequence[Event]):
     @overload
     def __getitem__(self, k: slice) -> tuple[Event, ...]: ...
     def __getitem__(self, k: int | slice) -> Event | tuple[Event, ...]:
-        return self.events[k]
+        return tuple(self.events[k]) if isinstance(k, slice) else self.events[k]
 
     def __len__(self) -> int:
         return len(self.events)

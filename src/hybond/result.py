@@ -79,7 +79,7 @@ class Result:
     error : HybondError or None
     events : EventTable
         Prints as the table of what happened and why.
-    segments : tuple of Segment
+    segments : sequence of Segment
     warnings : tuple of str
     stats : dict
         Steps (``marched``: those that the kernel took), evaluations, modes built.
@@ -115,15 +115,14 @@ class Result:
         self.until = until
         self.solver = solver
         self.error = error
-        self.segments: tuple[Segment, ...] = tuple(trace.segments)
-        self.events = EventTable(self.graph, tuple(trace.events))
+        self.segments: Sequence[Segment] = trace.segments
+        self.events = EventTable(self.graph, trace.events)
         self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
         self.kernel = trace.kernel
         self._expressions: dict[str, Expr] = {}
         self._grids: dict[tuple[int, bytes], tuple[Vector, list[Vector]]] = {}
         self._kept = 0
-        self._starts = [float(s.t[0]) for s in self.segments]
 
     # -- names
 
@@ -334,8 +333,8 @@ class Result:
 
     def _segment_at(self, t: float, side: Side) -> int:
         if side == "right":
-            return max(bisect.bisect_right(self._starts, t) - 1, 0)
-        return max(bisect.bisect_left(self._starts, t) - 1, 0)
+            return max(bisect.bisect_right(self.trace.segments.times, t) - 1, 0)
+        return max(bisect.bisect_left(self.trace.segments.times, t) - 1, 0)
 
     @property
     def _settled_at_end(self) -> bool:
@@ -373,8 +372,9 @@ class Result:
         """Return why the modes changed: the events, or the one nearest to `t`."""
         if t is None or not len(self.events):
             return str(self.events)
-        nearest = min(self.trace.events, key=lambda e: abs(e.t - t))
-        return str(EventTable(self.graph, (nearest,)))
+        times = self.trace.events.times
+        nearest = min(range(len(times)), key=lambda k: abs(times[k] - t))
+        return str(EventTable(self.graph, (self.events[nearest],)))
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""

@@ -260,6 +260,11 @@ class ErrorScale:
         return NEGLIGIBLE
 
     @property
+    def rounded(self) -> float:
+        """Part of the terms of a rate, in the time of the run, that rounding may come to."""
+        return ROUNDED * SHORT * self.until
+
+    @property
     def idle(self) -> float:
         """What an integrated signal may be wrong by at zero."""
         return float(IDLE * self.rtol**0.5)
@@ -270,7 +275,7 @@ class ErrorScale:
         From rest, rates may be nothing but rounding of these terms: then no step is small enough
         to be right to a part of what it adds.
         """
-        self.rounding = ROUNDED * SHORT * self.until * terms
+        self.rounding = self.rounded * terms
 
     def __call__(self, y0: Vector, y1: Vector) -> Vector:
         """Return the tolerance per state, shape (nx + ns + 2,); quadratures are not controlled."""

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.chronicle import Chronicle
 from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
@@ -190,12 +191,20 @@ class Sliding:
     kind: Literal["additive", "product"]
 
 
+def _begin(segment: Segment) -> float:
+    return float(segment.t[0])
+
+
+def _instant(event: Event) -> float:
+    return event.t
+
+
 @dataclass(slots=True)
 class Trace:
     """Everything a run wrote down, in order."""
 
-    segments: list[Segment] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    segments: Chronicle[Segment] = field(default_factory=lambda: Chronicle(_begin))
+    events: Chronicle[Event] = field(default_factory=lambda: Chronicle(_instant))
     accumulations: list[Accumulation] = field(default_factory=list)
     slidings: list[Sliding] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)

@@ -27,7 +27,7 @@ from hybond.model.expressions import (
     Table,
     compile_expression,
 )
-from hybond.modes.dirac import DIRAC, steady
+from hybond.modes.dirac import DIRAC, Pairs
 
 SLOT = {"x": 0, "y": 1, "z": 2}
 TABLES = [
@@ -86,8 +86,11 @@ def test_the_kernel_gives_what_the_reference_gives(kernel, tree, v):
         assert got == want or got == pytest.approx(want, rel=1e-12)
 
 
-def guards():
-    """Return truths of numbers: what a guard may be."""
+SIGNS = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
+
+
+def quantities():
+    """Return expressions that are numbers: what a guard may compare."""
     number = st.sampled_from([-1.0, 0.0, 1.0, 2.0, 0.5]).map(Number)
     name = st.sampled_from(["x", "y", "z"]).map(Name)
 
@@ -97,11 +100,16 @@ def guards():
             for f, (low, most) in ((f, (a, min(b, 3))) for f, (a, b) in FUNCTIONS.items())
         ]
         arithmetic = st.builds(Binary, st.sampled_from("+-*/^"), inner, inner)
-        return st.builds(Neg, inner) | arithmetic | st.one_of(calls)
+        chosen = st.builds(If, st.builds(Compare, SIGNS, inner, inner), inner, inner)
+        return st.builds(Neg, inner) | arithmetic | st.one_of(calls) | chosen
 
-    values = st.recursive(number | name | st.sampled_from(TABLES), grow, max_leaves=5)
-    signs = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
-    compared = st.builds(Compare, signs, values, values)
+    leaf = number | name | name.map(Pre) | st.sampled_from(TABLES)
+    return st.recursive(leaf, grow, max_leaves=5)
+
+
+def guards():
+    """Return truths of numbers: what a guard may be."""
+    compared = st.builds(Compare, SIGNS, quantities(), quantities())
 
     def join(inner):
         several = st.lists(inner, min_size=2, max_size=3).map(tuple)
@@ -110,27 +118,79 @@ def guards():
     return st.recursive(compared, join, max_leaves=4)
 
 
-@given(
-    guards(),
-    st.lists(st.sampled_from([-1.0, 0.0, 1e-14, 1.0, 1.0 + 1e-14, 2.5]), min_size=6, max_size=6),
-    st.lists(st.sampled_from([0.0, 1.0, 1e3]), min_size=3, max_size=3),
-)
-@settings(max_examples=1000, deadline=None)
-def test_guards_with_sizes_hold_as_settling_asks_them(kernel, tree, v, more):
-    v = [*v[:3], *v[:3]]  # while time passes, values before are those after
-    size = [abs(a) + b for a, b in zip(v, more, strict=False)]
-    try:
-        answer = compile_expression(tree, SLOT, DIRAC, pre_offset=3)(steady(v, size))
-        want = int(bool(answer))
-    except hb.ModelError:
-        want = -1
+class Signals(ctypes.Structure):
+    """`hb_signals`."""
+
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("finite", "before", "impulse", "size")),
+        ("slots", ctypes.c_int32),
+    )
+
+
+class Five(ctypes.Structure):
+    """`hb_pair`."""
+
+    _fields_ = tuple(
+        (name, ctypes.c_double) for name in ("finite", "impulse", "before", "size", "impulse_size")
+    )
+
+
+NUMBERS = st.sampled_from([-1.0, 0.0, 1e-14, 1.0, 1.0 + 1e-14, 2.5])
+THREE = st.lists(NUMBERS, min_size=3, max_size=3)
+
+
+def paired(kernel, tree, given):
+    """Return what the kernel makes of an expression of signals, None if it has no meaning."""
     book = Book(SLOT, pre_offset=3)
     place = book.add(tree)
     code, constants = book.arrays()
-    values, sizes = np.array(v), np.array([*size, *size])
-    given = (code[place:], constants, values, sizes)
-    got = kernel.hb_holds(*(a.ctypes.data_as(ctypes.c_void_p) for a in given))
-    assert got == want
+    arrays = [np.array(a, dtype=float) for a in given]
+    signals = Signals(*(a.ctypes.data for a in arrays), 3)
+    result = Five()
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (code[place:], constants)]
+    if not kernel.hb_paired(*pointers, ctypes.byref(signals), ctypes.byref(result)):
+        return None
+    return result
+
+
+@given(
+    guards(),
+    THREE,
+    THREE,
+    st.lists(st.sampled_from([0.0, 0.0, -1.0, 1e-14, 3.0]), min_size=3, max_size=3),
+    st.lists(st.sampled_from([0.0, 1.0, 1e3]), min_size=3, max_size=3),
+)
+@settings(max_examples=1500, deadline=None)
+def test_guards_hold_as_settling_asks_them(kernel, tree, now, before, impulse, more):
+    size = [abs(a) + b for a, b in zip(now, more, strict=True)]
+    pairs = Pairs(now, before, impulse, size)
+    try:
+        want = bool(compile_expression(tree, SLOT, DIRAC, pre_offset=3)(pairs))
+    except hb.ModelError:
+        want = None
+    got = paired(kernel, tree, (now, before, impulse, size))
+    assert (None if got is None else got.finite != 0.0) == want
+
+
+@given(
+    quantities(), THREE, THREE, st.lists(st.sampled_from([0.0, 1.0, -2.0]), min_size=3, max_size=3)
+)
+@settings(max_examples=1500, deadline=None)
+def test_expressions_of_impulses(kernel, tree, now, before, impulse):
+    size = [abs(a) for a in now]
+    try:
+        want = compile_expression(tree, SLOT, DIRAC, pre_offset=3)(
+            Pairs(now, before, impulse, size)
+        )
+    except hb.ModelError:
+        want = None
+    got = paired(kernel, tree, (now, before, impulse, size))
+    if want is None:
+        assert got is None
+        return
+    for name in ("finite", "impulse", "before", "size", "impulse_size"):
+        a, b = getattr(got, name), getattr(want, name)
+        assert a == b or a == pytest.approx(b, rel=1e-12, nan_ok=True), name
 
 
 @pytest.mark.parametrize("value", [-2.0, -1.0, -0.5, 0.0, 1.0, 2.0, 3.0, math.nan])

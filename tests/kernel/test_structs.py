@@ -9,14 +9,18 @@ from hybond.kernel import marcher
 from hybond.kernel.build import SOURCES
 from hybond.kernel.bytecode import DEPTH
 from hybond.kernel.structs import (
+    ADDRESSES,
     INTEGER,
     INTEGERS,
     REAL,
     REALS,
+    Atlas,
+    Log,
     Mode,
     Motion,
     Rows,
     Sampling,
+    Schedule,
     Trail,
 )
 from hybond.modes import dirac, jump, locate
@@ -24,7 +28,7 @@ from hybond.solvers import dopri
 
 HEADER = re.sub(r"/\*.*?\*/", "", (SOURCES / "hybond.h").read_text(), flags=re.S)
 TYPES = {"int32_t": INTEGER, "int64_t": ctypes.c_int64, "double": REAL, "hb_rows": Rows}
-POINTERS = {"int32_t": INTEGERS, "double": REALS}
+POINTERS = {"int32_t": INTEGERS, "double": REALS, "hb_mode": ADDRESSES}
 
 
 def declared(name):
@@ -40,7 +44,7 @@ def numbers(file, *names):
     return [float(re.search(rf"\b{name} = ([0-9.e+-]+)", text).group(1)) for name in names]
 
 
-@pytest.mark.parametrize("structure", [Sampling, Rows, Mode, Motion, Trail])
+@pytest.mark.parametrize("structure", [Sampling, Rows, Mode, Motion, Trail, Atlas, Schedule, Log])
 def test_fields_stand_as_in_the_header(structure):
     fields = [(f[0], f[1]) for f in structure._fields_]
     assert fields == list(declared(structure.__doc__.strip("`.")))
@@ -58,7 +62,7 @@ def test_reasons_and_sizes_are_the_same():
     )
     assert numbers("hybond.h", "HB_SAMPLES") == [len(locate.FRACTIONS)]
     assert numbers("hybond.h", "HB_GRID") == [len(locate.GRID)]
-    assert numbers("bytecode.c", "DEPTH") == numbers("sized.c", "DEPTH") == [DEPTH]
+    assert numbers("bytecode.c", "DEPTH") == numbers("pairs.c", "DEPTH") == [DEPTH]
 
 
 def test_constants_are_the_same():
@@ -67,7 +71,7 @@ def test_constants_are_the_same():
         locate.AROUND,
         locate.SEARCH,
     ]
-    assert numbers("sized.c", "ROUNDING") == [dirac.ROUNDING]
+    assert numbers("pairs.c", "ROUNDING") == [dirac.ROUNDING]
     assert numbers("constraints.c", "MET", "AGREE", "CANCELLED", "NOTHING") == [
         jump.CONSISTENT,
         jump.AGREE,

@@ -71,10 +71,10 @@ def test_twelve_events_in_one_moment_are_chatter() -> None:
 
 def test_a_series_remembers_its_longest_flight() -> None:
     series = Series()
-    series.note(1.0, 5.0)
-    series.note(1.5, 2.0)
+    series.note([1.0], [5.0])
+    series.note([1.5], [2.0])
     series.restart(2.0)
-    series.note(2.1, 1.0)
+    series.note([2.1], [1.0])
     assert (series.flight, series.speed, series.count) == (5.0, 5.0, 1)
 
 

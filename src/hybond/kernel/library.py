@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from hybond.kernel.build import NAME, digest
-from hybond.kernel.structs import Mode, Motion, Sampling, Trail
+from hybond.kernel.structs import Atlas, Log, Mode, Motion, Sampling, Schedule, Trail
 
 
 @functools.cache
@@ -43,5 +43,18 @@ def library() -> ctypes.CDLL | str:
         ctypes.c_int32,
         ctypes.POINTER(Trail),
         ctypes.POINTER(ctypes.c_int32),
+    ]
+    kernel.hb_run.restype = ctypes.c_int32
+    kernel.hb_run.argtypes = [
+        ctypes.POINTER(Atlas),
+        ctypes.POINTER(Motion),
+        ctypes.POINTER(Sampling),
+        ctypes.POINTER(Schedule),
+        ctypes.c_int32,
+        ctypes.c_int32,
+        ctypes.c_int32,
+        ctypes.c_double,
+        ctypes.POINTER(Trail),
+        ctypes.POINTER(Log),
     ]
     return kernel

@@ -9,28 +9,32 @@ from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
 from hybond.kernel.bytecode import Declined
+from hybond.kernel.crossing import ROWS, Ahead, Modes, log_for, mode_of
 from hybond.kernel.library import library
 from hybond.kernel.plan import plan
+from hybond.kernel.settling import Shared, monotone, simple
 from hybond.kernel.structs import Filled, Motion, Sampling, Trail
 from hybond.model.expressions import Expr
+from hybond.model.graph import Mode
 from hybond.modes import locate
+from hybond.modes.landing.contacts import approach
 from hybond.modes.locate import Watched
-from hybond.modes.marching import Marched, Scale
+from hybond.modes.marching import Course, Marched, Passage, Scale
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers.dopri import DormandPrince, State
 
 Vector = NDArray[np.float64]
-ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY = range(6)
+ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY, UNKNOWN = range(7)
 MOST = 1024
 """Steps of one call: between calls a run can be interrupted."""
 REPORTED = 16
 """Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
-LOOKS = 50.0
-"""Evaluations of a step, those of its guards included, about."""
+PATIENCE = 64
+"""Segments at the most after which a passage is tried again where one came to nothing."""
 KEPT = 256
 """Modes that are kept ready."""
 
@@ -68,6 +72,11 @@ class Marcher:
         self._motion = Filled(Motion())
         self._trail = Filled(Trail())
         self._size = (0, 0, 0)
+        self._shared = Shared()
+        self._modes: Modes | None = None
+        self._ahead: Ahead | None = None
+        self._log: Filled | None = None
+        self._wait = self._waited = 0
 
     def march(
         self,
@@ -94,7 +103,7 @@ class Marcher:
             state = State(start[0], start[1], np.zeros(len(start[1])), 0.0, 0.0, 0)
         motion = self._prepare(state, equations, interval)
         motion.structure.run_energy, motion.structure.instant = settler.trace.energy, instant
-        most = max(1, min(self.most, int(BUDGET / _cost(mode))))
+        most = max(1, min(self.most, int(BUDGET / mode.structure.cost)))
         trail = self._room(most, len(motion.arrays["y"]), len(gaps))
         count = ctypes.c_int32()
         why = self._kernel.hb_march(
@@ -110,6 +119,113 @@ class Marcher:
         if why == NO_MEMORY:
             raise MemoryError
         return self._taken(equations, trail, count.value, list(gaps), why)
+
+    def cross(
+        self, course: Course, *, mode: Mode, t: float, y: Vector, interval: Interval, last: float
+    ) -> Passage | None:
+        """Return the segments from where one begins, None if nothing is known of its end."""
+        if not simple(self.program.graph):
+            return None
+        if self._waited < self._wait:
+            self._waited += 1
+            return None
+        if self._modes is None or self._ahead is None or self._log is None:
+            self._begin(course)
+        modes, ahead, log = self._modes, self._ahead, self._log
+        assert modes is not None and ahead is not None and log is not None
+        place = modes.place(mode, interval, t)
+        if place is None:
+            self._in_vain()
+            return None
+        equations = self.program.equations(mode, interval, t)
+        if equations.guess is not None and equations.rows:
+            modes.filled(place).arrays["guess"][:] = equations.guess
+        modes.look()
+        intervals = ahead.look(t, interval)
+        motion = self._prepare(State(t, y, np.zeros(len(y)), 0.0, 0.0, 0), equations, interval)
+        motion.structure.run_energy = course.settler.trace.energy
+        trail = self._room(self.most, len(y), 0)
+        record = log.structure
+        record.last = last
+        why = self._kernel.hb_run(
+            modes.atlas.structure,
+            motion.structure,
+            self._sampling.structure,
+            ahead.schedule.structure,
+            place,
+            self.most,
+            ROWS,
+            ctypes.c_double(BUDGET),
+            trail.structure,
+            record,
+        )
+        if why == NO_MEMORY:
+            raise MemoryError
+        again = why in (EVENT, FULL) and record.rows > 0
+        if why == UNKNOWN:
+            wanted = mode_of(log.arrays["wanted"])
+            new = not modes.knows(wanted)
+            again = new and modes.place(wanted, interval, t) is not None
+        if not record.rows and not again:
+            self._in_vain()
+            return None
+        self._wait = self._waited = 0
+        course.settler.trace.energy = motion.structure.run_energy
+        return self._passed((t, y, mode), modes, log, list(intervals), again=again)
+
+    def _begin(self, course: Course) -> None:
+        program = self.program
+        laws = course.settler.trials.laws
+        lawful = bool(laws.laws)
+        approaches = [approach(program.graph, c) for c in course.landings.contacts()]
+        self._shared = Shared.of(program, approaches, course.surfaces)
+        self._plans.clear()
+        self._ahead = Ahead(program.graph, course.until)
+        self._log = log_for(ROWS, program.nx + program.ns, len(program.graph.machines))
+
+        def make(mode: Mode, interval: Interval, t: float) -> Filled | None:
+            if lawful and not monotone(laws, mode, interval, t):
+                return None
+            equations = program.equations(mode, interval, t)
+            return self._plan(equations, course.watch(mode), (), lawful=lawful)
+
+        self._modes = Modes(program, course, make, rounded=self.scale.rounded)
+
+    def _in_vain(self) -> None:
+        """Wait the longer, the more often there was nothing to pass."""
+        self._wait, self._waited = min(2 * self._wait + 1, PATIENCE), 0
+
+    def _passed(
+        self,
+        start: tuple[float, Vector, Mode],
+        modes: Modes,
+        log: Filled,
+        intervals: list[Interval],
+        *,
+        again: bool,
+    ) -> Passage:
+        n = log.structure.rows
+        row = {name: a[:n].copy() for name, a in log.arrays.items() if name != "wanted"}
+        steps = int(row["steps"][-1]) if n else 0
+        after = [modes.mode(k) for k in row["mode"].tolist()]
+        marched = self._made(self._trail, steps, {})
+        return Passage(
+            start,
+            row["t"],
+            row["before"],
+            row["after"],
+            after,
+            row["timed"].astype(bool),
+            row["changed"].astype(bool),
+            row["interval"],
+            intervals,
+            row["energy"],
+            row["approach"],
+            row["fired"].astype(bool),
+            row["steps"],
+            marched,
+            again,
+        )
 
     def reasons(self) -> list[str]:
         """Return why modes were left to the reference, a text each."""
@@ -131,7 +247,7 @@ class Marcher:
         if known is None or known[0] is not equations or known[1] is not watched:
             found: Filled | None = None
             try:
-                found = plan(self.program, equations, watched, gaps, lawful=lawful)
+                found = plan(self.program, equations, watched, gaps, self._shared, lawful=lawful)
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
             if len(self._plans) >= KEPT:
@@ -150,7 +266,7 @@ class Marcher:
         motion.put("y", state.y.copy())
         motion.put("f", state.f.copy())
         motion.put("largest", scale.largest.copy())
-        motion.put("rounding", scale.rounding)
+        motion.put("rounding", scale.rounding.copy())
         free = equations.n2.shape[1] if equations.rows else 0
         motion.put("free", np.zeros(free) if equations.guess is None else equations.guess.copy())
         pieces = list(zip(program.graph.inputs, interval.pieces, strict=True))
@@ -183,19 +299,25 @@ class Marcher:
         gaps: list[int],
         why: int,
     ) -> Marched:
-        motion, scale = self._motion, self.scale
+        motion = self._motion
         m, arrays = motion.structure, motion.arrays
-        self.program.evaluations += m.evaluations
-        scale.energy = m.energy
-        scale.largest = arrays["largest"].copy()
         if equations.rows:
             equations.guess = arrays["free"].copy()
-        names = ("t", "y", "stop", "end", "dense")
-        t, y, stop, end, dense = (trail.arrays[a][:count].copy() for a in names)
+        sizes = np.abs(trail.arrays["outputs"][:count]).max(axis=0, initial=0.0)
+        taken = self._made(trail, count, dict(zip(gaps, sizes.tolist(), strict=True)), why)
         if count:
             f = arrays["f"].copy()
-            self.solver.resume(State(m.t, y[-1], f, m.h, m.error_before, m.controlled))
-        sizes = np.abs(trail.arrays["outputs"][:count]).max(axis=0, initial=0.0)
+            self.solver.resume(State(m.t, taken.y[-1], f, m.h, m.error_before, m.controlled))
+        return taken
+
+    def _made(self, trail: Filled, count: int, gaps: dict[int, float], why: int = FULL) -> Marched:
+        """Return the first steps on the trail, and let the reference know what they saw."""
+        m, arrays = self._motion.structure, self._motion.arrays
+        self.program.evaluations += m.evaluations
+        self.scale.energy = m.energy
+        self.scale.largest = arrays["largest"].copy()
+        names = ("t", "y", "stop", "end", "dense")
+        t, y, stop, end, dense = (trail.arrays[a][:count].copy() for a in names)
         return Marched(
             t,
             y,
@@ -203,7 +325,7 @@ class Marcher:
             end,
             dense,
             int(trail.arrays["rejected"][:count].sum()),
-            dict(zip(gaps, sizes.tolist(), strict=True)),
+            gaps,
             arrived=why == ARRIVED,
             interrupted=why == FULL,
             event=why == EVENT,
@@ -223,13 +345,6 @@ def marcher(
     if not isinstance(solver, DormandPrince):
         return "the kernel has rk45 only"
     return Marcher(kernel, program, solver, scale, most=REPORTED if reporting else MOST)
-
-
-def _cost(mode: Filled) -> float:
-    """Return about how many operations a step takes: its evaluations, and those for its guards."""
-    m, arrays = mode.structure, mode.arrays
-    once = len(arrays["solved.value"]) + len(arrays["code"]) + m.free**3 + m.rows * m.free
-    return float(1.0 + LOOKS * once)
 
 
 def _sampling() -> Filled:

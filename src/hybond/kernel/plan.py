@@ -11,16 +11,19 @@ from hybond.equations.elimination import Row
 from hybond.equations.mode import ModeEquations
 from hybond.equations.tableau import Tableau, stiffness, stored_names
 from hybond.kernel.bytecode import Book, Declined
+from hybond.kernel.settling import Shared, put_settling
 from hybond.kernel.structs import Filled, Mode
 from hybond.model.expressions import Expr, Number, substitute
 from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.modes.guards import magnitude, seen_in_motion
-from hybond.modes.jump import impulse_directions, reach_of, reach_of_bonds, ways_of
+from hybond.modes.jump import Ways, impulse_directions, reach_of, reach_of_bonds, ways_of
 from hybond.modes.locate import Watched
 from hybond.programs.combined import Combined
 from hybond.programs.program import Program
 
 Matrix = NDArray[np.float64]
+LOOKS = 50.0
+"""Evaluations of a step, those of its guards included, about."""
 
 
 def plan(
@@ -28,13 +31,15 @@ def plan(
     equations: ModeEquations,
     watched: Watched,
     outputs: Sequence[Expr],
+    shared: Shared,
     *,
     lawful: bool,
 ) -> Filled:
     """Return a mode with the guards that may leave it.
 
-    `outputs` are expressions whose values are wanted at the end of each step; `lawful` says
-    whether junctions have laws, which count rounding of what is stored as zero.
+    `outputs` are expressions whose values are wanted at the end of each step; `shared` is what
+    settling asks of all modes; `lawful` says whether junctions have laws, which count rounding of
+    what is stored as zero.
 
     Raises
     ------
@@ -53,11 +58,14 @@ def plan(
     _guards(mode, book, watched)
     _put_codes(mode, book, "signal_code", [i.rate for i in program.graph.integrals])
     _put_codes(mode, book, "output_code", outputs, count="outputs")
+    ways = _constraints(mode, equations)
+    put_settling(mode, book, program, equations, shared, ways)
+    book.read |= shared.read
     _rows(mode, book, program, equations, lawful=lawful)
-    _constraints(mode, equations)
     code, constants = book.arrays()
     mode.put("code", code)
     mode.put("constants", constants)
+    mode.structure.cost = _cost(mode)
     mode.check()
     return mode
 
@@ -94,7 +102,7 @@ def _layout(mode: Filled, program: Program) -> None:
 
 def _storage(mode: Filled, book: Book, program: Program, equations: ModeEquations) -> None:
     graph, laws = program.graph, equations.storage
-    _put_rows(mode, "co_energy", laws.matrix)
+    mode.put_rows("co_energy", laws.matrix)
     at: list[int] = []
     values: list[Expr] = []
     slopes: list[Expr] = []
@@ -187,15 +195,15 @@ def _rows(
     m.rows = len(own)
     solid = equations.project is None
     if solid:
-        _put_sparse(mode, "solved", *solved.sparse(own))
+        mode.put_sparse("solved", *solved.sparse(own))
     else:
-        _put_rows(mode, "solved", known[own])
+        mode.put_rows("solved", known[own])
     mode.put("by_free", solved.free[bonds[some]][:, : m.free])
     # rounding is that of the terms before least leakage shares them out
     loose = equations.tableau.finite.free() if equations.project is not None else []
     m.loose = len(loose)
-    _put_sparse(mode, "measured", *solved.sparse(own if solid else solved.row[own]))
-    _put_rows(mode, "shares", known[loose])
+    mode.put_sparse("measured", *solved.sparse(own if solid else solved.row[own]))
+    mode.put_rows("shares", known[loose])
     mode.put("by_share", solved.free[bonds[some]][:, : m.loose])
     weighed = ~equations.storage.pseudo if lawful else np.zeros(program.nx)
     mode.put("weighed", weighed)
@@ -215,26 +223,35 @@ def _rows(
         mode.put(f"{name}_sign", sign)
 
 
-def _constraints(mode: Filled, equations: ModeEquations) -> None:
+def _constraints(mode: Filled, equations: ModeEquations) -> Ways | None:
     """Put in what is stored dependently, and how a state is put back (see `modes.jump`)."""
     tableau, storage = equations.tableau, equations.storage
     nx = len(equations.graph.storages)
     rows = _of_knowns(tableau, tableau.constraints)
     back = np.zeros((nx, 0))
+    ways: Ways | None = None
     if len(rows):
         directions = impulse_directions(equations, [])
         ways = ways_of(storage, directions, lambda d: rows[:, :nx] @ storage.matrix @ d)
         assert ways.inverse is not None
         back = ways.d @ ways.inverse
     mode.structure.constraints, mode.structure.agreements = len(rows), len(tableau.agreements)
-    _put_rows(mode, "constraint", rows)
-    _put_rows(mode, "agreement", _of_knowns(tableau, tableau.agreements))
+    mode.put_rows("constraint", rows)
+    mode.put_rows("agreement", _of_knowns(tableau, tableau.agreements))
     mode.put("put_back", back)
     reach = reach_of(storage, np.zeros(nx), 1.0) if storage.linear else np.zeros(nx)
     known = np.zeros(tableau.knowns)
     known[:nx] = reach * np.abs(np.diagonal(storage.matrix))
     mode.put("stored_reach", reach)
     mode.put("known_reach", known)
+    return ways
+
+
+def _cost(mode: Filled) -> float:
+    """Return about how many operations a step takes: its evaluations, and those for its guards."""
+    m, arrays = mode.structure, mode.arrays
+    once = len(arrays["solved.value"]) + len(arrays["code"]) + m.free**3 + m.rows * m.free
+    return float(1.0 + LOOKS * once)
 
 
 def _of_knowns(tableau: Tableau, given: Sequence[Row]) -> Matrix:
@@ -251,17 +268,3 @@ def _put_codes(
     mode.put(name, [book.add(e) for e in expressions])
     if count:
         setattr(mode.structure, count, len(expressions))
-
-
-def _put_rows(mode: Filled, name: str, dense: Matrix) -> None:
-    row, column = np.nonzero(dense)
-    first = np.searchsorted(row, np.arange(len(dense) + 1))
-    _put_sparse(mode, name, first, column, dense[row, column])
-
-
-def _put_sparse(
-    mode: Filled, name: str, first: NDArray[np.intp], column: NDArray[np.intp], value: Matrix
-) -> None:
-    mode.put("first", first, part=name)
-    mode.put("column", column, part=name)
-    mode.put("value", value, part=name)

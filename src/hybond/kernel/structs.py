@@ -12,6 +12,8 @@ INTEGER = ctypes.c_int32
 REAL = ctypes.c_double
 INTEGERS = ctypes.POINTER(INTEGER)
 REALS = ctypes.POINTER(REAL)
+ADDRESSES = ctypes.POINTER(ctypes.c_void_p)
+DTYPES = {INTEGERS: np.int32, REALS: np.float64, ADDRESSES: np.uintp}
 
 
 class Sampling(ctypes.Structure):
@@ -36,6 +38,8 @@ _SIZES = """
     knowns rows free values entries affine
     laws sources spread supplied dissipated guards outputs slopes
     constraints agreements loose
+    bonds bond_slot machines rules contacts flag_count flag_slot
+    fieldless enterable ports
 """
 
 
@@ -45,6 +49,7 @@ class Mode(ctypes.Structure):
     __slots__ = ()
     _fields_ = (
         *((name, INTEGER) for name in _SIZES.split()),
+        ("cost", REAL),
         ("code", INTEGERS),
         ("constants", REALS),
         ("co_energy", Rows),
@@ -89,6 +94,15 @@ class Mode(ctypes.Structure):
         ("stored_reach", REALS),
         ("put_back", REALS),
         ("weighed", REALS),
+        ("state", INTEGERS),
+        ("flags", REALS),
+        *((name, INTEGERS) for name in ("rule_machine", "rule_target", "rule_code")),
+        ("contact_code", INTEGERS),
+        ("kick", Rows),
+        ("guess", REALS),
+        *((name, INTEGERS) for name in ("port_machine", "port_turn", "port_gate", "port_adrift")),
+        *((name, INTEGERS) for name in ("sense_code", "sense_push")),
+        ("sense", Rows),
     )
 
 
@@ -104,8 +118,8 @@ class Motion(ctypes.Structure):
         ("instant", REAL),
         ("evaluations", ctypes.c_int64),
         ("controlled", INTEGER),
-        *((name, REALS) for name in ("y", "f", "largest", "free")),
-        *((name, REALS) for name in ("rounding", "input", "input_rate", "v")),
+        *((name, REALS) for name in ("y", "f", "largest", "free", "rounding")),
+        *((name, REALS) for name in ("input", "input_rate", "v")),
     )
 
 
@@ -116,6 +130,55 @@ class Trail(ctypes.Structure):
     _fields_ = (
         *((name, REALS) for name in ("t", "y", "outputs", "stop", "end", "dense")),
         ("rejected", INTEGERS),
+    )
+
+
+_SHARED = """
+    modes machines states storages signals inputs slots bonds classes
+    ats at_slot contacts surfaces
+"""
+
+
+class Atlas(ctypes.Structure):
+    """`hb_atlas`."""
+
+    __slots__ = ()
+    _fields_ = (
+        *((name, INTEGER) for name in _SHARED.split()),
+        *((name, REAL) for name in ("until", "event_tol", "rounded")),
+        *(
+            (name, REAL)
+            for name in ("remaining", "soonest", "moment", "slow", "lively", "fading", "at_once")
+        ),
+        ("mode", ADDRESSES),
+        *((name, INTEGERS) for name in ("bond_class", "storage_class", "store_slot")),
+        *((name, REALS) for name in ("store_sign", "real")),
+        *((name, INTEGERS) for name in ("contact_of", "contact_machine", "rests_in", "ready")),
+        *((name, INTEGERS) for name in ("surface_machine", "below", "above")),
+        *((name, REALS) for name in ("since", "speed")),
+    )
+
+
+class Schedule(ctypes.Structure):
+    """`hb_schedule`."""
+
+    __slots__ = ()
+    _fields_ = (
+        ("count", INTEGER),
+        *((name, REALS) for name in ("start", "end", "at", "input", "rate")),
+    )
+
+
+class Log(ctypes.Structure):
+    """`hb_log`."""
+
+    __slots__ = ()
+    _fields_ = (
+        *((name, REALS) for name in ("t", "before", "after", "energy", "approach")),
+        *((name, INTEGERS) for name in ("steps", "mode", "interval", "timed", "changed")),
+        *((name, INTEGERS) for name in ("fired", "wanted")),
+        ("last", REAL),
+        *((name, INTEGER) for name in ("rows", "last_mode", "last_interval")),
     )
 
 
@@ -135,15 +198,32 @@ class Filled:
         """Give a pointer an array, made contiguous and of its type; return the array."""
         owner = getattr(self.structure, part) if part else self.structure
         kind = {f[0]: f[1] for f in type(owner)._fields_}[name]
-        dtype = np.int32 if kind is INTEGERS else np.float64
-        array: NDArray[Any] = np.ascontiguousarray(values, dtype=dtype)
+        array: NDArray[Any] = np.ascontiguousarray(values, dtype=DTYPES[kind])
         self.arrays[f"{part}.{name}" if part else name] = array
         setattr(owner, name, array.ctypes.data_as(kind))
         return array
+
+    def put_rows(self, name: str, dense: NDArray[np.float64]) -> None:
+        """Give sparse rows what is not zero in a matrix."""
+        row, column = np.nonzero(dense)
+        first = np.searchsorted(row, np.arange(len(dense) + 1))
+        self.put_sparse(name, first, column, dense[row, column])
+
+    def put_sparse(
+        self,
+        name: str,
+        first: NDArray[np.intp],
+        column: NDArray[np.intp],
+        value: NDArray[np.float64],
+    ) -> None:
+        """Give sparse rows where each begins, columns and values."""
+        self.put("first", first, part=name)
+        self.put("column", column, part=name)
+        self.put("value", value, part=name)
 
     def check(self) -> None:
         """Refuse a structure one of whose pointers leads nowhere."""
         for name, kind in ((f[0], f[1]) for f in type(self.structure)._fields_):
             parts = [f"{name}.{f[0]}" for f in Rows._fields_] if kind is Rows else [name]
-            if kind in (Rows, INTEGERS, REALS) and not self.arrays.keys() >= set(parts):
+            if (kind is Rows or kind in DTYPES) and not self.arrays.keys() >= set(parts):
                 raise AssertionError(f"{type(self.structure).__name__}.{name} was not filled")

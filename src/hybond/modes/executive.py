@@ -4,6 +4,7 @@ The whole algorithm::
 
     x, s, mode <- settle at t = 0                       (settle.py; an event of cause "start")
     while t < until:
+      let the kernel run through events as far as it is sure of them (marching.py)
       interval <- what inputs and comparisons of time are from t to the next timed event
       start the solver in mode's field; it is told that field or state jumped
       repeat
@@ -25,13 +26,14 @@ Nothing else changes the state: a jump is made by `settle` alone.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.mode import ModeEquations
+from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
 from hybond.modes.jump import on_constraints
@@ -39,7 +41,8 @@ from hybond.modes.landing.landing import MOMENT, Landings
 from hybond.modes.laws.limits import FrictionLimits
 from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
-from hybond.modes.marching import March, Marched
+from hybond.modes.marching import Course, March, Marched
+from hybond.modes.recall import Recall
 from hybond.modes.settle import Settler, event_of
 from hybond.modes.sliding.motion import Slider
 from hybond.modes.sliding.view import View
@@ -149,6 +152,16 @@ class Executive:
         self._steps = 0
         self._rejected = 0
         self._marched = 0
+        self._crossed = 0
+        self._recall = Recall(program, max_writes=max_writes, cause=self._timed_cause)
+        self._course = Course(
+            self.settler,
+            self.landings,
+            self._watch,
+            tuple(self.slider.surfaces) if self.slider is not None else (),
+            limits.until,
+            limits.event_tol,
+        )
         self._idle: list[float] = []
         """Instants in a row at which a guard held and nothing changed."""
 
@@ -169,6 +182,7 @@ class Executive:
         y = self._rest(y, interval)
         try:
             while self.t < self.limits.until:
+                y, interval = self._passed(y, interval)
                 y, cause = self._flow(y, interval)
                 self._close()
                 following = interval_after(program.graph, self.t)
@@ -185,13 +199,67 @@ class Executive:
                 steps=float(self._steps),
                 rejected=float(self._rejected),
                 marched=float(self._marched),
+                crossed=float(self._crossed),
                 evaluations=float(program.evaluations),
                 modes=float(program.built),
             )
             if self.march is not None:
                 done = f"{self._marched} of {self._steps} steps"
+                if self._crossed:
+                    done += f", {self._crossed} of {len(self.trace.events)} events"
                 self.trace.kernel = "; ".join([done, *self.march.reasons()])
         return "ok"
+
+    def _passed(self, y: Vector, interval: Interval) -> tuple[Vector, Interval]:
+        """Let the kernel run through whole segments; return where it leaves the run."""
+        while self._passable() and self.march is not None:
+            last = self.trace.events.times[-1] if self.trace.events else -math.inf
+            found = self.march.cross(
+                self._course, mode=self.mode, t=self.t, y=y, interval=interval, last=last
+            )
+            if found is None:
+                break
+            if len(found.t):
+                self._recall.note(found, self.trace)
+                self.landings.observe_many(
+                    found.t[found.changed],
+                    found.approach[found.changed],
+                    found.fired[found.changed],
+                )
+                self.t, self.mode = float(found.t[-1]), found.mode[-1]
+                y, interval = found.after[-1].copy(), found.around(len(found.t) - 1)[1]
+                self._idle = []
+                for mode in set(found.mode):
+                    equations = self.program.equations(mode, interval, self.t)
+                    names = undetermined_names(self.program.graph, equations.freedom)
+                    self.settler.note_open(mode, names)
+                self._steps += len(found.marched.t)
+                self._marched += len(found.marched.t)
+                self._rejected += found.marched.rejected
+                self._crossed += int(found.changed.sum())
+                if self.progress is not None:
+                    self.progress(self.t, len(self.trace.events))
+            if not found.again:
+                break
+        return y, interval
+
+    def _passable(self) -> bool:
+        """Whether nothing but the kernel has to see the instants at which segments end."""
+        slider = self.slider
+        return not (
+            self.frictions.laws
+            or self.landings.landed
+            or (slider is not None and slider.view is not None)
+            or self.program.selective
+        )
+
+    def _watch(self, mode: Mode) -> Watched:
+        """Return the guards that leave a mode, with the rules in force."""
+        key = mode, self.landings.names
+        if key not in self._watched:
+            guards = self.settler.trials.guards
+            self._watched[key] = watch(guards, mode, self.landings.machines)
+        return self._watched[key]
 
     # -- continuous motion
 
@@ -200,15 +268,10 @@ class Executive:
         program = self.program
         view = None if self.slider is None else self.slider.view
         equations = (view.program if view else program).equations(self.mode, interval, self.t)
-        key = self.mode, self.landings.names
-        if view is None and key not in self._watched:
-            self._watched[key] = watch(
-                self.settler.trials.guards, self.mode, self.landings.machines
-            )
         locator = (
             view.locator(equations, interval)
             if view
-            else Locator(program, self.settler, equations, interval, self._watched[key])
+            else Locator(program, self.settler, equations, interval, self._watch(self.mode))
         )
         end = min(interval.end, self.limits.until)
         tolerance = self.limits.event_tol * max(self.limits.until, abs(self.t))
@@ -225,11 +288,10 @@ class Executive:
         begins = True
         while True:
             if march is not None:
-                watched = self._watched[key]
                 start = (self.t, y) if begins else None
                 taken = march.march(
                     equations,
-                    watched,
+                    self._watch(self.mode),
                     interval=interval,
                     settler=self.settler,
                     end=end,

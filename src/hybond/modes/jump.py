@@ -105,7 +105,7 @@ def enter(
         # rounding, not a jump: dust is swept up without an impulse
         return Jump(_moved(x, d @ nu), nothing, (), happened=False)
     impulses = directions @ (moving @ nu)
-    free = directions @ _complement(moving)
+    free = _shares(ways)
     if free.shape[1]:
         impulses = least_leakage(free, equations.junctions) @ impulses
     names = tuple(undetermined_names(equations.graph, free)) if free.shape[1] else ()
@@ -339,6 +339,21 @@ def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix
     slope = slope_of(d)
     inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
     return Ways(directions, moving, d, slope, inverse, _rank(slope))
+
+
+def _shares(ways: Ways) -> Matrix:
+    """Return the impulses that move nothing: what is left to least leakage."""
+    return np.asarray(ways.directions @ _complement(ways.moving))
+
+
+def kicks_of(equations: ModeEquations, ways: Ways) -> Matrix:
+    """Return the impulses that a unit of each residual asks for, shape (2 * bonds, constraints)."""
+    assert ways.inverse is not None
+    impulses = ways.directions @ ways.moving
+    free = _shares(ways)
+    if free.shape[1]:
+        impulses = least_leakage(free, equations.junctions) @ impulses
+    return np.asarray(-impulses @ ways.inverse)
 
 
 def _rank(slope: Matrix) -> int:

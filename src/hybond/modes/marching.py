@@ -1,13 +1,19 @@
-"""What may take over the smooth part of a motion: a march of steps in which nothing happens.
+"""What may take over parts of a run from the executive, and changes nothing but the speed.
 
-The executive asks for one wherever a mode begins, and after every step of its own. What marches
-gives the steps up to the end, or to the first instant at which a guard holds, or up to one that it
-is not sure of; that one the executive makes itself. So a march may give up at any time and changes
-nothing but the speed.
+A *march* is the smooth part of a motion: steps in which nothing happens. The executive asks for one
+wherever a mode begins, and after every step of its own. What marches gives the steps up to the end,
+or to the first instant at which a guard holds, or up to one that it is not sure of; that one the
+executive makes itself.
+
+A *passage* is a row of whole segments with the instants that end them, settled as the executive
+would have them. It stops before the first segment whose end it is not sure of.
+
+So both may give up at any time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,6 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
+from hybond.equations.surfaces import Surface
+from hybond.model.graph import Mode
+from hybond.modes.landing.landing import Landings
 from hybond.modes.locate import Watched
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
@@ -60,6 +69,88 @@ class Marched:
     event: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What a run is, for a passage through its events.
+
+    Parameters
+    ----------
+    settler : Settler
+    landings : Landings
+        Learns of impacts. Nothing has landed.
+    watch : callable
+        The guards that leave a mode.
+    surfaces : tuple of Surface
+        Along which a motion may slide. It does not now.
+    until, event_tol : float
+        As in `Limits`.
+    """
+
+    settler: Settler
+    landings: Landings
+    watch: Callable[[Mode], Watched]
+    surfaces: tuple[Surface, ...]
+    until: float
+    event_tol: float
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """Segments that ended, in order, and the instants that ended them: rows.
+
+    Parameters
+    ----------
+    start : tuple
+        Time, state and mode in which the first segment begins.
+    t : array, shape (rows,)
+    before : array, shape (rows, stored quantities and signals)
+        At the left limits.
+    after : array, shape (rows, states)
+        Where the next segment begins.
+    mode : list of Mode, length rows
+        In which it begins.
+    timed, changed : arrays of bool, shape (rows,)
+        Whether a timed event ended the segment, and whether more than the inputs changed there.
+    interval : array of int, shape (rows,)
+        Which of `intervals` each segment lies in.
+    intervals : list of Interval
+    energy : array, shape (rows,)
+        The largest energy that the run had seen before, J.
+    approach, fired : arrays, shape (rows, machines)
+        What the impact laws read that were struck, else nan; whether a machine fired.
+    steps : array of int, shape (rows,)
+        Steps up to the end of each segment, of those in `marched`.
+    marched : Marched
+    again : bool
+        Whether it could go on at once.
+    """
+
+    start: tuple[float, Vector, Mode]
+    t: Vector
+    before: Vector
+    after: Vector
+    mode: list[Mode]
+    timed: NDArray[np.bool_]
+    changed: NDArray[np.bool_]
+    interval: NDArray[np.intp]
+    intervals: list[Interval]
+    energy: Vector
+    approach: Vector
+    fired: NDArray[np.bool_]
+    steps: NDArray[np.intp]
+    marched: Marched
+    again: bool
+
+    def left(self, k: int) -> Mode:
+        """Return the mode of segment k."""
+        return self.mode[k - 1] if k else self.start[2]
+
+    def around(self, k: int) -> tuple[Interval, Interval]:
+        """Return the intervals before and after the instant that ends segment k."""
+        at = int(self.interval[k])
+        return self.intervals[at], self.intervals[at + int(self.timed[k])]
+
+
 class Scale(Protocol):
     """What the error of a step is measured by: `ErrorScale`."""
 
@@ -75,6 +166,10 @@ class Scale(Protocol):
     @property
     def negligible(self) -> float:
         """Part of what a storage would hold with all energy below which it need not be right."""
+
+    @property
+    def rounded(self) -> float:
+        """Part of the terms of a rate, in the time of the run, that rounding may come to."""
 
     @property
     def idle(self) -> float:
@@ -99,6 +194,14 @@ class March(Protocol):
 
         A guard that holds within `instant` of `end`, s, is left to the executive. `start` are time
         and state where a motion begins; without it the last one goes on.
+        """
+
+    def cross(
+        self, course: Course, *, mode: Mode, t: float, y: Vector, interval: Interval, last: float
+    ) -> Passage | None:
+        """Return the segments from where one begins, None if nothing is known of its end.
+
+        `last` is the time of the last event, s.
         """
 
     def reasons(self) -> list[str]:

@@ -144,12 +144,16 @@ class Settler:
             raise self._ends_fieldless(t, trial.mode)
         if not steps and start:
             steps.append(self.records.step(trial, x, (), "continuous"))
-        if trial.undetermined:
-            self.trace.warn(
-                f"in mode ({self.text(trial.mode)}) the equations leave "
-                f"{', '.join(trial.undetermined)} open; least leakage decides"
-            )
+        self.note_open(trial.mode, trial.undetermined)
         return Settled(x, s, trial.mode, tuple(steps))
+
+    def note_open(self, mode: Mode, undetermined: Collection[str]) -> None:
+        """Warn of what the equations of a mode, in which time goes on, leave open."""
+        if undetermined:
+            self.trace.warn(
+                f"in mode ({self.text(mode)}) the equations leave "
+                f"{', '.join(undetermined)} open; least leakage decides"
+            )
 
     def by_law(self, mode: Mode, trial: Trial, to: Mode | None = None) -> tuple[Fired, ...]:
         """Return the records of the laws whose branches changed from `mode` to that of `trial`."""

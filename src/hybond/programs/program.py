@@ -77,6 +77,11 @@ class Program:
         self.built = 0
         self.evaluations = 0
 
+    @property
+    def selective(self) -> bool:
+        """Whether inputs or comparisons of time select equations as modes do."""
+        return bool(self._discrete)
+
     def compile(self, e: Expr) -> Callable[[Sequence[float]], float]:
         """Return a closure of the values for a canonical expression, made once.
 
@@ -165,6 +170,10 @@ class Program:
 
     def set_mode(self, v: list[float], mode: Mode) -> None:
         """Write the Booleans of a mode."""
+        v[self.slots.on.start : self.slots.states.stop] = self.flags(mode)
+
+    def flags(self, mode: Mode) -> list[float]:
+        """Return the Booleans of a mode: what is ON, then the states of its machines."""
         flags = self._flags.get(mode)
         if flags is None:
             on = self.graph.on_nodes(mode)
@@ -172,7 +181,7 @@ class Program:
             for m, k in zip(self.graph.machines, mode, strict=True):
                 flags += [float(j == k) for j in range(len(m.states))]
             self._flags[mode] = flags
-        v[self.slots.on.start : self.slots.states.stop] = flags
+        return flags
 
     def rates(self, v: Sequence[float]) -> list[float]:
         """Return the rates of the integrated signals."""

@@ -10,8 +10,6 @@ import numpy as np
 
 from hybond.solvers.base import FloatArray
 
-_EXPONENTS = np.arange(1.0, 9.0)
-
 
 class Interpolant(ABC):
     """A function of time over one step that returns the ends bit for bit.
@@ -75,7 +73,7 @@ class Polynomial(Interpolant):
     array([[0. , 0.5, 1. ]])
     """
 
-    __slots__ = ("_exponents", "_h", "coefficients")
+    __slots__ = ("_h", "coefficients")
 
     def __init__(
         self, t0: float, t1: float, y0: FloatArray, y1: FloatArray, coefficients: FloatArray
@@ -86,15 +84,17 @@ class Polynomial(Interpolant):
         self.y1 = y1
         self._h = t1 - t0
         self.coefficients = coefficients
-        self._exponents = _EXPONENTS[: len(coefficients)]
 
     def _at(self, t: float) -> FloatArray:
-        powers = ((t - self.t0) / self._h) ** self._exponents
+        x = (t - self.t0) / self._h
+        # one product after the other, as the kernel takes them: a touch is decided by the last bits
+        powers = np.cumprod(np.full(len(self.coefficients), x))
         value: FloatArray = self.y0 + powers.dot(self.coefficients)
         return value
 
     def _at_all(self, times: FloatArray) -> FloatArray:
-        powers = ((times - self.t0) / self._h) ** self._exponents[:, None]
+        x = (times - self.t0) / self._h
+        powers = np.cumprod(np.tile(x, (len(self.coefficients), 1)), axis=0)
         values: FloatArray = self.y0[:, None] + self.coefficients.T.dot(powers)
         return values
 

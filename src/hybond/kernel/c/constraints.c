@@ -21,20 +21,31 @@ static double residual(const hb_rows *rows, int i, const double *xi, const doubl
     return sum;
 }
 
-int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, int *moved)
+/* Whether sources that prescribe one variable do so alike. */
+static int agree(const hb_mode *m, const hb_work *work)
+{
+    double size;
+    for (int i = 0; i < m->agreements; ++i)
+        if (!(fabs(residual(&m->agreement, i, work->known, 0, 0.0, &size)) <= AGREE * size))
+            return 0;
+    return 1;
+}
+
+int hb_jump(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y)
 {
     const int nx = m->storages, n = m->constraints;
     const double spread = sqrt(o->run_energy);
     double size, best = INFINITY, *x = work->kept, *r = work->residuals;
-    *moved = 0;
-    if (!n && !m->agreements)
-        return 1;
-    hb_known(m, o, work, t, y);
-    for (int i = 0; i < m->agreements; ++i)
-        if (!(fabs(residual(&m->agreement, i, work->known, 0, 0.0, &size)) <= AGREE * size))
-            return 0;
+    int rounding = 1;
     for (int i = 0; i < nx; ++i)
         x[i] = y[i];
+    if (!n && !m->agreements)
+        return HB_STAYS;
+    hb_known(m, o, work, t, y);
+    if (!agree(m, work))
+        return 0;
+    for (int i = 0; i < n; ++i)
+        work->met[i] = 0.0;
     for (int turn = 0;; ++turn) {
         double worst = 0.0;
         int exact = 1;
@@ -43,27 +54,41 @@ int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, 
         for (int i = 0; i < n; ++i) {
             r[i] = residual(&m->constraint, i, work->known, m->known_reach, spread, &size);
             exact &= r[i] == 0.0;
+            if (!turn)
+                rounding &= fabs(r[i]) <= MET * size;
             worst = fmax(worst, fabs(r[i]) / (size > 0.0 ? size : 1.0));
         }
         if (turn == 0 && exact)
-            return 1;
+            return HB_STAYS;
         if (turn > 0 && (worst <= BEST || (worst <= MET && worst >= 0.5 * best)))
             break;
         if (turn == STEPS - 1)
             return 0;
         best = fmin(best, worst);
+        for (int j = 0; j < n; ++j)
+            work->met[j] += r[j];
         for (int i = 0; i < nx; ++i)
             for (int j = 0; j < n; ++j)
                 x[i] -= m->put_back[i * n + j] * r[j];
     }
-    for (int i = 0; i < nx; ++i) {
-        /* a sum that cancels to rounding is zero, and so is what is next to nothing */
-        double was = y[i];
-        if (fabs(x[i]) <= CANCELLED * (fabs(was) + fabs(x[i] - was)) ||
-            fabs(x[i]) <= NOTHING * m->stored_reach[i] * spread)
+    for (int i = 0; i < nx; ++i) /* a sum that cancels to rounding is zero */
+        if (fabs(x[i]) <= CANCELLED * (fabs(y[i]) + fabs(x[i] - y[i])))
             x[i] = 0.0;
-        *moved |= x[i] != was;
-        y[i] = x[i];
+    return rounding ? HB_SWEPT : HB_JUMPS;
+}
+
+int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, int *moved)
+{
+    const double spread = sqrt(o->run_energy), *x = work->kept;
+    *moved = 0;
+    const int how = hb_jump(m, o, work, t, y);
+    if (how == 0 || how == HB_STAYS)
+        return how;
+    for (int i = 0; i < m->storages; ++i) {
+        /* what a constraint holds at next to nothing is zero */
+        const double was = y[i];
+        y[i] = fabs(x[i]) <= NOTHING * m->stored_reach[i] * spread ? 0.0 : x[i];
+        *moved |= y[i] != was;
     }
     return 1;
 }

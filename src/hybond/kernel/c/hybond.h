@@ -43,6 +43,9 @@ typedef struct {
     int32_t knowns, rows, free, values, entries, affine;
     int32_t laws, sources, spread, supplied, dissipated, guards, outputs, slopes;
     int32_t constraints, agreements, loose;
+    int32_t bonds, bond_slot, machines, rules, contacts, flag_count, flag_slot;
+    int32_t fieldless, enterable, ports;
+    double cost;                                    /* of a step, in operations, about */
     const int32_t *code;
     const double *constants;
     hb_rows co_energy;                              /* storages x storages */
@@ -74,6 +77,20 @@ typedef struct {
     const double *known_reach, *stored_reach;       /* knowns, storages: with a unit of energy */
     const double *put_back;                         /* storages x constraints */
     const double *weighed;                          /* storages: 1 if laws ask for its energy */
+    /* settling: */
+    const int32_t *state;                           /* machines */
+    const double *flags;                            /* Booleans of the mode, from flag_slot on */
+    const int32_t *rule_machine, *rule_target;      /* rules that leave it, in order */
+    const int32_t *rule_code;
+    const int32_t *contact_code;                    /* what each impact law reads, at rest */
+    hb_rows kick;                                   /* bonds x constraints: impulses */
+    double *guess;                                  /* free: where Newton ended last, written */
+    /* junction laws, in the branch that this mode has of each */
+    const int32_t *port_machine, *port_turn;        /* the other branch */
+    const int32_t *port_gate, *port_adrift;         /* -1: none; 1, 2: it blocks, carries a share */
+    /* what must be positive in these branches, then what is zero on surfaces, and their rates */
+    const int32_t *sense_code, *sense_push;         /* push: what sources add; -1: not known */
+    hb_rows sense;                                  /* x storages: of co-energy variables */
 } hb_mode;
 
 /* A motion under way: read and written. States are stored quantities, signals, energy supplied,
@@ -86,8 +103,8 @@ typedef struct {
     double run_energy, instant;                     /* seen by the run; what is one instant, s */
     int64_t evaluations;
     int32_t controlled;
-    double *y, *f, *largest, *free;
-    const double *rounding, *input, *input_rate;
+    double *y, *f, *largest, *free, *rounding;
+    const double *input, *input_rate;
     double *v;                                      /* 2 slots: flags written, the rest is work */
 } hb_motion;
 
@@ -98,13 +115,67 @@ typedef struct {
     int32_t *rejected;
 } hb_trail;
 
-/* Why a march ends. */
-enum { HB_ARRIVED, HB_FULL, HB_EVENT, HB_UNSURE, HB_DECLINED, HB_NO_MEMORY };
+/* What the modes of a graph have in common, and those that are known. */
+typedef struct {
+    int32_t modes, machines, states, storages, signals, inputs, slots, bonds, classes;
+    int32_t ats, at_slot, contacts, surfaces;
+    double until, event_tol, rounded;               /* Limits; ErrorScale.start */
+    double remaining, soonest, moment;              /* modes/landing: what may be a landing */
+    double slow, lively, fading, at_once;
+    const hb_mode *const *mode;                     /* null where a mode is not for the kernel */
+    const int32_t *bond_class, *storage_class;      /* whose impulses are compared with whose */
+    const int32_t *store_slot;                      /* storages: bond variables that show them */
+    const double *store_sign, *real;                /* real: 1 if it stores energy */
+    const int32_t *contact_of;                      /* machines x states: impact laws, or -1 */
+    const int32_t *contact_machine, *rests_in;      /* contacts; contacts x states */
+    const int32_t *ready;                           /* contacts whose reactions are known */
+    const int32_t *surface_machine, *below, *above; /* surfaces: states on either side */
+    double *since, *speed;                          /* machines: last impact, fastest approach */
+} hb_atlas;
+
+/* Intervals between timed events, one after the other. */
+typedef struct {
+    int32_t count;
+    const double *start, *end, *at, *input, *rate;
+} hb_schedule;
+
+/* What a run leaves behind: a row for each segment that ended, with the instant that ended it. */
+typedef struct {
+    double *t, *before, *after, *energy, *approach; /* approach: contacts, nan if not struck */
+    int32_t *steps, *mode, *interval, *timed, *changed;
+    int32_t *fired;                                 /* machines */
+    int32_t *wanted;                                /* machines: a mode that was not known */
+    double last;                                    /* time of the last event */
+    int32_t rows, last_mode, last_interval;
+} hb_log;
+
+/* Why a march or a run ends. */
+enum { HB_ARRIVED, HB_FULL, HB_EVENT, HB_UNSURE, HB_DECLINED, HB_NO_MEMORY, HB_UNKNOWN };
 
 double hb_evaluate(const int32_t *code, const double *constants, const double *v);
 
-/* The same of a guard whose values have sizes; -1 if it has no meaning. */
-int hb_holds(const int32_t *code, const double *constants, const double *v, const double *size);
+/* A value at a jump: finite part, impulse, what it was; sizes of the terms of the first two. */
+typedef struct {
+    double finite, impulse, before, size, impulse_size;
+} hb_pair;
+
+/* All signals at an instant: `slots` of each; impulse may be null if there are none. */
+typedef struct {
+    const double *finite, *before, *impulse, *size;
+    int32_t slots;
+} hb_signals;
+
+/* An expression of them; 0 if it has no meaning. */
+int hb_paired(const int32_t *code, const double *constants, const hb_signals *signals,
+              hb_pair *result);
+
+int hb_impulsive(const hb_pair *a);
+
+/* -1, 0 or 1, the impulse first; 2 for what is not a number. */
+int hb_sign(const hb_pair *a);
+
+/* The truth of a guard; -1 if it has no meaning. */
+int hb_holds(const int32_t *code, const double *constants, const hb_signals *signals);
 
 /* Work space of one march. */
 typedef struct hb_work hb_work;
@@ -113,10 +184,12 @@ struct hb_work {
     double *k, *y1, *trial, *tolerance, *error;      /* one step */
     double *sampled, *atoms, *sizes, *magnitudes;    /* guards */
     double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
+    double *met;                                     /* residuals taken away so far */
     void *all;
 };
 
-int hb_reserve(hb_work *work, const hb_mode *mode);
+/* Room for any of some modes; 0 if there is none. */
+int hb_reserve(hb_work *work, const hb_mode *const *modes, int count);
 
 /* The knowns at (t, y), in work->known; values but for bond variables. */
 void hb_known(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y);
@@ -137,8 +210,17 @@ int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
 /* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
 int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
 
-/* The size of the terms of each value of the last hb_solve, in work->sizes. */
-void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work);
+/* The size of the terms of each value of the last hb_solve, in work->sizes. `reach` is what a unit
+ * of energy in one storage weighs: 0 or the root of the energy of the run. */
+void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work, double reach);
+
+/* The size of the terms of one row of the last hb_solve. */
+double hb_row_size(const hb_mode *m, const hb_motion *o, const hb_work *work, int row);
+
+/* Jump from what y stores onto the constraints of a mode: to work->kept, by the residuals in
+ * work->met. 0 if there is no such jump; else whether impulses are more than rounding. */
+enum { HB_STAYS = 1, HB_SWEPT, HB_JUMPS };
+int hb_jump(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y);
 
 /* Put y back on the constraints; 0 if that is not possible. */
 int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, int *moved);
@@ -153,9 +235,35 @@ void hb_dense(const hb_mode *m, const hb_work *work, double h, double *dense);
 int hb_locate(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling, double t1,
               const double *dense, double *at);
 
+/* Let time pass in a mode: steps from row *count of the trail on, `most` at the most. */
+int32_t hb_pass(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling,
+                double t_end, int32_t most, int32_t begins, hb_trail *trail, int32_t *count);
+
+/* Settle a mode at (t, y), between intervals of the schedule; y is what is stored a priori, then
+ * what is a posteriori. The reason why not, or HB_EVENT. */
+typedef struct {
+    const hb_atlas *atlas;
+    hb_motion *o;
+    hb_work *work;
+    const hb_schedule *schedule;
+    const hb_log *log;
+    double *here, *there, *impulse, *area, *largest; /* n; n; slots; bonds; classes */
+    int32_t *target, *turned, *written, *slope;      /* machines twice; HB_WRITES modes; surfaces */
+    int jumped;
+    void *all;
+} hb_settler;
+enum { HB_WRITES = 32 };
+int hb_settler_for(hb_settler *settler);
+void hb_within(const hb_settler *s, int32_t interval);
+int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t from, int32_t to,
+                  int32_t row);
+
 /* What Python calls: which sources this was built from, and a march (march.c). */
 const char *hb_source(void);
 int32_t hb_march(const hb_mode *m, hb_motion *o, const hb_sampling *sampling, double t_end,
                  int32_t most, int32_t begins, hb_trail *trail, int32_t *count);
+int32_t hb_run(const hb_atlas *atlas, hb_motion *o, const hb_sampling *sampling,
+               const hb_schedule *schedule, int32_t mode, int32_t most, int32_t rows, double budget,
+               hb_trail *trail, hb_log *log);
 
 #endif

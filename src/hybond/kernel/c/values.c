@@ -8,26 +8,43 @@
 enum { STEPS = 40 };
 static const double TOLERANCE = 1e-13; /* as in equations/mode.py */
 
-int hb_reserve(hb_work *work, const hb_mode *m)
+static size_t most(size_t a, int32_t b)
 {
-    size_t n = (size_t)m->storages + (size_t)m->signals + 2;
-    size_t atoms = (size_t)m->guard_atoms[m->guards];
-    size_t free_ = (size_t)m->free;
-    size_t guards = (size_t)m->guards, slots = (size_t)m->slots, nx = (size_t)m->storages;
-    size_t sizes[] = {(size_t)m->knowns, 2 * (size_t)m->rows, free_ * free_, free_,
+    return b > 0 && (size_t)b > a ? (size_t)b : a;
+}
+
+int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
+{
+    size_t n = 0, atoms = 0, free_ = 0, guards = 0, slots = 0, nx = 0, rows = 0, knowns = 0;
+    size_t constraints = 0;
+    for (int k = 0; k < count; ++k) {
+        const hb_mode *m = modes[k];
+        if (!m)
+            continue;
+        n = most(n, m->storages + m->signals + 2);
+        atoms = most(atoms, m->guard_atoms[m->guards]);
+        free_ = most(free_, m->free);
+        guards = most(guards, m->guards);
+        slots = most(slots, m->slots);
+        nx = most(nx, m->storages);
+        rows = most(rows, m->rows);
+        knowns = most(knowns, m->knowns);
+        constraints = most(constraints, m->constraints);
+    }
+    size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
-                      2 * slots, slots, nx, (size_t)m->constraints, 4 * n, free_};
+                      2 * slots, slots, nx, constraints, 4 * n, free_, constraints};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->sizes, &work->magnitudes, &work->kept,
-                        &work->residuals, &work->dense, &work->guess};
-    size_t total = 1, count = sizeof sizes / sizeof *sizes;
-    for (size_t i = 0; i < count; ++i)
+                        &work->residuals, &work->dense, &work->guess, &work->met};
+    size_t total = 1, parts_count = sizeof sizes / sizeof *sizes;
+    for (size_t i = 0; i < parts_count; ++i)
         total += sizes[i];
     double *all = work->all = calloc(total, sizeof *all);
     if (!all)
         return 0;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < parts_count; ++i) {
         *parts[i] = all;
         all += sizes[i];
     }
@@ -181,29 +198,34 @@ int hb_solve(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doub
     return 1;
 }
 
-void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work)
+double hb_row_size(const hb_mode *m, const hb_motion *o, const hb_work *work, int row)
 {
-    const double energy = sqrt(o->run_energy);
+    double sum = 0.0;
+    for (int32_t k = m->measured.first[row]; k < m->measured.first[row + 1]; ++k)
+        sum += fabs(m->measured.value[k] * work->known[m->measured.column[k]]);
+    for (int j = 0; j < m->free; ++j)
+        sum += fabs(m->by_free[row * m->free + j] * o->free[j]);
+    for (int j = 0; j < m->loose; ++j)
+        sum += fabs(m->by_share[row * m->loose + j] * product(&m->shares, j, work->known));
+    return sum;
+}
+
+void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work, double reach)
+{
     double *size = work->sizes;
     for (int i = 0; i < m->slots; ++i)
         size[i] = fabs(o->v[i]);
     for (int i = 0; i < m->spread; ++i) {
         const int row = m->spread_row[i], slot = m->spread_slot[i];
-        double sum = 0.0;
-        for (int32_t k = m->measured.first[row]; k < m->measured.first[row + 1]; ++k)
-            sum += fabs(m->measured.value[k] * work->known[m->measured.column[k]]);
-        for (int j = 0; j < m->free; ++j)
-            sum += fabs(m->by_free[row * m->free + j] * o->free[j]);
-        for (int j = 0; j < m->loose; ++j)
-            sum += fabs(m->by_share[row * m->loose + j] * product(&m->shares, j, work->known));
-        size[slot] = fmax(size[slot], fmax(sum, 10.0 * energy * m->seen[row]));
+        const double sum = hb_row_size(m, o, work, row);
+        size[slot] = fmax(size[slot], fmax(sum, 10.0 * reach * m->seen[row]));
     }
 }
 
 void hb_between(int n, const double *y0, const double *dense, double x, double *y)
 {
     /* powers and their sum as the reference takes them: a touch is decided by the last bits */
-    const double p[] = {x, pow(x, 2.0), pow(x, 3.0), pow(x, 4.0)};
+    const double p[] = {x, x * x, x * x * x, x * x * x * x};
     for (int i = 0; i < n; ++i)
         y[i] = y0[i] + (p[0] * dense[i] + p[1] * dense[n + i] + p[2] * dense[2 * n + i] +
                         p[3] * dense[3 * n + i]);

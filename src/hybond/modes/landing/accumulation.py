@@ -153,13 +153,14 @@ class Series:
     flight: float = 0.0
     signs: dict[str, int] = field(default_factory=dict)
 
-    def note(self, t: float, approach: float) -> None:
-        """Note an impact at `t` with what its law read."""
-        self.speed = max(self.speed, approach)
-        self.flight = max(self.flight, approach * (t - self.since))
-        self.times = [*self.times[-SHRINKING:], t]
-        self.count += 1
-        self.since = t
+    def note(self, t: Sequence[float], approach: Sequence[float]) -> None:
+        """Note impacts at the instants `t` with what their law read."""
+        flights = np.asarray(approach) * np.diff([self.since, *t])
+        self.speed = max(self.speed, *approach)
+        self.flight = max(self.flight, float(flights.max()))
+        self.times = [*self.times, *t][-SHRINKING - 1 :]
+        self.count += len(t)
+        self.since = t[-1]
 
     def restart(self, t: float) -> None:
         """Forget the impacts; what they were like is still what is large for this machine."""

@@ -8,8 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial, reduce
 
-from hybond.model.expressions import Compare, Name, Number
+from hybond.model.expressions import (
+    Binary,
+    Call,
+    Compare,
+    Expr,
+    Name,
+    Number,
+    Pre,
+    names,
+    substitute,
+    transform,
+)
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
 
@@ -88,6 +100,25 @@ def _reaction(graph: FlatGraph, node: Node) -> Reaction | None:
     prescribed = tuple((f"{own}:{e.bond}", float(e.sign)) for e in around)
     text = f"{node.path if junction.hidden else junction.path}.{other}"
     return Reaction(node.index, prescribed, sign, f"{other}:{end.bond}", text)
+
+
+def approach(graph: FlatGraph, contact: Contact) -> Expr:
+    """Return how far a state is from what the impact laws prescribe at rest."""
+    parts: list[Expr] = []
+    for r in contact.reactions:
+        terms: list[Expr] = [Binary("*", Number(sign), Name(name)) for name, sign in r.prescribed]
+        law = graph.nodes[r.law].law
+        if r.own and law is not None:
+            terms.append(Binary("*", Number(r.own), transform(law.expressions[0], _without_prior)))
+        parts.append(Call("abs", (reduce(partial(Binary, "+"), terms),)))
+    return reduce(lambda a, b: Call("max", (a, b)), parts)
+
+
+def _without_prior(e: Expr) -> Expr:
+    """Return an expression with what was before at its limit, zero."""
+    if not isinstance(e, Pre):
+        return e
+    return substitute(e.arg, {name: Number(0.0) for name in names(e.arg)})
 
 
 def with_states(mode: Mode, contacts: Sequence[Contact]) -> Mode:

@@ -39,8 +39,14 @@ CROWD = 100
 MOMENT = 1e-13
 """What counts as no time for all of them together, as a part of the run."""
 SLOW = 1e-3
-"""A rebound above this part of the fastest approach is not looked at more closely, if the last
-flight was longer than a thousand times the time room."""
+LIVELY, FADING = 10.0, 1000.0
+"""A rebound at half the speed of the approach or more is looked at more closely if the last flight
+was shorter than `LIVELY` times the time room; a slower one if it is below the part `SLOW` of the
+fastest approach, or if the last flight was shorter than `FADING` times the time room."""
+
+
+KEPT = 64
+"""Instants kept of a machine that is not struck."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +124,50 @@ class Landings:
             elif machine.path in fired:
                 times = self._others.setdefault(machine.index, [])
                 times.append(event.t)
-                del times[:-64]
+                del times[:-KEPT]
+
+    def observe_many(self, t: Vector, approach: Vector, fired: NDArray[np.bool_]) -> None:
+        """Learn from events none of which may be a landing.
+
+        Parameters
+        ----------
+        t : array, shape (events,)
+        approach : array, shape (events, machines)
+            What the impact laws read that were struck; nan for the other machines.
+        fired : array of bool, shape (events, machines)
+            Whether a machine fired.
+        """
+        self._touches = []
+        struck = ~np.isnan(approach)
+        for k in np.flatnonzero(struck.any(axis=0)).tolist():
+            own = struck[:, k]
+            series = self._series.setdefault(k, Series())
+            series.note(t[own].tolist(), approach[own, k].tolist())
+        others = fired & ~struck
+        for k in np.flatnonzero(others.any(axis=0)).tolist():
+            times = self._others.setdefault(k, [])
+            times += t[others[:, k]].tolist()[-KEPT:]
+            del times[:-KEPT]
+
+    def contacts(self) -> list[Contact]:
+        """Return the impact laws of all written machines."""
+        found = [
+            self._contact(machine, state)
+            for machine in self.graph.machines
+            if machine.law is None
+            for state in range(len(machine.states))
+        ]
+        return [c for c in found if c is not None]
+
+    def known(self, contact: Contact) -> bool:
+        """Whether the signs of its reactions have been learned."""
+        series = self._series.get(contact.machine.index)
+        return series is not None and len(series.signs) >= len(contact.reactions)
+
+    def flown(self, machine: int) -> tuple[float, float]:
+        """Return when the last impact of a machine was, s, and the fastest approach so far."""
+        series = self._series.get(machine, Series())
+        return series.since, series.speed
 
     def _touch(
         self, contact: Contact, event: Event, before: Mode, pinnacle: Mode, interval: Interval
@@ -128,7 +177,7 @@ class Landings:
         approach = self._speed(contact, event.t, event.before, mode, interval)
         rebound = self._speed(contact, event.t, event.after, mode, interval)
         gap = event.t - series.since
-        series.note(event.t, approach)
+        series.note([event.t], [approach])
         self._touches.append(Touch(contact, event.t, gap, approach, rebound))
         if len(series.signs) < len(contact.reactions):
             series.signs.update(self._signs(contact, event, before, pinnacle, interval))
@@ -207,8 +256,11 @@ class Landings:
         if machine.on[mode[machine.index]] >= machine.on[contact.rest]:
             return False  # it closed without our help
         series = self._series[machine.index]
-        slow = touch.rebound <= SLOW * series.speed
-        return slow or touch.gap <= 1e3 * self.clock.room(touch.t)
+        room = self.clock.room(touch.t)
+        if touch.rebound >= 0.5 * touch.approach:
+            # it flies about as long as before
+            return touch.gap <= LIVELY * room
+        return touch.rebound <= SLOW * series.speed or touch.gap <= FADING * room
 
     def _verdict(
         self, touches: Sequence[Touch], t: float, y: Vector, mode: Mode, interval: Interval
@@ -410,9 +462,9 @@ class Landings:
                 hint = "if the guards chatter, give them a hysteresis"
                 self._stop(machine, found, len(times), hint)
                 return True
-        recent = self.trace.events[-CROWD:]
-        if len(recent) == CROWD and recent[-1].t - recent[0].t <= MOMENT * self.clock.until:
-            fired = [f.machine for step in recent[-1].steps for f in step.fired]
+        recent = self.trace.events.times[-CROWD:]
+        if len(recent) == CROWD and recent[-1] - recent[0] <= MOMENT * self.clock.until:
+            fired = [f.machine for step in self.trace.events[-1].steps for f in step.fired]
             machine = next(m for m in self.graph.machines if not fired or m.path == fired[0])
             hint = "no time passes between them"
             self._stop(machine, Limit(t, None, 0.0), CROWD, hint)

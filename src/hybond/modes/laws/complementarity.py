@@ -150,7 +150,7 @@ class Complementarity:
         resting = set(range(len(ports.ports)))
         shift = rebound * y
         for factor in dict.fromkeys(f for f, _, _ in TRIES):
-            h = factor * self._step(response, y)
+            h = factor * self.step(response, y)
             found = self._solve(ports, v, response, y, h, roles, start, resting, shift)
             if found is not None:
                 yield self._mode(at, ports, found, keep=False, impact=True)
@@ -205,7 +205,7 @@ class Complementarity:
             apart = stored & (y > 0.0) & np.array([r == ONE_SIDED for r in roles])
             for k in np.flatnonzero(apart):
                 roles[k] = CUT
-            h = factor * self._step(response, y)
+            h = factor * self.step(response, y)
             q = y + h * response.rate
             found = self._slide(ports, v, response, y, q, h, roles, start)
             if found is not None and keep is None:
@@ -377,7 +377,7 @@ class Complementarity:
             found.append(-1 if backward else int(bool(machine.on[state])))
         return np.array(found, dtype=np.int8)
 
-    def _step(self, response: Response, y: Vector) -> float:
+    def step(self, response: Response, y: Vector) -> float:
         """Return a step so short that finite values outweigh rates, and feedthrough storage."""
         through, stored = np.abs(np.diag(response.D)), np.abs(np.diag(response.CE))
         both = (through > 0.0) & (stored > 0.0)

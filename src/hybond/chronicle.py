@@ -1,0 +1,79 @@
+"""A list whose items may be made when they are asked for, in the order of time."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Generic, TypeVar, overload
+
+T = TypeVar("T")
+
+
+class Chronicle(Sequence[T], Generic[T]):
+    """Items with their times; blocks of them are given as a function that makes each.
+
+    Parameters
+    ----------
+    time_of : callable
+        The time of an item, s.
+    items : iterable
+
+    Examples
+    --------
+    >>> squares = Chronicle(float)
+    >>> squares.append(0)
+    >>> squares.extend([1.0, 4.0, 9.0], lambda k: (k + 1) ** 2)
+    >>> len(squares), squares[-1], squares[1:3], squares.times
+    (4, 9, [1, 4], [0.0, 1.0, 4.0, 9.0])
+    """
+
+    def __init__(self, time_of: Callable[[T], float], items: Iterable[T] = ()) -> None:
+        self._time_of = time_of
+        self._items: list[T | None] = []
+        self._blocks: list[tuple[int, Callable[[int], T]]] = []
+        self.times: list[float] = []
+        for item in items:
+            self.append(item)
+
+    def append(self, item: T) -> None:
+        """Add an item that is there."""
+        self._items.append(item)
+        self.times.append(float(self._time_of(item)))
+
+    def extend(self, times: Sequence[float], make: Callable[[int], T]) -> None:
+        """Add as many items as there are times; item k of them is ``make(k)``, made once."""
+        self._blocks.append((len(self._items), make))
+        self._items.extend([None] * len(times))
+        self.times.extend(times)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    @overload
+    def __getitem__(self, k: int) -> T: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> list[T]: ...
+
+    def __getitem__(self, k: int | slice) -> T | list[T]:
+        if isinstance(k, slice):
+            return [self._item(j) for j in range(*k.indices(len(self)))]
+        return self._item(range(len(self))[k])
+
+    def __setitem__(self, k: int, item: T) -> None:
+        k = range(len(self))[k]
+        self._items[k], self.times[k] = item, float(self._time_of(item))
+
+    def __iter__(self) -> Iterator[T]:
+        return (self._item(k) for k in range(len(self)))
+
+    def _item(self, k: int) -> T:
+        item = self._items[k]
+        if item is None:
+            first, make = self._blocks[bisect.bisect_right(self._blocks, k, key=_begin) - 1]
+            item = self._items[k] = make(k - first)
+        return item
+
+
+def _begin(block: tuple[int, object]) -> int:
+    return block[0]

@@ -1,0 +1,210 @@
+"""Passages: whole segments with the instants between them, in the kernel (`c/run.c`)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import HybondError
+from hybond.kernel.structs import Atlas, Filled, Log, Schedule
+from hybond.model.graph import FlatGraph, Mode
+from hybond.modes.landing import accumulation, landing
+from hybond.modes.marching import Course
+from hybond.modes.sliding import motion
+from hybond.programs.interval import Interval, interval_after
+from hybond.programs.program import Program
+
+Vector = NDArray[np.float64]
+KEPT = 256
+"""Modes that are kept ready."""
+AHEAD = 256
+"""Intervals between timed events that are looked ahead."""
+ROWS = 512
+"""Segments of one passage."""
+MOMENT = 10.0
+"""Events are left to the reference if what separates them is less than this many times what counts
+as one moment for a machine that chatters."""
+
+
+class Modes:
+    """The modes of a graph that the kernel knows, and what they share.
+
+    Parameters
+    ----------
+    make : callable
+        Makes a mode ready; None if the kernel was not made for it.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        course: Course,
+        make: Callable[[Mode, Interval, float], Filled | None],
+        *,
+        rounded: float,
+    ) -> None:
+        self.program = program
+        self._make = make
+        self._course = course
+        self._place: dict[Mode, int] = {}
+        self._ready: list[tuple[Mode, Filled | None]] = []
+        self._contacts = course.landings.contacts()
+        self.atlas = Filled(Atlas())
+        self._share()
+        self.atlas.structure.rounded = rounded
+
+    def place(self, mode: Mode, interval: Interval, t: float) -> int | None:
+        """Return where a mode stands, None if it is not for the kernel."""
+        k = self._place.get(mode)
+        if k is None:
+            if len(self._ready) == KEPT:
+                self._place.clear()
+                self._ready.clear()
+            k = self._place[mode] = len(self._ready)
+            try:
+                found = self._make(mode, interval, t)
+            except HybondError:
+                found = None  # the reference says why, if it ever gets there
+            self._ready.append((mode, found))
+            address = 0 if found is None else ctypes.addressof(found.structure)
+            self.atlas.arrays["mode"][k] = address
+            self.atlas.structure.modes = len(self._ready)
+        return None if self._ready[k][1] is None else k
+
+    def knows(self, mode: Mode) -> bool:
+        """Whether a mode has been looked at."""
+        return mode in self._place
+
+    def mode(self, k: int) -> Mode:
+        """Return the mode that stands at a place."""
+        return self._ready[k][0]
+
+    def filled(self, k: int) -> Filled:
+        """Return the structure that stands at a place."""
+        found = self._ready[k][1]
+        assert found is not None
+        return found
+
+    def look(self) -> None:
+        """Read what landings know of the impacts so far."""
+        landings, arrays = self._course.landings, self.atlas.arrays
+        for m in self.program.graph.machines:
+            arrays["since"][m.index], arrays["speed"][m.index] = landings.flown(m.index)
+        for k, contact in enumerate(self._contacts):
+            arrays["ready"][k] = landings.known(contact)
+
+    def _share(self) -> None:
+        program, course, atlas = self.program, self._course, self.atlas
+        graph, a = program.graph, atlas.structure
+        slots = program.slots
+        a.machines, a.storages, a.signals = len(graph.machines), program.nx, program.ns
+        a.states = max((len(m.states) for m in graph.machines), default=1)
+        a.inputs, a.slots, a.bonds = len(graph.inputs), slots.size, slots.w.stop - slots.w.start
+        a.ats, a.at_slot, a.contacts = len(graph.watches), slots.at.start, len(self._contacts)
+        a.until, a.event_tol = course.until, course.event_tol
+        a.remaining, a.soonest = accumulation.REMAINING, accumulation.SOONEST
+        a.moment = MOMENT * accumulation.CHATTERING
+        a.slow, a.lively, a.fading = landing.SLOW, landing.LIVELY, landing.FADING
+        atlas.put("mode", np.zeros(KEPT, dtype=np.uintp))
+        classes = _classes(graph)
+        a.classes = len(set(classes[0] + classes[1]))
+        atlas.put("bond_class", classes[0])
+        atlas.put("storage_class", classes[1])
+        half = len(graph.bonds)
+        at = [s.bond if s.kind == "C" else half + s.bond for s in graph.storages]
+        atlas.put("store_slot", [slots.w.start + k for k in at])
+        atlas.put("store_sign", [1.0 if s.kind == "C" else s.sign for s in graph.storages])
+        atlas.put("real", [not graph.bonds[s.bond].domain.pseudo for s in graph.storages])
+        of = np.full((a.machines, a.states), -1)
+        rests = np.zeros((a.contacts, a.states))
+        for k, contact in enumerate(self._contacts):
+            machine = contact.machine
+            of[machine.index, contact.state] = k
+            rests[k, : len(machine.on)] = [on >= machine.on[contact.rest] for on in machine.on]
+        atlas.put("contact_of", of)
+        atlas.put("contact_machine", [c.machine.index for c in self._contacts])
+        atlas.put("rests_in", rests)
+        atlas.put("ready", np.zeros(a.contacts))
+        surfaces = course.surfaces
+        a.surfaces, a.at_once = len(surfaces), motion.AT_ONCE
+        atlas.put("surface_machine", [s.machine for s in surfaces])
+        atlas.put("below", [s.below for s in surfaces])
+        atlas.put("above", [s.above for s in surfaces])
+        atlas.put("since", np.zeros(a.machines))
+        atlas.put("speed", np.zeros(a.machines))
+        atlas.check()
+
+
+def _classes(graph: FlatGraph) -> tuple[list[int], list[int]]:
+    """Return which impulses of bonds and stored quantities are compared with each other."""
+    number: dict[tuple[str, int], int] = {}
+
+    def of(bond: int, kind: int) -> int:
+        return number.setdefault((graph.bonds[bond].domain.name, kind), len(number))
+
+    bonds = range(len(graph.bonds))
+    return [of(b, kind) for kind in (0, 1) for b in bonds], [
+        of(s.bond, 0 if s.kind == "I" else 1) for s in graph.storages
+    ]
+
+
+class Ahead:
+    """The intervals between timed events from some time on."""
+
+    def __init__(self, graph: FlatGraph, until: float) -> None:
+        self.graph = graph
+        self.until = until
+        self.intervals: list[Interval] = []
+        self._rows: list[tuple[float, list[float], list[float]]] = []
+        self.schedule = Filled(Schedule())
+
+    def look(self, t: float, interval: Interval) -> list[Interval]:
+        """Fill the schedule from `t`, which lies in an interval; return the intervals."""
+        gone = next((k for k, i in enumerate(self.intervals) if i.end == interval.end), None)
+        known = [] if gone is None else self.intervals[gone + 1 :]
+        rows = [] if gone is None else self._rows[gone + 1 :]
+        self.intervals, self._rows = [interval, *known], [self._row(t, interval), *rows]
+        while (end := self.intervals[-1].end) < self.until and len(self.intervals) < AHEAD:
+            following = interval_after(self.graph, end)
+            self.intervals.append(following)
+            self._rows.append(self._row(end, following))
+        filled = self.schedule
+        filled.structure.count = len(self.intervals)
+        filled.put("start", [row[0] for row in self._rows])
+        filled.put("end", [i.end for i in self.intervals])
+        filled.put("at", [i.at for i in self.intervals])
+        filled.put("input", [row[1] for row in self._rows])
+        filled.put("rate", [row[2] for row in self._rows])
+        return self.intervals
+
+    def _row(self, t: float, interval: Interval) -> tuple[float, list[float], list[float]]:
+        pairs = list(zip(self.graph.inputs, interval.pieces, strict=True))
+        return (
+            t,
+            [i.waveform.value(t, p) for i, p in pairs],
+            [i.waveform.rate(t, p) for i, p in pairs],
+        )
+
+
+def log_for(rows: int, stored: int, machines: int) -> Filled:
+    """Return an empty log."""
+    log = Filled(Log())
+    for name in ("t", "energy"):
+        log.put(name, np.zeros(rows))
+    log.put("before", np.zeros((rows, stored)))
+    log.put("after", np.zeros((rows, stored + 2)))
+    log.put("approach", np.zeros((rows, machines)))
+    for name in ("steps", "mode", "interval", "timed", "changed"):
+        log.put(name, np.zeros(rows))
+    log.put("fired", np.zeros((rows, machines)))
+    log.put("wanted", np.zeros(machines))
+    log.check()
+    return log
+
+
+def mode_of(wanted: NDArray[np.int32]) -> Mode:
+    """Return a mode from what the kernel wrote."""
+    return tuple(wanted.tolist())

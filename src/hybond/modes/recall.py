@@ -1,0 +1,109 @@
+"""The records of a passage, made when somebody asks for them.
+
+A passage knows when each segment ended, in which mode and with what state the next began. Which
+guards fired on which values, and what impulses passed, follows from that: the instant is settled
+once more, by the reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import HybondError
+from hybond.model.graph import Mode
+from hybond.modes.marching import Passage
+from hybond.modes.settle import Settled, Settler, event_of
+from hybond.programs.interval import Interval
+from hybond.programs.program import Program
+from hybond.solvers.dense import Polynomial
+from hybond.trace import Cause, Event, Fired, Segment, Step, Trace
+
+Vector = NDArray[np.float64]
+
+
+class Recall:
+    """Makes the records of one run's passages.
+
+    Parameters
+    ----------
+    program : Program
+    max_writes : int
+    cause : callable
+        The cause of the timed event that ends an interval.
+    """
+
+    def __init__(
+        self, program: Program, *, max_writes: int, cause: Callable[[Interval], Cause]
+    ) -> None:
+        self.program = program
+        self._settler = Settler(program, Trace(), max_writes=max_writes)
+        self._cause = cause
+
+    def note(self, passage: Passage, trace: Trace) -> None:
+        """Add the segments and events of a passage to a trace."""
+        begins = [passage.start[0], *passage.t[:-1].tolist()]
+        trace.segments.extend(begins, lambda k: self.segment(passage, k))
+        rows = np.flatnonzero(passage.changed).tolist()
+        if rows:
+            times = passage.t[rows].tolist()
+            trace.events.extend(times, lambda k: self.event(passage, rows[k]))
+
+    def segment(self, passage: Passage, k: int) -> Segment:
+        """Return one segment."""
+        taken = passage.marched
+        first, last = int(passage.steps[k - 1]) if k else 0, int(passage.steps[k])
+        t0, y0 = (passage.t[k - 1], passage.after[k - 1]) if k else passage.start[:2]
+        t = np.concatenate([[t0], taken.t[first:last]])
+        y = np.vstack([y0, taken.y[first:last]])
+        interpolants = tuple(
+            Polynomial(
+                float(t[j]),
+                float(taken.stop[first + j]),
+                y[j],
+                taken.end[first + j],
+                taken.dense[first + j],
+            )
+            for j in range(last - first)
+        )
+        return Segment(passage.left(k), passage.around(k)[0], t, y, interpolants)
+
+    def event(self, passage: Passage, k: int) -> Event:
+        """Return the event that ended segment k."""
+        nx, ns = self.program.nx, self.program.ns
+        t, y = float(passage.t[k]), passage.before[k]
+        cause: Cause = self._cause(passage.around(k)[0]) if passage.timed[k] else "guard"
+        x, s = y[:nx].copy(), y[nx:].copy()
+        settled = self._settled(t, x, s, passage, k)
+        stored = passage.after[k, : nx + ns].copy()
+        if settled is None or settled.mode != passage.mode[k] or not settled.steps:
+            step = self._plain(passage.left(k), passage.mode[k])
+            return Event(t, cause, (step,), y.copy(), stored)
+        return replace(event_of(t, cause, settled, x, s), after=stored)
+
+    def _settled(self, t: float, x: Vector, s: Vector, passage: Passage, k: int) -> Settled | None:
+        """Settle an instant of the past: nothing had landed then."""
+        program, settler = self.program, self._settler
+        landed, program.landed = program.landed, frozenset()
+        settler.trace.energy = float(passage.energy[k])
+        try:
+            return settler.settle(t, x, s, passage.left(k), *passage.around(k))
+        except HybondError:
+            return None
+        finally:
+            program.landed = landed
+
+    def _plain(self, source: Mode, target: Mode) -> Step:
+        """Return what is known without the values that guards read.
+
+        Where rounding decides, the kernel and the reference may not settle alike.
+        """
+        fired = tuple(
+            Fired(m.path, m.states[a], m.states[b], "settled by the kernel", {}, {})
+            for m, a, b in zip(self.program.graph.machines, source, target, strict=True)
+            if a != b
+        )
+        return Step(target, "continuous", fired, {}, None)
