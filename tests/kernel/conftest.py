@@ -2,11 +2,17 @@
 
 import ctypes
 import os
+import sys
+from pathlib import Path
 
 import pytest
 
 from hybond.kernel import build
 from hybond.kernel.library import library
+
+HERE = Path(__file__).parent
+# random models, those of this folder and the passive networks of the next one
+sys.path[:0] = [str(HERE), str(HERE.parent / "property")]
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from hybond.kernel.structs import Atlas, Filled, Log, Schedule
 from hybond.model.graph import FlatGraph, Mode
 from hybond.modes.landing import accumulation, landing
 from hybond.modes.marching import Course
-from hybond.modes.sliding import motion
+from hybond.modes.sliding import crossings, motion
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 
@@ -129,7 +129,7 @@ class Modes:
         atlas.put("rests_in", rests)
         atlas.put("ready", np.zeros(a.contacts))
         surfaces = course.surfaces
-        a.surfaces, a.at_once = len(surfaces), motion.AT_ONCE
+        a.surfaces, a.at_once, a.vanished = len(surfaces), motion.AT_ONCE, crossings.VANISHED
         atlas.put("surface_machine", [s.machine for s in surfaces])
         atlas.put("below", [s.below for s in surfaces])
         atlas.put("above", [s.above for s in surfaces])

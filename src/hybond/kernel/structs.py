@@ -148,7 +148,16 @@ class Atlas(ctypes.Structure):
         *((name, REAL) for name in ("until", "event_tol", "rounded")),
         *(
             (name, REAL)
-            for name in ("remaining", "soonest", "moment", "slow", "lively", "fading", "at_once")
+            for name in (
+                "remaining",
+                "soonest",
+                "moment",
+                "slow",
+                "lively",
+                "fading",
+                "at_once",
+                "vanished",
+            )
         ),
         ("mode", ADDRESSES),
         *((name, INTEGERS) for name in ("bond_class", "storage_class", "store_slot")),

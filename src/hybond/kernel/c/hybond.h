@@ -121,7 +121,7 @@ typedef struct {
     int32_t ats, at_slot, contacts, surfaces;
     double until, event_tol, rounded;               /* Limits; ErrorScale.start */
     double remaining, soonest, moment;              /* modes/landing: what may be a landing */
-    double slow, lively, fading, at_once;
+    double slow, lively, fading, at_once, vanished;
     const hb_mode *const *mode;                     /* null where a mode is not for the kernel */
     const int32_t *bond_class, *storage_class;      /* whose impulses are compared with whose */
     const int32_t *store_slot;                      /* storages: bond variables that show them */

@@ -203,38 +203,6 @@ static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped,
     return sign ? sign : stay || jumped ? 1 : rate_of(s, m, p);
 }
 
-/* Whether all laws may stay in their branches: 1 if so, beyond doubt; 0 if not, with those that
- * must turn in s->target; UNDECIDED if nothing says.
- *
- * Where value and rate of some are zero, higher rates decide. All others stand beyond doubt, so that
- * no other answer differs but in these. If they were turned to come here, because their other branch
- * was refuted, it is this one; several that block around an open loop do so together, in shares at
- * will. Those that were not turned are idle, and keep their branch. Branches that were just chosen
- * `stay` unless they are violated. */
-static int branches_stand(hb_settler *s, const hb_mode *m, int jumped, int stay)
-{
-    int violated = 0, open = 0, came = 0, idle = 0, shared = 1;
-    memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
-    hb_sizes(m, s->o, s->work, sqrt(s->o->run_energy));
-    for (int32_t p = 0; p < m->ports; ++p) {
-        const int turned = s->turned[p], one = branch_stands(s, m, p, jumped, stay);
-        if (one == UNDECIDED)
-            return UNDECIDED;
-        came += turned;
-        open += one == 0 && turned;
-        idle += one == 0 && !turned;
-        shared &= one != 0 || m->port_adrift[p] != 0;
-        violated += s->turned[p] = one < 0;
-        if (one < 0)
-            s->target[m->port_machine[p]] = m->port_turn[p];
-    }
-    if (violated)
-        return 0;
-    if ((idle && m->loose) || (open && (open != came || (open > 1 && !shared))))
-        return UNDECIDED;
-    return 1;
-}
-
 static int32_t lookup(const hb_settler *s)
 {
     const size_t size = sizeof *s->target * (size_t)s->atlas->machines;
@@ -245,6 +213,52 @@ static int32_t lookup(const hb_settler *s)
     }
     memcpy(s->log->wanted, s->target, size);
     return -1;
+}
+
+/* Whether a law that conducts nothing in mode m would, if it blocked, have a share at will of what
+ * an open loop holds: then the reference lets all of that loop block. 1 also if that is not known. */
+static int adrift(hb_settler *s, const hb_mode *m, int32_t p)
+{
+    const int32_t k = m->port_machine[p];
+    memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
+    s->target[k] = m->port_turn[p];
+    const int32_t other = lookup(s);
+    return other < 0 || s->atlas->mode[other]->port_adrift[p] != 0;
+}
+
+/* Whether all laws may stay in their branches: 1 if so, beyond doubt; 0 if not, with those that
+ * must turn in s->target; UNDECIDED if nothing says.
+ *
+ * Where value and rate of some are zero, higher rates decide. All others stand beyond doubt, so that
+ * no other answer differs but in these. If they were turned to come here, because their other branch
+ * was refuted, it is this one; several that block around an open loop do so together, in shares at
+ * will. Those that have the branch that was `given` are idle, and keep it. Branches that were just
+ * chosen `stay` unless they are violated. */
+static int branches_stand(hb_settler *s, const hb_mode *m, const int32_t *given, int jumped,
+                          int stay)
+{
+    int violated = 0, open = 0, came = 0, shared = 1;
+    hb_sizes(m, s->o, s->work, sqrt(s->o->run_energy));
+    for (int32_t p = 0; p < m->ports; ++p) {
+        const int32_t k = m->port_machine[p];
+        const int turned = s->turned[p], one = branch_stands(s, m, p, jumped, stay);
+        if (one == UNDECIDED)
+            return UNDECIDED;
+        came += turned;
+        if (one == 0 && turned)
+            ++open;
+        else if (one == 0 && (m->state[k] != given[k] || m->loose || adrift(s, m, p)))
+            return UNDECIDED;
+        shared &= one != 0 || m->port_adrift[p] != 0;
+        violated += s->turned[p] = one < 0;
+    }
+    memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
+    for (int32_t p = 0; p < m->ports; ++p)
+        if (s->turned[p])
+            s->target[m->port_machine[p]] = m->port_turn[p];
+    if (violated)
+        return 0;
+    return open && (open != came || (open > 1 && !shared)) ? UNDECIDED : 1;
 }
 
 /* Enter a mode with the branches that its laws take from there; how, or 0, or -1 if one is not
@@ -261,7 +275,7 @@ static int settle_branches(hb_settler *s, int32_t *now, double t, int jump, int 
         const int how = enter(s, m, t, jump);
         if (!how || !m->ports)
             return how;
-        const int stand = branches_stand(s, m, how == HB_JUMPS, stay && !turn);
+        const int stand = branches_stand(s, m, given, how == HB_JUMPS, stay && !turn);
         if (stand == UNDECIDED || (stand && how == HB_JUMPS))
             return 0; /* an impulse through junction laws is for the reference */
         if (stand) {
@@ -364,13 +378,17 @@ static void approach(hb_settler *s, const hb_mode *m)
 
 /* Whether the motion may slide along a surface from here on (modes/sliding): it cannot if it crosses
  * one by its rate on both sides, or is clear of it. */
-static int slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t, int timed,
-                  const int32_t *fired)
+static int slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t, const double *y,
+                  int timed, const int32_t *fired)
 {
     const hb_atlas *a = s->atlas;
-    int crossed = 0;
+    const double spread = sqrt(s->o->run_energy);
+    int crossed = 0, vanishes = 1;
     if (!a->surfaces)
         return 0;
+    for (int32_t i = 0; i < m->storages; ++i)
+        vanishes &= fabs(s->here[i] - y[i]) <=
+                    a->vanished * (fabs(s->here[i]) + m->stored_reach[i] * spread);
     show(m, s->o);
     if (!evaluate(s, m, t, s->here))
         return 1;
@@ -381,13 +399,13 @@ static int slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t
                          (was == a->below[k] || was == a->above[k]);
         if (!within)
             continue;
-        if (s->jumped && fired[j])
+        if (s->jumped && fired[j] && vanishes)
             return 1;
         if (timed || s->jumped) {
             const double g = hb_evaluate(m->code + m->sense_code[m->ports + k], m->constants,
                                          s->o->v);
             double rate, size;
-            if (over || !rate_with_size(s, m, m->ports + k, &rate, &size) ||
+            if ((over && !s->jumped) || !rate_with_size(s, m, m->ports + k, &rate, &size) ||
                 !(fabs(g) > 2.0 * a->at_once * fabs(t) * size))
                 return 1;
             continue;
@@ -454,7 +472,7 @@ int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t fro
     m = a->mode[now];
     if (m->fieldless)
         return HB_DECLINED;
-    if (slides(s, a->mode[*mode], m, t, from != to, fired))
+    if (slides(s, a->mode[*mode], m, t, y, from != to, fired))
         return HB_DECLINED;
     hb_within(s, from);
     if (!observe(s, m, t, y, writes, row))
