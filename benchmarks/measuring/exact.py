@@ -5,6 +5,7 @@ It is what the runs are held against: no step size, no tolerance but that of the
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
@@ -32,6 +33,13 @@ class Linear:
     rules: tuple[tuple[Vector, Vector | None, Hashable, Callable[[Vector], Vector]], ...]
     grid: float
 
+    @functools.cached_property
+    def one_grid(self) -> Vector:
+        """Return what brings a state from one look at the guards to the next."""
+        from scipy.linalg import expm
+
+        return np.asarray(expm(self.matrix * self.grid))
+
 
 def follow(
     modes: dict[Hashable, Linear], mode: Hashable, y: Vector, until: float
@@ -40,12 +48,11 @@ def follow(
     from scipy.linalg import expm
     from scipy.optimize import brentq
 
-    grids = {k: expm(m.matrix * m.grid) for k, m in modes.items()}
     t, times = 0.0, []
     while until - t > 1e-12 * until:
         now = modes[mode]
         h = min(now.grid, until - t)
-        after = (grids[mode] if h == now.grid else expm(now.matrix * h)) @ y
+        after = (now.one_grid if h == now.grid else expm(now.matrix * h)) @ y
         best: tuple[float, int] | None = None
         for k, (row, also, _, _) in enumerate(now.rules):
             if row @ y > 0.0 >= row @ after and (also is None or also @ after < 0.0):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 C = "C"
-"""The name of the tool that all others are compared with."""
+"""The name of the tool that others are compared with."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,15 @@ class Problem:
     lengths, full : pair of float
         Two lengths for a quick table, and for a complete one.
     tools : mapping of str to Tool
-        The one named `C` is the limit; the first of hybond's own is named ``hybond``.
+        The one named `C` is the limit.
     true : callable
         What a perfect run of that length finds.
+    note : str
+        What the table says below the problem.
+    size : float
+        By which the costs of several problems of one key grow, 0 if there is one only.
+    base : str
+        The tool that the others are compared with.
     """
 
     key: str
@@ -61,7 +67,9 @@ class Problem:
     full: tuple[float, float]
     tools: Mapping[str, Tool]
     true: Callable[[float], tuple[float, ...]] | None = None
-    note: str = field(default="")
+    note: str = ""
+    size: float = 0.0
+    base: str = C
 
 
 def points(length: float, longest: float) -> int:

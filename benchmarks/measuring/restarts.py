@@ -41,6 +41,7 @@ def in_scipy(
     rtol: float = 1e-8,
     atol: float = 1e-10,
     method: str = "RK45",
+    max_step: float = np.inf,
     edges: Callable[[int], tuple[float, Callable[[Vector], Hashable]]] | None = None,
 ) -> Outcome:
     """Follow the modes up to the end.
@@ -75,6 +76,7 @@ def in_scipy(
             (t, stop),
             y,
             method=method,
+            max_step=max_step,
             rtol=rtol,
             atol=atol,
             events=[terminal(guard) for guard, _ in rules],

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from measuring.problem import C, Outcome, Problem, apart
 
 TURNS = 5
-PATIENCE = 6.0
-"""Seconds after which a pair of runs is not repeated in the turns that follow."""
+QUICK, PATIENCE = 0.4, 6.0
+"""Seconds of a turn up to which pairs of runs are repeated, and beyond which a tool has had it."""
 
 
 @dataclass
@@ -23,6 +23,7 @@ class Cost:
     per_event: list[float] = field(default_factory=list)
     error: float = float("nan")
     ratio: float = float("nan")
+    warm: bool = False
     tired: bool = False
 
     @property
@@ -35,6 +36,11 @@ class Cost:
         """Seconds that a run takes beside its length."""
         return statistics.median(self.fixed)
 
+    @property
+    def event(self) -> float:
+        """Seconds for one event; nan where events were not counted."""
+        return statistics.median(self.per_event) if self.per_event else float("nan")
+
     def add(self, lengths: tuple[float, float], short: Outcome, long: Outcome) -> None:
         """Take in one pair of runs."""
         slope = (long.seconds - short.seconds) / (lengths[1] - lengths[0])
@@ -42,7 +48,34 @@ class Cost:
         self.fixed.append(short.seconds - slope * lengths[0])
         if long.events > short.events:
             self.per_event.append((long.seconds - short.seconds) / (long.events - short.events))
-        self.tired = short.seconds + long.seconds > PATIENCE
+
+    def forget(self) -> None:
+        """Begin anew: what was measured contains what is loaded once."""
+        for kept in (self.slopes, self.fixed, self.per_event):
+            kept.clear()
+
+
+def turn(cost: Cost, lengths: tuple[float, float], true: tuple[float, ...] | None) -> bool:
+    """Run one tool; return whether it can do the problem here."""
+    tool = cost.problem.tools[cost.tool]
+    spent = 0.0
+    while spent < QUICK:
+        short, long = tool(lengths[0]), tool(lengths[1])
+        if short is None or long is None:
+            return False
+        cost.add(lengths, short, long)
+        if true is not None:
+            cost.error = apart(long.found, true)
+        pair = short.seconds + long.seconds
+        if cost.tool == C:  # its runs are long enough, each being many
+            break
+        cost.tired = pair > PATIENCE
+        if cost.warm or cost.tired:
+            spent += max(pair, 1e-3)
+        else:
+            cost.forget()
+        cost.warm = True
+    return True
 
 
 def measured(problem: Problem, full: bool, turns: int, only: list[str] | None) -> list[Cost]:
@@ -55,17 +88,9 @@ def measured(problem: Problem, full: bool, turns: int, only: list[str] | None) -
     true = problem.true(lengths[1]) if problem.true else None
     for _ in range(turns):
         for name, cost in list(costs.items()):
-            if cost.tired:
-                continue
-            tool = problem.tools[name]
-            short, long = tool(lengths[0]), tool(lengths[1])
-            if short is None or long is None:
+            if not cost.tired and not turn(cost, lengths, true):
                 del costs[name]
-                continue
-            cost.add(lengths, short, long)
-            if true is not None:
-                cost.error = apart(long.found, true)
-    if C in costs:
+    if problem.base in costs:
         for cost in costs.values():
-            cost.ratio = cost.each / costs[C].each
+            cost.ratio = cost.each / costs[problem.base].each
     return list(costs.values())

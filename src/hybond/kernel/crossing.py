@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.mode import ModeEquations
 from hybond.errors import HybondError
 from hybond.kernel.structs import Atlas, Filled, Log, Schedule
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.inputs import line
 from hybond.modes.landing import accumulation, landing
 from hybond.modes.marching import Course
 from hybond.modes.sliding import crossings, motion
@@ -24,7 +27,7 @@ AHEAD = 256
 """Intervals between timed events that are looked ahead."""
 ROWS = 512
 """Segments of one passage."""
-MOMENT = 10.0
+MOMENT = 1000.0
 """Events are left to the reference if what separates them is less than this many times what counts
 as one moment for a machine that chatters."""
 
@@ -51,6 +54,7 @@ class Modes:
         self._course = course
         self._place: dict[Mode, int] = {}
         self._ready: list[tuple[Mode, Filled | None]] = []
+        self._newton: list[tuple[ModeEquations, Filled]] = []
         self._contacts = course.landings.contacts()
         self.atlas = Filled(Atlas())
         self._share()
@@ -63,11 +67,14 @@ class Modes:
             if len(self._ready) == KEPT:
                 self._place.clear()
                 self._ready.clear()
+                self._newton.clear()
             k = self._place[mode] = len(self._ready)
-            try:
+            found: Filled | None = None
+            with contextlib.suppress(HybondError):
+                # the reference says why, if it ever gets there
                 found = self._make(mode, interval, t)
-            except HybondError:
-                found = None  # the reference says why, if it ever gets there
+            if found is not None and found.structure.free:
+                self._newton.append((self.program.equations(mode, interval, t), found))
             self._ready.append((mode, found))
             address = 0 if found is None else ctypes.addressof(found.structure)
             self.atlas.arrays["mode"][k] = address
@@ -88,8 +95,15 @@ class Modes:
         assert found is not None
         return found
 
+    def hand_back(self) -> None:
+        """Let the reference know where Newton ended in each mode, as it goes on from there."""
+        for equations, filled in self._newton:
+            equations.guess = filled.arrays["guess"].copy()
+
     def look(self) -> None:
-        """Read what landings know of the impacts so far."""
+        """Read what landings know of the impacts so far, and where Newton ended in each mode."""
+        for equations, filled in self._newton:
+            filled.arrays["guess"][:] = 0.0 if equations.guess is None else equations.guess
         landings, arrays = self._course.landings, self.atlas.arrays
         for m in self.program.graph.machines:
             arrays["since"][m.index], arrays["speed"][m.index] = landings.flown(m.index)
@@ -158,7 +172,7 @@ class Ahead:
         self.graph = graph
         self.until = until
         self.intervals: list[Interval] = []
-        self._rows: list[tuple[float, list[float], list[float]]] = []
+        self._rows: list[list[tuple[float, float, float]]] = []
         self.schedule = Filled(Schedule())
 
     def look(self, t: float, interval: Interval) -> list[Interval]:
@@ -173,20 +187,16 @@ class Ahead:
             self._rows.append(self._row(end, following))
         filled = self.schedule
         filled.structure.count = len(self.intervals)
-        filled.put("start", [row[0] for row in self._rows])
         filled.put("end", [i.end for i in self.intervals])
         filled.put("at", [i.at for i in self.intervals])
-        filled.put("input", [row[1] for row in self._rows])
-        filled.put("rate", [row[2] for row in self._rows])
+        lines = np.array(self._rows).reshape(len(self._rows), len(self.graph.inputs), 3)
+        for k, name in enumerate(("time", "input", "rate")):
+            filled.put(name, lines[:, :, k])
         return self.intervals
 
-    def _row(self, t: float, interval: Interval) -> tuple[float, list[float], list[float]]:
-        pairs = list(zip(self.graph.inputs, interval.pieces, strict=True))
-        return (
-            t,
-            [i.waveform.value(t, p) for i, p in pairs],
-            [i.waveform.rate(t, p) for i, p in pairs],
-        )
+    def _row(self, t: float, interval: Interval) -> list[tuple[float, float, float]]:
+        pairs = zip(self.graph.inputs, interval.pieces, strict=True)
+        return [line(i.waveform, t, p) for i, p in pairs]
 
 
 def log_for(rows: int, stored: int, machines: int) -> Filled:

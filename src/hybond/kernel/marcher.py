@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,11 @@ from hybond.kernel.bytecode import Declined
 from hybond.kernel.crossing import ROWS, Ahead, Modes, log_for, mode_of
 from hybond.kernel.library import library
 from hybond.kernel.plan import plan
-from hybond.kernel.settling import Shared, monotone, simple
+from hybond.kernel.settling import Shared, drifting, simple
 from hybond.kernel.structs import Filled, Motion, Sampling, Trail
 from hybond.model.expressions import Expr
 from hybond.model.graph import Mode
+from hybond.model.inputs import line
 from hybond.modes import locate
 from hybond.modes.landing.contacts import approach
 from hybond.modes.locate import Watched
@@ -121,7 +123,15 @@ class Marcher:
         return self._taken(equations, trail, count.value, list(gaps), why)
 
     def cross(
-        self, course: Course, *, mode: Mode, t: float, y: Vector, interval: Interval, last: float
+        self,
+        course: Course,
+        *,
+        mode: Mode,
+        t: float,
+        y: Vector,
+        interval: Interval,
+        last: float,
+        events: int,
     ) -> Passage | None:
         """Return the segments from where one begins, None if nothing is known of its end."""
         if not simple(self.program.graph):
@@ -138,8 +148,6 @@ class Marcher:
             self._in_vain()
             return None
         equations = self.program.equations(mode, interval, t)
-        if equations.guess is not None and equations.rows:
-            modes.filled(place).arrays["guess"][:] = equations.guess
         modes.look()
         intervals = ahead.look(t, interval)
         motion = self._prepare(State(t, y, np.zeros(len(y)), 0.0, 0.0, 0), equations, interval)
@@ -154,13 +162,15 @@ class Marcher:
             ahead.schedule.structure,
             place,
             self.most,
-            ROWS,
+            min(ROWS, course.max_events - events),
             ctypes.c_double(BUDGET),
             trail.structure,
             record,
         )
         if why == NO_MEMORY:
             raise MemoryError
+        modes.hand_back()
+        passage = self._passed((t, y, mode), modes, log, list(intervals))
         again = why in (EVENT, FULL) and record.rows > 0
         if why == UNKNOWN:
             wanted = mode_of(log.arrays["wanted"])
@@ -171,7 +181,7 @@ class Marcher:
             return None
         self._wait = self._waited = 0
         course.settler.trace.energy = motion.structure.run_energy
-        return self._passed((t, y, mode), modes, log, list(intervals), again=again)
+        return replace(passage, again=again)
 
     def _begin(self, course: Course) -> None:
         program = self.program
@@ -184,16 +194,22 @@ class Marcher:
         self._log = log_for(ROWS, program.nx + program.ns, len(program.graph.machines))
 
         def make(mode: Mode, interval: Interval, t: float) -> Filled | None:
-            if lawful and not monotone(laws, mode, interval, t):
-                return None
+            if lawful:
+                found = drifting(laws, mode, interval, t)
+                if found is None:
+                    return None
+                self._shared = replace(self._shared, drifting=found)
             equations = program.equations(mode, interval, t)
             return self._plan(equations, course.watch(mode), (), lawful=lawful)
 
         self._modes = Modes(program, course, make, rounded=self.scale.rounded)
 
     def _in_vain(self) -> None:
-        """Wait the longer, the more often there was nothing to pass."""
-        self._wait, self._waited = min(2 * self._wait + 1, PATIENCE), 0
+        """Wait the longer, the more often there was nothing to pass.
+
+        An even number of segments, or else one of two that take turns would never be tried.
+        """
+        self._wait, self._waited = min(2 * self._wait + 2, PATIENCE), 0
 
     def _passed(
         self,
@@ -201,9 +217,8 @@ class Marcher:
         modes: Modes,
         log: Filled,
         intervals: list[Interval],
-        *,
-        again: bool,
     ) -> Passage:
+        """Return what the kernel left behind."""
         n = log.structure.rows
         row = {name: a[:n].copy() for name, a in log.arrays.items() if name != "wanted"}
         steps = int(row["steps"][-1]) if n else 0
@@ -224,7 +239,7 @@ class Marcher:
             row["fired"].astype(bool),
             row["steps"],
             marched,
-            again,
+            again=False,
         )
 
     def reasons(self) -> list[str]:
@@ -262,16 +277,17 @@ class Marcher:
         m.controlled, m.max_step = state.controlled, solver.max_step
         m.energy, m.rtol, m.atol = scale.energy, scale.rtol, scale.atol_or_nan
         m.negligible, m.idle = scale.negligible, scale.idle
-        m.input_time, m.evaluations = state.t, 0
+        m.evaluations = 0
         motion.put("y", state.y.copy())
         motion.put("f", state.f.copy())
         motion.put("largest", scale.largest.copy())
         motion.put("rounding", scale.rounding.copy())
         free = equations.n2.shape[1] if equations.rows else 0
         motion.put("free", np.zeros(free) if equations.guess is None else equations.guess.copy())
-        pieces = list(zip(program.graph.inputs, interval.pieces, strict=True))
-        motion.put("input", [i.waveform.value(state.t, p) for i, p in pieces])
-        motion.put("input_rate", [i.waveform.rate(state.t, p) for i, p in pieces])
+        pieces = zip(program.graph.inputs, interval.pieces, strict=True)
+        lines = np.array([line(i.waveform, state.t, p) for i, p in pieces]).reshape(-1, 3)
+        for k, name in enumerate(("input_time", "input", "input_rate")):
+            motion.put(name, lines[:, k])
         nx, ns = program.nx, program.ns
         v = program.values(state.t, interval, equations.mode, state.y[:nx], state.y[nx : nx + ns])
         motion.put("v", v)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import gradient, partial_time
-from hybond.equations.leakage import undetermined
+from hybond.equations.leakage import null_space, undetermined
 from hybond.equations.mode import ModeEquations
 from hybond.equations.ports import base_mode
 from hybond.equations.surfaces import Surface
@@ -19,7 +19,7 @@ from hybond.model.expressions import Binary, Expr, Neg, Number, names
 from hybond.model.expressions.tree import prior_names
 from hybond.model.graph import FlatGraph, Mode, Rule
 from hybond.modes.jump import Ways, kicks_of
-from hybond.modes.laws.complementarity import Complementarity
+from hybond.modes.laws.complementarity import ADRIFT, Complementarity
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers.lcp import positive_semidefinite
@@ -43,28 +43,38 @@ class Shared:
         What each impact law reads, at rest.
     surfaces : tuple of Surface
         Along which a motion may slide.
+    drifting : frozenset of int
+        Machines of diodes that, if they block, may share at will what an open loop holds.
     """
 
     read: frozenset[int] = frozenset()
     contacts: tuple[Expr, ...] = ()
     surfaces: tuple[Surface, ...] = ()
+    drifting: frozenset[int] = frozenset()
 
     @staticmethod
     def of(program: Program, contacts: Sequence[Expr], surfaces: Sequence[Surface]) -> Shared:
         """Look through a graph; `contacts` are the approaches of its impact laws."""
         index = program.slots.index
-        found = {name for e in _all(program.graph) for name in prior_names(e)}
+        graph = program.graph
+        found = {name for e in _laws(graph) for name in prior_names(e)}
+        # a factor of an impulse must be what it was before
+        found |= {name for e in _asked(graph) for name in names(e)}
         read = frozenset(index[name] for name in found)
         return Shared(read, tuple(contacts), tuple(surfaces))
 
 
-def _all(graph: FlatGraph) -> Iterable[Expr]:
-    """All expressions of a graph that an instant before may enter."""
-    for machine in graph.machines:
-        yield from (rule.guard for rule in machine.rules)
+def _laws(graph: FlatGraph) -> Iterable[Expr]:
+    """All laws of a graph, which may read the instant before."""
     for node in graph.nodes:
         if node.law is not None:
             yield from node.law.expressions
+
+
+def _asked(graph: FlatGraph) -> Iterable[Expr]:
+    """All expressions that are asked at a jump."""
+    for machine in graph.machines:
+        yield from (rule.guard for rule in machine.rules)
     yield from (i.rate for i in graph.integrals)
 
 
@@ -129,6 +139,7 @@ def _put_ports(
     gates = [None if is_on else law.gate for law, is_on in zip(laws, on, strict=True)]
     mode.put("port_gate", [-1 if gate is None else book.add(gate) for gate in gates])
     mode.put("port_adrift", adrift)
+    mode.put("port_drifts", [m.index in shared.drifting for m in ports])
     followed = [*wanted, *(surface.g for surface in shared.surfaces)]
     rows, pushes = _rates(program, equations, followed)
     mode.put("sense_code", [book.add(e) for e in followed])
@@ -196,20 +207,30 @@ def simple(graph: FlatGraph) -> bool:
     return all(m.law is None or m.law.kind in ("diode", "thyristor") for m in graph.machines)
 
 
-def monotone(laws: Complementarity, mode: Mode, interval: Interval, t: float) -> bool:
-    """Whether the branches of diodes have one answer at the most, if that is beyond doubt.
+def drifting(
+    laws: Complementarity, mode: Mode, interval: Interval, t: float
+) -> frozenset[int] | None:
+    """Return the diodes whose blocked values nothing may fix; None if branches may be ambiguous.
 
-    ``D + h C E`` is positive semi-definite for all steps below one for which it is, if `D` is. Two
-    solutions of such a problem have ``w1 l2 + l1 w2 = 0`` (Cottle, Pang and Stone, *The Linear
-    Complementarity Problem*, 1992, section 3.1): where in one of each pair exactly one is positive,
-    the other has the same branches.
+    They are not, where they are beyond doubt, if the problem is monotone: ``D + h C E`` is positive
+    semi-definite for all steps below one for which it is, if `D` is. Two solutions of such a
+    problem have ``w1 l2 + l1 w2 = 0`` (Cottle, Pang and Stone, *The Linear Complementarity
+    Problem*, 1992, section 3.1): where in one of each pair exactly one is positive, the other has
+    the same branches.
     """
     program = laws.program
     ports = program.ports(mode, interval, t)
     if not ports.linear:
-        return False
+        return None
     x, s = np.zeros(program.nx), np.zeros(program.ns)
     v = program.values(t, interval, base_mode(program.graph, mode), x, s)
     r = ports.response(v, x)
     h = laws.step(r, np.zeros(len(r.y)))
-    return positive_semidefinite(r.D) and positive_semidefinite(r.D + h * r.CE)
+    if not (positive_semidefinite(r.D) and positive_semidefinite(r.D + h * r.CE)):
+        return None
+    # what a part of the ports does not see of each other, all of them do not
+    loose = null_space(np.vstack([r.D + r.D.T, r.CE + r.CE.T]))
+    moved = np.abs(loose).max(axis=1, initial=0.0) > ADRIFT
+    return frozenset(
+        p.machine for p, k in zip(ports.ports, moved, strict=True) if k and p.given == "net"
+    )

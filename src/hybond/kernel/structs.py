@@ -101,6 +101,7 @@ class Mode(ctypes.Structure):
         ("kick", Rows),
         ("guess", REALS),
         *((name, INTEGERS) for name in ("port_machine", "port_turn", "port_gate", "port_adrift")),
+        ("port_drifts", INTEGERS),
         *((name, INTEGERS) for name in ("sense_code", "sense_push")),
         ("sense", Rows),
     )
@@ -113,13 +114,12 @@ class Motion(ctypes.Structure):
     _fields_ = (
         *((name, REAL) for name in ("t", "h", "error_before", "energy")),
         *((name, REAL) for name in ("max_step", "rtol", "atol", "negligible", "idle")),
-        ("input_time", REAL),
         ("run_energy", REAL),
         ("instant", REAL),
         ("evaluations", ctypes.c_int64),
         ("controlled", INTEGER),
         *((name, REALS) for name in ("y", "f", "largest", "free", "rounding")),
-        *((name, REALS) for name in ("input", "input_rate", "v")),
+        *((name, REALS) for name in ("input", "input_rate", "input_time", "v")),
     )
 
 
@@ -174,7 +174,7 @@ class Schedule(ctypes.Structure):
     __slots__ = ()
     _fields_ = (
         ("count", INTEGER),
-        *((name, REALS) for name in ("start", "end", "at", "input", "rate")),
+        *((name, REALS) for name in ("end", "at", "input", "rate", "time")),
     )
 
 

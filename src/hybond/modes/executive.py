@@ -161,6 +161,7 @@ class Executive:
             tuple(self.slider.surfaces) if self.slider is not None else (),
             limits.until,
             limits.event_tol,
+            limits.max_events,
         )
         self._idle: list[float] = []
         """Instants in a row at which a guard held and nothing changed."""
@@ -215,7 +216,13 @@ class Executive:
         while self._passable() and self.march is not None:
             last = self.trace.events.times[-1] if self.trace.events else -math.inf
             found = self.march.cross(
-                self._course, mode=self.mode, t=self.t, y=y, interval=interval, last=last
+                self._course,
+                mode=self.mode,
+                t=self.t,
+                y=y,
+                interval=interval,
+                last=last,
+                events=len(self.trace.events),
             )
             if found is None:
                 break
@@ -229,7 +236,7 @@ class Executive:
                 self.t, self.mode = float(found.t[-1]), found.mode[-1]
                 y, interval = found.after[-1].copy(), found.around(len(found.t) - 1)[1]
                 self._idle = []
-                for mode in set(found.mode):
+                for mode in dict.fromkeys(found.mode):
                     equations = self.program.equations(mode, interval, self.t)
                     names = undetermined_names(self.program.graph, equations.freedom)
                     self.settler.note_open(mode, names)

@@ -82,7 +82,7 @@ class Course:
         The guards that leave a mode.
     surfaces : tuple of Surface
         Along which a motion may slide. It does not now.
-    until, event_tol : float
+    until, event_tol, max_events : float, float, int
         As in `Limits`.
     """
 
@@ -92,6 +92,7 @@ class Course:
     surfaces: tuple[Surface, ...]
     until: float
     event_tol: float
+    max_events: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,11 +198,19 @@ class March(Protocol):
         """
 
     def cross(
-        self, course: Course, *, mode: Mode, t: float, y: Vector, interval: Interval, last: float
+        self,
+        course: Course,
+        *,
+        mode: Mode,
+        t: float,
+        y: Vector,
+        interval: Interval,
+        last: float,
+        events: int,
     ) -> Passage | None:
         """Return the segments from where one begins, None if nothing is known of its end.
 
-        `last` is the time of the last event, s.
+        `last` is the time of the last event, s; `events` how many there were.
         """
 
     def reasons(self) -> list[str]:

@@ -23,6 +23,8 @@ from hybond.solvers.dense import Polynomial
 from hybond.trace import Cause, Event, Fired, Segment, Step, Trace
 
 Vector = NDArray[np.float64]
+SAME = 1e-9
+"""Part of the largest stored quantity by which two states may differ and are one."""
 
 
 class Recall:
@@ -79,10 +81,28 @@ class Recall:
         x, s = y[:nx].copy(), y[nx:].copy()
         settled = self._settled(t, x, s, passage, k)
         stored = passage.after[k, : nx + ns].copy()
-        if settled is None or settled.mode != passage.mode[k] or not settled.steps:
-            step = self._plain(passage.left(k), passage.mode[k])
+        mode = passage.mode[k]
+        steps = () if settled is None else self._with_idle(settled.steps, mode)
+        if settled is None or not steps or not _close(settled.x, stored[:nx]):
+            step = self._plain(passage.left(k), mode)
             return Event(t, cause, (step,), y.copy(), stored)
-        return replace(event_of(t, cause, settled, x, s), after=stored)
+        return replace(event_of(t, cause, settled, x, s), steps=steps, after=stored)
+
+    def _with_idle(self, steps: tuple[Step, ...], mode: Mode) -> tuple[Step, ...]:
+        """Return the steps that end in a mode; none if they do not.
+
+        Which diode is called conducting while it carries nothing may be rounding, and come out the
+        other way here.
+        """
+        if not steps or steps[-1].mode == mode:
+            return steps
+        last, machines = steps[-1], self.program.graph.machines
+        differ = [m for m, a, b in zip(machines, last.mode, mode, strict=True) if a != b]
+        if any(m.law is None for m in differ):
+            return ()
+        paths = {m.path for m in differ}
+        fired = tuple(f for f in last.fired if f.machine not in paths)
+        return (*steps[:-1], replace(last, mode=mode, fired=fired))
 
     def _settled(self, t: float, x: Vector, s: Vector, passage: Passage, k: int) -> Settled | None:
         """Settle an instant of the past: nothing had landed then."""
@@ -107,3 +127,9 @@ class Recall:
             if a != b
         )
         return Step(target, "continuous", fired, {}, None)
+
+
+def _close(a: Vector, b: Vector) -> bool:
+    """Whether two states are one but for rounding."""
+    size = float(np.abs(b).max(initial=0.0))
+    return bool((np.abs(a - b) <= SAME * size).all())

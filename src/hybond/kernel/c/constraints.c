@@ -37,7 +37,8 @@ int hb_jump(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doubl
     const double spread = sqrt(o->run_energy);
     double size, best = INFINITY, *x = work->kept, *r = work->residuals;
     int rounding = 1;
-    for (int i = 0; i < nx; ++i)
+    /* laws and sources read signals as well */
+    for (int i = 0; i < nx + m->signals; ++i)
         x[i] = y[i];
     if (!n && !m->agreements)
         return HB_STAYS;

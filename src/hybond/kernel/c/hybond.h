@@ -88,6 +88,7 @@ typedef struct {
     /* junction laws, in the branch that this mode has of each */
     const int32_t *port_machine, *port_turn;        /* the other branch */
     const int32_t *port_gate, *port_adrift;         /* -1: none; 1, 2: it blocks, carries a share */
+    const int32_t *port_drifts;                     /* whether it may come to block one */
     /* what must be positive in these branches, then what is zero on surfaces, and their rates */
     const int32_t *sense_code, *sense_push;         /* push: what sources add; -1: not known */
     hb_rows sense;                                  /* x storages: of co-energy variables */
@@ -99,12 +100,11 @@ typedef struct {
     double t, h, error_before, energy;
     double max_step, rtol, atol;                    /* atol: nan if none is given */
     double negligible, idle;
-    double input_time;                              /* at which `input` holds */
     double run_energy, instant;                     /* seen by the run; what is one instant, s */
     int64_t evaluations;
     int32_t controlled;
     double *y, *f, *largest, *free, *rounding;
-    const double *input, *input_rate;
+    const double *input, *input_rate, *input_time;  /* at which `input` holds */
     double *v;                                      /* 2 slots: flags written, the rest is work */
 } hb_motion;
 
@@ -136,7 +136,7 @@ typedef struct {
 /* Intervals between timed events, one after the other. */
 typedef struct {
     int32_t count;
-    const double *start, *end, *at, *input, *rate;
+    const double *end, *at, *input, *rate, *time;
 } hb_schedule;
 
 /* What a run leaves behind: a row for each segment that ended, with the instant that ended it. */
@@ -249,12 +249,36 @@ typedef struct {
     const hb_log *log;
     double *here, *there, *impulse, *area, *largest; /* n; n; slots; bonds; classes */
     int32_t *target, *turned, *written, *slope;      /* machines twice; HB_WRITES modes; surfaces */
-    int jumped;
+    int struck, jumped;                              /* impulses in the last entry, so far */
     void *all;
 } hb_settler;
 enum { HB_WRITES = 32 };
 int hb_settler_for(hb_settler *settler);
+
+/* Inputs and comparisons of time in an interval; the Booleans of a mode. */
 void hb_within(const hb_settler *s, int32_t interval);
+void hb_show(const hb_mode *m, hb_motion *o);
+
+/* All signals of a mode at (t, y), with their sizes; 0 if there are none. */
+int hb_look(hb_settler *s, const hb_mode *m, double t, const double *y);
+hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped);
+
+/* Enter a mode from what is stored `here`, which leads `there`: how, or 0 if it cannot be said. */
+int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump);
+int32_t hb_lookup(const hb_settler *s);
+int hb_branches(hb_settler *s, int32_t *now, double t, int jump, int stay, int32_t *fired);
+
+/* The rate of what is followed, with the size of its terms (0 if it is not known), and its sign (0
+ * also if it is not clear). */
+int hb_rate_of(hb_settler *s, const hb_mode *m, int32_t p, double *rate, double *size);
+int hb_trend(hb_settler *s, const hb_mode *m, int32_t p);
+
+/* After an instant: whether no impact may have been the last, and whether a motion may slide. */
+int hb_observe(hb_settler *s, const hb_mode *m, double t, const double *before, int writes,
+               int32_t row);
+void hb_approach(hb_settler *s, const hb_mode *m);
+int hb_slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t, const double *y,
+              int timed, const int32_t *fired);
 int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t from, int32_t to,
                   int32_t row);
 

@@ -7,11 +7,12 @@
 
 /* What a state was like where a segment began: one that does not end here has not begun. */
 typedef struct {
-    double t, energy, run_energy, *y, *largest;
+    double t, energy, run_energy, *y, *largest, *guess;
 } mark;
 
-static void note(mark *k, const hb_motion *o, size_t n)
+static void note(mark *k, const hb_mode *m, const hb_motion *o, size_t n)
 {
+    memcpy(k->guess, m->guess, sizeof *m->guess * (size_t)m->free);
     k->t = o->t;
     k->energy = o->energy;
     k->run_energy = o->run_energy;
@@ -19,8 +20,9 @@ static void note(mark *k, const hb_motion *o, size_t n)
     memcpy(k->largest, o->largest, sizeof *o->y * (n - 2));
 }
 
-static void go_back(const mark *k, hb_motion *o, size_t n)
+static void go_back(const mark *k, const hb_mode *m, hb_motion *o, size_t n)
 {
+    memcpy(m->guess, k->guess, sizeof *m->guess * (size_t)m->free);
     o->t = k->t;
     o->energy = k->energy;
     o->run_energy = k->run_energy;
@@ -52,6 +54,7 @@ static int32_t segment(hb_settler *s, const hb_sampling *sampling, int32_t *mode
     const double end = fmin(s->schedule->end[k], a->until);
     memcpy(o->v + m->flag_slot, m->flags, sizeof *m->flags * (size_t)m->flag_count);
     hb_within(s, k);
+    memset(o->v + m->slots, 0, sizeof *o->v * (size_t)m->slots); /* nothing was before */
     o->free = m->guess;
     o->instant = a->event_tol * fmax(a->until, fabs(o->t));
     if (!rounding(m, o, s->work, a->rounded))
@@ -99,24 +102,29 @@ int32_t hb_run(const hb_atlas *atlas, hb_motion *o, const hb_sampling *sampling,
     const size_t n = (size_t)atlas->storages + (size_t)atlas->signals + 2;
     int32_t interval = 0, steps = 0, why = HB_NO_MEMORY;
     double last = log->last;
-    start.y = calloc(2 * n, sizeof *start.y);
+    size_t most_free = 0;
+    for (int32_t k = 0; k < atlas->modes; ++k)
+        if (atlas->mode[k] && (size_t)atlas->mode[k]->free > most_free)
+            most_free = (size_t)atlas->mode[k]->free;
+    start.y = calloc(2 * n + most_free, sizeof *start.y);
     log->rows = 0;
     if (start.y && hb_reserve(&work, atlas->mode, atlas->modes) &&
         hb_settler_for(&s)) {
         start.largest = start.y + n;
+        start.guess = start.largest + n;
         why = HB_EVENT;
     }
     while (why == HB_EVENT && log->rows < rows && budget > 0.0) {
         const hb_mode *m = atlas->mode[mode];
         const int32_t before = steps, in = mode, at = interval;
         const double left = fmin(budget / m->cost + 1.0, (double)(most - steps));
-        note(&start, o, n);
+        note(&start, m, o, n);
         why = left < 1.0 ? HB_FULL
                          : segment(&s, sampling, &mode, &interval, (int32_t)left, trail, &steps,
                                    &last, log);
         budget -= (steps - before) * m->cost;
         if (why != HB_EVENT) {
-            go_back(&start, o, n);
+            go_back(&start, m, o, n);
             mode = in;
             interval = at;
         }

@@ -15,7 +15,7 @@ static size_t most(size_t a, int32_t b)
 
 int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
 {
-    size_t n = 0, atoms = 0, free_ = 0, guards = 0, slots = 0, nx = 0, rows = 0, knowns = 0;
+    size_t n = 0, atoms = 0, free_ = 0, guards = 0, slots = 0, rows = 0, knowns = 0;
     size_t constraints = 0;
     for (int k = 0; k < count; ++k) {
         const hb_mode *m = modes[k];
@@ -26,14 +26,13 @@ int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
         free_ = most(free_, m->free);
         guards = most(guards, m->guards);
         slots = most(slots, m->slots);
-        nx = most(nx, m->storages);
         rows = most(rows, m->rows);
         knowns = most(knowns, m->knowns);
         constraints = most(constraints, m->constraints);
     }
     size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
-                      2 * slots, slots, nx, constraints, 4 * n, free_, constraints};
+                      2 * slots, slots, n, constraints, 4 * n, free_, constraints};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->sizes, &work->magnitudes, &work->kept,
@@ -171,7 +170,7 @@ void hb_known(const hb_mode *m, hb_motion *o, hb_work *work, double t, const dou
     double *v = o->v, *xi = work->known;
     v[0] = t;
     for (int i = 0; i < m->inputs; ++i) {
-        v[m->input_slot + i] = o->input[i] + o->input_rate[i] * (t - o->input_time);
+        v[m->input_slot + i] = o->input[i] + o->input_rate[i] * (t - o->input_time[i]);
         v[m->input_rate_slot + i] = o->input_rate[i];
     }
     for (int i = 0; i < m->storages; ++i)
