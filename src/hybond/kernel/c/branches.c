@@ -13,7 +13,7 @@ enum { TURNS = 16, UNDECIDED = 2, CARRIES = 2, BARRED = 4 };
 static const double ZERO = 1e-12; /* as in modes/laws/complementarity.py */
 static const double DUST = 1e-9;  /* as in modes/trial.py */
 static const double FEW = 4.0;     /* times that from which on a value is beyond doubt */
-static const double SOON = 1e-6;  /* part of a run within which zero is left behind */
+static const double SOON = 1e-3;  /* part of a run within which zero is left behind */
 static const double CLEAR = 1e-9; /* a rate below this part of its terms decides nothing */
 
 /* The rate of what is followed, and the size of its terms; 0 if it is not known. */
