@@ -214,6 +214,9 @@ def _rows(
     m.spread = len(read)
     mode.put("spread_row", row_of(np.array(read)))
     mode.put("spread_slot", [w.start + k for k in read])
+    place_of = np.full(program.slots.size, -1)
+    place_of[[w.start + k for k in read]] = mode.arrays["spread_row"]
+    mode.put("row_of", place_of)
     mode.put("rate_row", row_of(rates))
     mode.put("rate_sign", storage.sign)
     m.supplied, m.dissipated = len(meter.supplied[2]), len(meter.dissipated[2])

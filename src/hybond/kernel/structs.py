@@ -65,6 +65,7 @@ class Mode(ctypes.Structure):
         ("by_share", REALS),
         ("spread_row", INTEGERS),
         ("spread_slot", INTEGERS),
+        ("row_of", INTEGERS),
         ("value_code", INTEGERS),
         ("slope", REALS),
         ("entry_at", INTEGERS),

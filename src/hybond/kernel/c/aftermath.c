@@ -76,7 +76,7 @@ int hb_slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t, co
         vanishes &= fabs(s->here[i] - y[i]) <=
                     a->vanished * (fabs(s->here[i]) + m->stored_reach[i] * spread);
     hb_show(m, s->o);
-    if (!hb_look(s, m, t, s->here))
+    if (!hb_solve(m, s->o, s->work, t, s->here))
         return 1;
     for (int32_t k = 0; k < m->machines; ++k)
         others += from->state[k] != m->state[k];

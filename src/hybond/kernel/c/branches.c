@@ -50,7 +50,7 @@ int hb_trend(hb_settler *s, const hb_mode *m, int32_t p)
  * UNDECIDED if that cannot be said. */
 static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped, int stay)
 {
-    const hb_signals all = hb_signals_of(s, m, jumped);
+    const hb_signals all = hb_signals_of(s, m, jumped, sqrt(s->o->run_energy));
     hb_pair value;
     if (m->port_gate[p] >= 0) {
         const int32_t *gate = m->code + m->port_gate[p];
@@ -96,7 +96,6 @@ static int branches_stand(hb_settler *s, const hb_mode *m, const int32_t *given,
                           int stay)
 {
     int violated = 0, open = 0, came = 0, shared = 1;
-    hb_sizes(m, s->o, s->work, sqrt(s->o->run_energy));
     for (int32_t p = 0; p < m->ports; ++p) {
         const int32_t k = m->port_machine[p];
         const int turned = s->turned[p], one = branch_stands(s, m, p, jumped, stay);
@@ -183,7 +182,6 @@ int hb_branches(hb_settler *s, int32_t *now, double t, int jump, int stay,
         const int32_t k = m->port_machine[p];
         fired[k] += m->state[k] != first->state[k];
     }
-    hb_sizes(m, s->o, s->work, 0.0);
     return how;
 }
 

@@ -58,6 +58,7 @@ typedef struct {
     hb_rows shares;                                 /* loose x knowns: what leakage sets */
     const double *by_share;                         /* rows x loose */
     const int32_t *spread_row, *spread_slot;        /* rows to slots that are read */
+    const int32_t *row_of;                          /* slots: rows, or -1 */
     const int32_t *value_code;                      /* dynamic rows: zero at the solution */
     const double *slope;                            /* values x free, constant part */
     const int32_t *entry_at, *entry_code;           /* slopes that vary: the dynamic row of each */
@@ -159,10 +160,16 @@ typedef struct {
     double finite, impulse, before, size, impulse_size;
 } hb_pair;
 
-/* All signals at an instant: `slots` of each; impulse may be null if there are none. */
+/* All signals at an instant: `slots` of each; impulse may be null if there are none. Sizes that are
+ * null are found when they are asked for, from the last hb_solve; `reach` is as in hb_size. */
+typedef struct hb_work hb_work;
 typedef struct {
     const double *finite, *before, *impulse, *size;
     int32_t slots;
+    const hb_mode *m;
+    const hb_motion *o;
+    const hb_work *work;
+    double reach;
 } hb_signals;
 
 /* An expression of them; 0 if it has no meaning. */
@@ -178,11 +185,10 @@ int hb_sign(const hb_pair *a);
 int hb_holds(const int32_t *code, const double *constants, const hb_signals *signals);
 
 /* Work space of one march. */
-typedef struct hb_work hb_work;
 struct hb_work {
     double *known, *w, *jacobian, *step;             /* one evaluation */
     double *k, *y1, *trial, *tolerance, *error;      /* one step */
-    double *sampled, *atoms, *sizes, *magnitudes;    /* guards */
+    double *sampled, *atoms, *magnitudes;      /* guards */
     double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
     double *met;                                     /* residuals taken away so far */
     void *all;
@@ -210,9 +216,10 @@ int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
 /* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
 int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
 
-/* The size of the terms of each value of the last hb_solve, in work->sizes. `reach` is what a unit
- * of energy in one storage weighs: 0 or the root of the energy of the run. */
-void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work, double reach);
+/* The size of the terms of a value of the last hb_solve. `reach` is what a unit of energy in one
+ * storage weighs: 0 or the root of the energy of the run. */
+double hb_size(const hb_mode *m, const hb_motion *o, const hb_work *work, int32_t slot,
+               double reach);
 
 /* The size of the terms of one row of the last hb_solve. */
 double hb_row_size(const hb_mode *m, const hb_motion *o, const hb_work *work, int row);
@@ -259,9 +266,8 @@ int hb_settler_for(hb_settler *settler);
 void hb_within(const hb_settler *s, int32_t interval);
 void hb_show(const hb_mode *m, hb_motion *o);
 
-/* All signals of a mode at (t, y), with their sizes; 0 if there are none. */
-int hb_look(hb_settler *s, const hb_mode *m, double t, const double *y);
-hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped);
+/* The signals of the last hb_solve, a priori values included. */
+hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped, double reach);
 
 /* Enter a mode from what is stored `here`, which leads `there`: how, or 0 if it cannot be said. */
 int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump);

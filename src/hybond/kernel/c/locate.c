@@ -65,9 +65,9 @@ static double atom(search *s, int a, double t)
 static int holds(search *s, int g, double t)
 {
     look(s, t);
-    hb_sizes(s->m, s->o, s->work, sqrt(s->o->run_energy));
     const double *v = s->o->v;
-    const hb_signals signals = {v, v, 0, s->work->sizes, s->m->slots};
+    const hb_signals signals = {v, v, 0, 0, s->m->slots, s->m, s->o, s->work,
+                                sqrt(s->o->run_energy)};
     const int truth = hb_holds(s->m->code + s->m->guard_test[g], s->m->constants, &signals);
     if (truth < 0)
         s->failed = 1;
@@ -364,8 +364,9 @@ static int rounding(search *s, int a, double rest)
     const hb_mode *m = s->m;
     double *v = s->o->v, largest = 0.0;
     look(s, s->t[0]);
-    hb_sizes(m, s->o, s->work, sqrt(s->o->run_energy));
-    memcpy(s->work->magnitudes, s->work->sizes, sizeof(double) * (size_t)m->slots);
+    for (int i = 0; i < m->spread; ++i)
+        s->work->magnitudes[m->spread_slot[i]] =
+            hb_size(m, s->o, s->work, m->spread_slot[i], sqrt(s->o->run_energy));
     for (int k = 0; k < HB_SAMPLES && !s->failed; ++k) {
         look(s, s->t[k]);
         for (int i = 0; i < m->spread; ++i) {

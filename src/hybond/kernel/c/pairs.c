@@ -35,15 +35,20 @@ static hb_pair still(double value)
     return a;
 }
 
+static double size_of(const hb_signals *s, int32_t k)
+{
+    return s->size ? s->size[k] : hb_size(s->m, s->o, s->work, k, s->reach);
+}
+
 static hb_pair read(const hb_signals *s, int32_t k)
 {
     if (k >= s->slots) {
         const double b = s->before[k - s->slots];
-        hb_pair a = {b, 0.0, b, fmax(fabs(b), s->size[k - s->slots]), 0.0};
+        hb_pair a = {b, 0.0, b, fmax(fabs(b), size_of(s, k - s->slots)), 0.0};
         return a;
     }
     const double p = s->impulse ? s->impulse[k] : 0.0;
-    hb_pair a = {s->finite[k], p, s->before[k], s->size[k], fabs(p)};
+    hb_pair a = {s->finite[k], p, s->before[k], size_of(s, k), fabs(p)};
     return a;
 }
 

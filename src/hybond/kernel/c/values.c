@@ -32,10 +32,10 @@ int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
     }
     size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
-                      2 * slots, slots, n, constraints, 4 * n, free_, constraints};
+                      slots, n, constraints, 4 * n, free_, constraints};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
-                        &work->sampled, &work->atoms, &work->sizes, &work->magnitudes, &work->kept,
+                        &work->sampled, &work->atoms, &work->magnitudes, &work->kept,
                         &work->residuals, &work->dense, &work->guess, &work->met};
     size_t total = 1, parts_count = sizeof sizes / sizeof *sizes;
     for (size_t i = 0; i < parts_count; ++i)
@@ -209,16 +209,14 @@ double hb_row_size(const hb_mode *m, const hb_motion *o, const hb_work *work, in
     return sum;
 }
 
-void hb_sizes(const hb_mode *m, const hb_motion *o, hb_work *work, double reach)
+double hb_size(const hb_mode *m, const hb_motion *o, const hb_work *work, int32_t slot,
+               double reach)
 {
-    double *size = work->sizes;
-    for (int i = 0; i < m->slots; ++i)
-        size[i] = fabs(o->v[i]);
-    for (int i = 0; i < m->spread; ++i) {
-        const int row = m->spread_row[i], slot = m->spread_slot[i];
-        const double sum = hb_row_size(m, o, work, row);
-        size[slot] = fmax(size[slot], fmax(sum, 10.0 * reach * m->seen[row]));
-    }
+    const double value = fabs(o->v[slot]);
+    const int32_t row = m->row_of[slot];
+    if (row < 0)
+        return value;
+    return fmax(value, fmax(hb_row_size(m, o, work, row), 10.0 * reach * m->seen[row]));
 }
 
 void hb_between(int n, const double *y0, const double *dense, double x, double *y)
