@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -253,16 +253,7 @@ class Result:
         interval = segment.interval
         assert isinstance(interval, Interval)
         equations = equations_of(self.program, segment)
-        accepted = set(segment.t.tolist())
-        rows = []
-        for a in t.tolist():
-            row = segment.at(a)
-            if a not in accepted:
-                # between accepted points the interpolant is off the constraints by its own error
-                row = on_constraints(
-                    self.program, equations, interval, a, row, energy=self.trace.energy
-                )
-            rows.append(row)
+        rows = self._rows(segment, t)
         y = np.array(rows)
         if isinstance(equations, Combined):
             y = np.array([equations.onto(float(a), b) for a, b in zip(t, y, strict=True)])
@@ -319,10 +310,12 @@ class Result:
                     hint="ask for a time within it",
                 )
             by_segment.setdefault(self._segment_at(a, side), []).append(k)
-        for index, which in by_segment.items():
-            times = np.array([t[k] for k in which], dtype=float)
-            for name, values in self._of_segment(self.segments[index], names, times).items():
-                found[name][which] = values
+        for parts in self._alike(by_segment):
+            times = [np.array([t[k] for k in which], dtype=float) for _, which in parts]
+            segments = [segment for segment, _ in parts]
+            places = [k for _, which in parts for k in which]
+            for name, values in self._of_segments(segments, names, times).items():
+                found[name][places] = values
         last = self.segments[-1] if self.segments else None
         at_end = [k for k, a in enumerate(t) if a == self.t_end]
         if side == "right" and last is not None and at_end and self._settled_at_end:
@@ -330,6 +323,52 @@ class Result:
             for name, value in self._after_last_event(names).items():
                 found[name][at_end] = value
         return found
+
+    def _alike(
+        self, by_segment: Mapping[int, list[int]]
+    ) -> Iterable[list[tuple[Segment, list[int]]]]:
+        """Return segments with what is asked of each, those with the same equations together."""
+        groups: dict[object, list[tuple[Segment, list[int]]]] = {}
+        for index, which in by_segment.items():
+            segment = self.segments[index]
+            plain = segment.bonds is None and segment.sliding is None
+            key = (segment.mode, segment.interval, segment.landed) if plain else index
+            groups.setdefault(key, []).append((segment, which))
+        return groups.values()
+
+    def _of_segments(
+        self, segments: Sequence[Segment], names: Iterable[str], times: Sequence[Vector]
+    ) -> dict[str, Vector]:
+        """Return values at the times of segments that have the same equations."""
+        first = segments[0]
+        if len(segments) == 1:
+            return self._of_segment(first, names, times[0])
+        assert isinstance(first.interval, Interval)
+        equations = equations_of(self.program, first)
+        rows = [row for s, t in zip(segments, times, strict=True) for row in self._rows(s, t)]
+        y, t = np.array(rows), np.concatenate(times)
+        columns = list(self.program.evaluate_many(t, y, first.interval, equations))
+        found = {}
+        for name in names:
+            value = self.program.compile_arrays(self.expression(name))(columns)
+            found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
+        return found
+
+    def _rows(self, segment: Segment, t: Vector) -> list[Vector]:
+        """Return the states at times of a segment, on its constraints."""
+        assert isinstance(segment.interval, Interval)
+        equations = equations_of(self.program, segment)
+        accepted = set(segment.t.tolist())
+        rows = []
+        for a in t.tolist():
+            row = segment.at(a)
+            if a not in accepted:
+                # between accepted points the interpolant is off the constraints by its own error
+                row = on_constraints(
+                    self.program, equations, segment.interval, a, row, energy=self.trace.energy
+                )
+            rows.append(row)
+        return rows
 
     def _segment_at(self, t: float, side: Side) -> int:
         if side == "right":

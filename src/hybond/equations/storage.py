@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,24 @@ from numpy.typing import NDArray
 from hybond.equations.slots import Slots
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
-from hybond.model.expressions import compile_expression, substitute
+from hybond.model.expressions import (
+    Binary,
+    Expr,
+    Name,
+    Neg,
+    Number,
+    compile_expression,
+    substitute,
+)
+from hybond.model.expressions.tree import fold
 from hybond.model.graph import FlatGraph, Storage
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Closure = Callable[[Sequence[float]], float]
+
+EXACT = 15
+"""Degree up to which the energy of a polynomial law is found without error control."""
 
 
 @dataclass(slots=True)
@@ -43,6 +56,9 @@ class StorageLaws:
     """Storage ports on pseudo bonds."""
     offset: int
     size: int
+    degrees: list[int | None]
+    """Of each group: of its laws as polynomials of what is stored; None if they are none."""
+    _last: tuple[bytes, float] | None = None
 
     @staticmethod
     def of(graph: FlatGraph, slots: Slots) -> StorageLaws:
@@ -56,6 +72,7 @@ class StorageLaws:
         slopes: list[tuple[int, int, Closure]] = []
         groups: dict[int, list[int]] = {}
         ports: dict[int, list[Storage]] = {}
+        degrees: dict[int, int | None] = {}
         for s in graph.storages:
             ports.setdefault(s.node, []).append(s)
         for s in graph.storages:
@@ -73,6 +90,9 @@ class StorageLaws:
                 continue
             groups.setdefault(s.node, []).append(s.index)
             law = substitute(node.law.expressions[s.port], stored_names(node, graph))
+            own = polynomial_degree(law)
+            before = degrees.get(s.node, 0)
+            degrees[s.node] = None if own is None or before is None else max(own, before)
             laws.append((s.index, compile_expression(law, slots.index, pre_offset=slots.size)))
             for t in siblings:
                 d = stiffness(node, s.port, t.port, graph)
@@ -88,12 +108,19 @@ class StorageLaws:
             np.array([graph.bonds[s.bond].domain.pseudo for s in graph.storages], dtype=bool),
             slots.x.start,
             2 * slots.size,
+            list(degrees.values()),
         )
 
     @property
     def linear(self) -> bool:
         """Whether all storage laws are linear."""
         return not self.laws
+
+    @property
+    def degree(self) -> int | None:
+        """The highest degree of all laws, if all are polynomials of no more than `EXACT`."""
+        known = [1, *(d for d in self.degrees if d is not None)]
+        return max(known) if len(known) > len(self.degrees) and max(known) <= EXACT else None
 
     def rates_of(self, w: Vector) -> Vector:
         """Return the rates that bond variables `w`, one after the other or as columns, make."""
@@ -129,11 +156,17 @@ class StorageLaws:
 
         Storage on pseudo bonds has none: effort times flow is no power there.
         """
-        total = float(self.linear_energy(x))
-        for group in self.groups:
-            if not self.pseudo[list(group)].any():
-                total += self._along(x, group)
-        return total
+        if not self.groups:
+            return float(self.linear_energy(x))
+        # settling asks for the same state again and again
+        key = x.tobytes()
+        if self._last is None or self._last[0] != key:
+            total = float(self.linear_energy(x))
+            for group, degree in zip(self.groups, self.degrees, strict=True):
+                if not self.pseudo[list(group)].any():
+                    total += self._along(x, group, degree)
+            self._last = key, total
+        return self._last[1]
 
     def linear_energy(self, x: Vector) -> Vector:
         """Return the energy of linear storage, J, for states of shape (..., n): shape (...)."""
@@ -173,10 +206,8 @@ class StorageLaws:
             hint="give the stored quantity itself",
         )
 
-    def _along(self, x: Vector, group: tuple[int, ...]) -> float:
+    def _along(self, x: Vector, group: tuple[int, ...], degree: int | None) -> float:
         """Integrate ``z dx`` from 0 along a ray; the law has an energy, so any path will do."""
-        from scipy.integrate import quad
-
         laws = [f for k, f in self.laws if k in group]
         ends = x[list(group)].tolist()
         v = [0.0] * self.size
@@ -186,5 +217,54 @@ class StorageLaws:
                 v[self.offset + k] = a * b
             return float(sum(f(v) * b for f, b in zip(laws, ends, strict=True)))
 
+        if degree is not None and degree <= EXACT:
+            # Gauss's formula with n points is exact up to degree 2 n - 1
+            points, weights = gauss(degree // 2 + 1)
+            return sum(w * power(a) for a, w in zip(points, weights, strict=True))
+        from scipy.integrate import quad
+
         value, _ = quad(power, 0.0, 1.0, epsabs=0.0, epsrel=1e-13, limit=200)
         return float(value)
+
+
+@cache
+def gauss(count: int) -> tuple[list[float], list[float]]:
+    """Return points and weights of Gauss's formula on [0, 1]."""
+    points, weights = np.polynomial.legendre.leggauss(count)
+    return (0.5 * (points + 1.0)).tolist(), (0.5 * weights).tolist()
+
+
+def polynomial_degree(e: Expr) -> int | None:
+    """Return the degree of an expression as a polynomial of all its names; None if it is none.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> polynomial_degree(parse("1000*q + 2*q^3")), polynomial_degree(parse("q/3 - q*p"))
+    (3, 2)
+    >>> polynomial_degree(parse("sin(q)")) is None
+    True
+    """
+
+    def of(node: Expr, _: bool, below: list[int | None]) -> int | None:
+        known = [d for d in below if d is not None]
+        if len(known) < len(below):
+            return None
+        match node:
+            case Number():
+                return 0
+            case Name():
+                return 1
+            case Neg():
+                return known[0]
+            case Binary(op="+" | "-"):
+                return max(known)
+            case Binary(op="*"):
+                return sum(known)
+            case Binary(op="/"):
+                return known[0] if known[1] == 0 else None
+            case Binary(op="^", right=Number(value)) if value in range(1, EXACT + 1):
+                return known[0] * int(value)
+        return None
+
+    return fold(e, of)

@@ -35,6 +35,8 @@ REPORTED = 16
 """Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
+ROOM = 6.4e7
+"""Bytes of the steps of one passage."""
 PATIENCE = 64
 """Segments at the most after which a passage is tried again where one came to nothing."""
 KEPT = 256
@@ -152,7 +154,8 @@ class Marcher:
         intervals = ahead.look(t, interval)
         motion = self._prepare(State(t, y, np.zeros(len(y)), 0.0, 0.0, 0), equations, interval)
         motion.structure.run_energy = course.settler.trace.energy
-        trail = self._room(self.most, len(y), 0)
+        most = max(1, min(self.most, int(ROOM / (6 * 8 * len(y)))))
+        trail = self._room(most, len(y), 0)
         record = log.structure
         record.last = last
         why = self._kernel.hb_run(
@@ -161,7 +164,7 @@ class Marcher:
             self._sampling.structure,
             ahead.schedule.structure,
             place,
-            self.most,
+            most,
             min(ROWS, course.max_events - events),
             ctypes.c_double(BUDGET),
             trail.structure,

@@ -12,6 +12,7 @@ from hybond.equations.calculus import gradient, partial_time
 from hybond.equations.leakage import null_space, undetermined
 from hybond.equations.mode import ModeEquations
 from hybond.equations.ports import base_mode
+from hybond.equations.storage import gauss
 from hybond.equations.surfaces import Surface
 from hybond.kernel.bytecode import Book
 from hybond.kernel.structs import Filled
@@ -107,6 +108,11 @@ def put_settling(
     m.bonds, m.bond_slot = slots.w.stop - slots.w.start, slots.w.start
     kicks = np.zeros((m.bonds, 0)) if ways is None else kicks_of(equations, ways)
     mode.put_rows("kick", kicks)
+    degree = equations.storage.degree
+    points, weights = gauss(degree // 2 + 1) if degree is not None else ([], [])
+    m.points = len(points)
+    mode.put("point", points)
+    mode.put("weight", weights)
     mode.put("guess", np.zeros(m.free))
     _put_ports(mode, book, program, equations, shared)
     m.fieldless = int(program.fieldless(equations.mode))
@@ -152,7 +158,7 @@ def _rates(
 ) -> tuple[Matrix, list[Expr | None]]:
     """Return the rates of expressions: rows of co-energy variables, and what is added to them.
 
-    None where a rate is not known: it takes the rate of a source's rate, or of a law.
+    None where a rate is not known: it takes the rate of a source's rate, or the slope of a law.
     """
     graph, slots, nx = program.graph, program.slots, program.nx
     solved, sources = equations.finite, equations.tableau.sources
@@ -169,7 +175,8 @@ def _rates(
         for name, slope in slopes.items():
             c = slope.value if isinstance(slope, Number) else np.nan
             terms += c * known[row_of[slots.index[name] - slots.w.start]]
-        if np.isnan(terms).any() or terms[nx + len(sources) :].any():
+        unsure = np.isnan(terms).any() or terms[nx + len(sources) :].any()
+        if unsure or terms[[k for k, _ in equations.storage.laws]].any():
             pushes.append(None)
             continue
         row[:] = terms[:nx]
@@ -199,7 +206,8 @@ def _enterable(
     settled = ways is None or ways.rank == len(equations.tableau.constraints)
     # what agrees at this instant only is no mode to stay in, and branches may not see that
     momentary = equations.tableau.agreements and any(m.law is not None for m in graph.machines)
-    return not momentary and settled and equations.storage.linear and not declared and not asked
+    known = equations.storage.degree is not None
+    return not momentary and settled and known and not declared and not asked
 
 
 def simple(graph: FlatGraph) -> bool:

@@ -39,7 +39,7 @@ _SIZES = """
     laws sources spread supplied dissipated guards outputs slopes
     constraints agreements loose
     bonds bond_slot machines rules contacts flag_count flag_slot
-    fieldless enterable ports
+    fieldless enterable ports points
 """
 
 
@@ -100,6 +100,8 @@ class Mode(ctypes.Structure):
         *((name, INTEGERS) for name in ("rule_machine", "rule_target", "rule_code")),
         ("contact_code", INTEGERS),
         ("kick", Rows),
+        ("point", REALS),
+        ("weight", REALS),
         ("guess", REALS),
         *((name, INTEGERS) for name in ("port_machine", "port_turn", "port_gate", "port_adrift")),
         ("port_drifts", INTEGERS),

@@ -66,6 +66,7 @@ class Program:
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
         self._prior = [n for n in graph.nodes if reads_pre(n)]
         self._compiled: dict[int, tuple[Expr, Callable[[Sequence[float]], float]]] = {}
+        self._arrays: dict[int, tuple[Expr, Callable[[Sequence[Vector]], Vector]]] = {}
         self._rates = [self.compile(i.rate) for i in graph.integrals]
         self._flags: dict[Mode, list[float]] = {}
         self.refused: NumericsError | None = None
@@ -282,11 +283,16 @@ class Program:
         return v
 
     def compile_arrays(self, e: Expr) -> Callable[[Sequence[Vector]], Vector]:
-        """Return a closure over arrays of values."""
-        f: Callable[[Sequence[Vector]], Vector] = compile_expression(
-            e, self.slots.index, ARRAYS, pre_offset=self.slots.size
-        )
-        return f
+        """Return a closure over arrays of values, made once."""
+        known = self._arrays.get(id(e))
+        if known is None:
+            if len(self._arrays) >= COMPILED:
+                self._arrays.clear()
+            f: Callable[[Sequence[Vector]], Vector] = compile_expression(
+                e, self.slots.index, ARRAYS, pre_offset=self.slots.size
+            )
+            known = self._arrays[id(e)] = e, f
+        return known[1]
 
 
 def _meter(graph: FlatGraph) -> PowerMeter:

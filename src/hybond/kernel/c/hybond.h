@@ -44,7 +44,7 @@ typedef struct {
     int32_t laws, sources, spread, supplied, dissipated, guards, outputs, slopes;
     int32_t constraints, agreements, loose;
     int32_t bonds, bond_slot, machines, rules, contacts, flag_count, flag_slot;
-    int32_t fieldless, enterable, ports;
+    int32_t fieldless, enterable, ports, points;
     double cost;                                    /* of a step, in operations, about */
     const int32_t *code;
     const double *constants;
@@ -85,6 +85,7 @@ typedef struct {
     const int32_t *rule_code;
     const int32_t *contact_code;                    /* what each impact law reads, at rest */
     hb_rows kick;                                   /* bonds x constraints: impulses */
+    const double *point, *weight;                   /* points: Gauss's, for energies */
     double *guess;                                  /* free: where Newton ended last, written */
     /* junction laws, in the branch that this mode has of each */
     const int32_t *port_machine, *port_turn;        /* the other branch */

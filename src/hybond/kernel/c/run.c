@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double LONGER = 10.0;
+
 /* What a state was like where a segment began: one that does not end here has not begun. */
 typedef struct {
     double t, energy, run_energy, *y, *largest, *guess;
@@ -117,7 +119,9 @@ int32_t hb_run(const hb_atlas *atlas, hb_motion *o, const hb_sampling *sampling,
     while (why == HB_EVENT && log->rows < rows && budget > 0.0) {
         const hb_mode *m = atlas->mode[mode];
         const int32_t before = steps, in = mode, at = interval;
-        const double left = fmin(budget / m->cost + 1.0, (double)(most - steps));
+        /* one segment at least, if it can be had in a few times as much */
+        const double spent = log->rows ? budget : LONGER * budget;
+        const double left = fmin(spent / m->cost + 1.0, (double)(most - steps));
         note(&start, m, o, n);
         why = left < 1.0 ? HB_FULL
                          : segment(&s, sampling, &mode, &interval, (int32_t)left, trail, &steps,

@@ -53,15 +53,25 @@ void hb_show(const hb_mode *m, hb_motion *o)
     o->free = m->guess;
 }
 
-/* The energy of linear storage. */
-static double energy_of(const hb_atlas *a, const hb_mode *m, const double *x)
+/* The energy of what is stored: nonlinear laws are polynomials, integrated along a ray. */
+static double energy_of(const hb_settler *s, const hb_mode *m, const double *x)
 {
-    double sum = 0.0;
+    const double *real = s->atlas->real;
+    double sum = 0.0, *v = s->o->v + m->stored_slot;
     for (int32_t i = 0; i < m->storages; ++i)
         for (int32_t k = m->co_energy.first[i]; k < m->co_energy.first[i + 1]; ++k) {
             const int32_t j = m->co_energy.column[k];
-            sum += 0.5 * a->real[i] * a->real[j] * m->co_energy.value[k] * x[i] * x[j];
+            sum += 0.5 * real[i] * real[j] * m->co_energy.value[k] * x[i] * x[j];
         }
+    for (int32_t p = 0; m->laws && p < m->points; ++p) {
+        for (int32_t i = 0; i < m->storages; ++i)
+            v[i] = m->point[p] * x[i];
+        for (int32_t k = 0; k < m->laws; ++k) {
+            const int32_t i = m->law_at[k];
+            sum += m->weight[p] * real[i] * x[i] *
+                   hb_evaluate(m->code + m->law_code[k], m->constants, s->o->v);
+        }
+    }
     return fabs(sum);
 }
 
@@ -106,13 +116,13 @@ int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump)
     int how = HB_STAYS;
     hb_show(m, o);
     memcpy(s->there, s->here, sizeof *s->here * (size_t)n);
-    o->run_energy = fmax(o->run_energy, energy_of(s->atlas, m, s->here));
+    o->run_energy = fmax(o->run_energy, energy_of(s, m, s->here));
     if (jump) {
         how = hb_jump(m, o, s->work, t, s->here);
         if (!how)
             return 0;
         memcpy(s->there, s->work->kept, sizeof *s->there * (size_t)nx);
-        o->run_energy = fmax(o->run_energy, energy_of(s->atlas, m, s->there));
+        o->run_energy = fmax(o->run_energy, energy_of(s, m, s->there));
     }
     if (how == HB_JUMPS)
         impulses(s, m, s->there);
