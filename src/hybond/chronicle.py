@@ -32,6 +32,8 @@ class Chronicle(Sequence[T], Generic[T]):
         self._items: list[T | None] = []
         self._blocks: list[tuple[int, Callable[[int], T]]] = []
         self.times: list[float] = []
+        self.forgotten = 0
+        """Items that were there before the first."""
         for item in items:
             self.append(item)
 
@@ -45,6 +47,29 @@ class Chronicle(Sequence[T], Generic[T]):
         self._blocks.append((len(self._items), make))
         self._items.extend([None] * len(times))
         self.times.extend(times)
+
+    def forget(self, count: int) -> None:
+        """Let go of the first items.
+
+        Examples
+        --------
+        >>> letters = Chronicle(lambda _: 0.0, "abcd")
+        >>> letters.forget(3)
+        >>> list(letters), letters.forgotten
+        (['d'], 3)
+        """
+        count = min(count, len(self))
+        del self._items[:count], self.times[:count]
+        moved = [(first - count, make) for first, make in self._blocks]
+        # a block is needed if the next one begins behind the first item that is left
+        ends = [*(first for first, _ in moved[1:]), len(self)]
+        self._blocks = [b for b, end in zip(moved, ends, strict=False) if end > 0]
+        self.forgotten += count
+
+    @property
+    def total(self) -> int:
+        """How many items there have been."""
+        return self.forgotten + len(self)
 
     def __len__(self) -> int:
         return len(self._items)

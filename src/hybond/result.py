@@ -132,6 +132,11 @@ class Result:
         return self.graph.title or self.graph.name
 
     @property
+    def t_begin(self) -> float:
+        """The time from which on the run was kept, s: 0 unless it was told to keep less."""
+        return self.trace.segments.times[0] if self.segments else 0.0
+
+    @property
     def t_end(self) -> float:
         """The time reached, s."""
         return float(self.segments[-1].t[-1]) if self.segments else 0.0
@@ -302,9 +307,9 @@ class Result:
         found = {name: np.full(len(t), np.nan) for name in names}
         by_segment: dict[int, list[int]] = {}
         for k, a in enumerate(t):
-            if not self.segments or not 0.0 <= a <= self.t_end:
+            if not self.segments or not self.t_begin <= a <= self.t_end:
                 raise UsageError(
-                    f"the run goes from 0 to {self.t_end:.9g} s, not to {a:g} s",
+                    f"the run goes from {self.t_begin:.9g} to {self.t_end:.9g} s, not to {a:g} s",
                     code="HB-S110",
                     where="t",
                     hint="ask for a time within it",

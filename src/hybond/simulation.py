@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive, Limits
 from hybond.modes.impacts.laws import IMPACT_LAWS
+from hybond.modes.journal import Journal
 from hybond.modes.sliding.bands import CHOICES, Choice, banded
 from hybond.modes.stepping.executive import TimeStepping
 from hybond.names import did_you_mean
@@ -60,6 +62,8 @@ def simulate(
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool = True,
+    keep: int | None = None,
+    journal: str | Path | None = None,
 ) -> Result:
     """Simulate a model from t = 0.
 
@@ -108,6 +112,12 @@ def simulate(
         Whether the compiled kernel takes the steps in which nothing happens, if there is one and
         it was made for the mode. The results are the same but for rounding; `Result.kernel` says
         how much it did.
+    keep : int
+        Segments and events that the result has at the least, the last ones; None keeps all. A run
+        with millions of events then needs no more memory than one with few.
+    journal : str or Path
+        A CSV file to which events are written as they happen: time, cause, the states of the
+        machines, stored quantities and signals after it.
 
     Returns
     -------
@@ -159,6 +169,20 @@ def simulate(
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
     executive: Executive | TimeStepping
+    if keep is not None and (keep < 1 or name in STEPPING):
+        raise UsageError(
+            f"keep = {keep}" if keep < 1 else f"keep is given, but solver {name!r} keeps all",
+            code="HB-S113",
+            where="keep",
+            hint="one or more, with a solver that locates events",
+        )
+    if journal is not None and name in STEPPING:
+        raise UsageError(
+            f"a journal is given, but solver {name!r} has none",
+            code="HB-S113",
+            where="journal",
+            hint="take a solver that locates events",
+        )
     if name in STEPPING:
         executive = TimeStepping(
             program,
@@ -203,9 +227,15 @@ def simulate(
         rtol=rtol,
         started=scale.start,
         march=fast if isinstance(fast, Marcher) else None,
+        keep=keep,
+        journal=None if journal is None else Journal(Path(journal), graph),
     )
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
-    return _finish(graph, program, executive, end, name, on_error)
+    try:
+        return _finish(graph, program, executive, end, name, on_error)
+    finally:
+        if executive.journal is not None:
+            executive.journal.close()
 
 
 def _finish(

@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
+from hybond.modes.journal import Journal
 from hybond.modes.jump import on_constraints
 from hybond.modes.landing.landing import MOMENT, Landings
 from hybond.modes.laws.limits import FrictionLimits
@@ -128,6 +129,8 @@ class Executive:
         rtol: float = 0.0,
         started: Callable[[Vector], None] | None = None,
         march: March | None = None,
+        keep: int | None = None,
+        journal: Journal | None = None,
     ) -> None:
         self.program = program
         self.solver = solver
@@ -153,6 +156,10 @@ class Executive:
         self._rejected = 0
         self._marched = 0
         self._crossed = 0
+        self.keep = keep
+        self.journal = journal
+        self._written = 0
+        """Events in the journal."""
         self._recall = Recall(program, max_writes=max_writes, cause=self._timed_cause)
         self._course = Course(
             self.settler,
@@ -190,10 +197,12 @@ class Executive:
                 y = self._settle(y, interval, following, cause)
                 interval = following
                 y = self._rest(y, interval)
+                self._tidy()
                 if self.landings.stuck(self.t):
                     return "accumulation"
         finally:
             self._close()
+            self._tidy()
             if self.slider is not None:
                 self.slider.close(self.t)
             self.trace.stats.update(
@@ -207,7 +216,7 @@ class Executive:
             if self.march is not None:
                 done = f"{self._marched} of {self._steps} steps"
                 if self._crossed:
-                    done += f", {self._crossed} of {len(self.trace.events)} events"
+                    done += f", {self._crossed} of {self.trace.events.total} events"
                 self.trace.kernel = "; ".join([done, *self.march.reasons()])
         return "ok"
 
@@ -222,12 +231,17 @@ class Executive:
                 y=y,
                 interval=interval,
                 last=last,
-                events=len(self.trace.events),
+                events=self.trace.events.total,
             )
             if found is None:
                 break
             if len(found.t):
+                self._tidy()
                 self._recall.note(found, self.trace)
+                if self.journal is not None:
+                    self.journal.passage(found, self._recall.causes(found))
+                    self._written = self.trace.events.total
+                self._tidy()
                 self.landings.observe_many(
                     found.t[found.changed],
                     found.approach[found.changed],
@@ -245,10 +259,23 @@ class Executive:
                 self._rejected += found.marched.rejected
                 self._crossed += int(found.changed.sum())
                 if self.progress is not None:
-                    self.progress(self.t, len(self.trace.events))
+                    self.progress(self.t, self.trace.events.total)
             if not found.again:
                 break
         return y, interval
+
+    def _tidy(self) -> None:
+        """Write events to the journal, and let go of what need not be kept."""
+        events, segments = self.trace.events, self.trace.segments
+        if self.journal is not None:
+            for k in range(self._written - events.forgotten, len(events)):
+                self.journal.event(events[k])
+            self._written = events.total
+        if self.keep is not None:
+            # in large pieces: to take one from the front of a list moves all others
+            for record in (events, segments):
+                if len(record) > 2 * self.keep:
+                    record.forget(len(record) - self.keep)
 
     def _passable(self) -> bool:
         """Whether nothing but the kernel has to see the instants at which segments end."""
@@ -382,7 +409,7 @@ class Executive:
                 stored = equations.storage.linear_energy(taken.y[:, : self.program.nx])
                 self.trace.energy = max(self.trace.energy, float(np.abs(stored).max()))
         if self.progress is not None:
-            self.progress(self.t, len(self.trace.events))
+            self.progress(self.t, self.trace.events.total)
         return np.asarray(rows[-1])
 
     def _terms(self, y: Vector, interval: Interval, equations: ModeEquations) -> Vector:
@@ -459,7 +486,7 @@ class Executive:
             v = self.program.evaluate(t, y, self._recorder.interval, equations)
             self.frictions.check(t, v)
         if self.progress is not None:
-            self.progress(t, len(self.trace.events))
+            self.progress(t, self.trace.events.total)
         return y
 
     def _to_rest(self, y: Vector, end: float, equations: ModeEquations) -> Vector:
@@ -541,7 +568,7 @@ class Executive:
         self._idle = [] if settled.steps or cause != "guard" else [*self._idle[-IDLE:], self.t]
         if len(self._idle) > IDLE and self.t - self._idle[0] <= MOMENT * self.limits.until:
             raise self._stands_still(y, before)
-        if len(self.trace.events) > self.limits.max_events:
+        if self.trace.events.total > self.limits.max_events:
             raise NumericsError(
                 f"more than {self.limits.max_events} events by t = {self.t:.9g} s",
                 code="HB-N404",

@@ -54,6 +54,13 @@ class Recall:
             times = passage.t[rows].tolist()
             trace.events.extend(times, lambda k: self.event(passage, rows[k]))
 
+    def causes(self, passage: Passage) -> list[Cause]:
+        """Return what ended each segment."""
+        return [self._cause_of(passage, k) for k in range(len(passage.t))]
+
+    def _cause_of(self, passage: Passage, k: int) -> Cause:
+        return self._cause(passage.around(k)[0]) if passage.timed[k] else "guard"
+
     def segment(self, passage: Passage, k: int) -> Segment:
         """Return one segment."""
         taken = passage.marched
@@ -77,7 +84,7 @@ class Recall:
         """Return the event that ended segment k."""
         nx, ns = self.program.nx, self.program.ns
         t, y = float(passage.t[k]), passage.before[k]
-        cause: Cause = self._cause(passage.around(k)[0]) if passage.timed[k] else "guard"
+        cause = self._cause_of(passage, k)
         x, s = y[:nx].copy(), y[nx:].copy()
         settled = self._settled(t, x, s, passage, k)
         stored = passage.after[k, : nx + ns].copy()

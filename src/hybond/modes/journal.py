@@ -1,0 +1,51 @@
+"""Events written to a file as they happen, so that a long run need not keep them."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+from hybond.model.graph import FlatGraph, Mode
+from hybond.modes.marching import Passage
+from hybond.trace import Cause, Event
+
+
+class Journal:
+    """A CSV file with a row for each event.
+
+    Its columns are ``t`` (s), ``cause``, the states of the machines in which time goes on, and what
+    is stored and integrated then, in SI units.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced if it is there.
+    graph : FlatGraph
+    """
+
+    def __init__(self, path: Path, graph: FlatGraph) -> None:
+        self.graph = graph
+        self._file = path.open("w", newline="", encoding="utf-8")
+        self._writer = csv.writer(self._file)
+        stored = [s.path for s in graph.storages] + [i.path for i in graph.integrals]
+        self._writer.writerow(["t", "cause", *(m.path for m in graph.machines), *stored])
+
+    def event(self, event: Event) -> None:
+        """Write an event."""
+        self._row(event.t, event.cause, event.steps[-1].mode, event.after.tolist())
+
+    def passage(self, passage: Passage, causes: Sequence[Cause]) -> None:
+        """Write the events of a passage, with the cause of each segment's end."""
+        stored = passage.after[:, : passage.before.shape[1]].tolist()
+        for k, changed in enumerate(passage.changed.tolist()):
+            if changed:
+                self._row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
+
+    def close(self) -> None:
+        """End the file."""
+        self._file.close()
+
+    def _row(self, t: float, cause: str, mode: Mode, stored: list[float]) -> None:
+        states = [m.states[k] for m, k in zip(self.graph.machines, mode, strict=True)]
+        self._writer.writerow([repr(float(t)), cause, *states, *map(repr, stored)])
