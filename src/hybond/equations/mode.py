@@ -326,8 +326,16 @@ class ModeEquations:
         return np.asarray(self.n2 @ null_space(jacobian))
 
 
-def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> ModeEquations:
+def prepare(
+    graph: FlatGraph,
+    mode: Mode,
+    slots: Slots,
+    tableau: Tableau,
+    storage: StorageLaws | None = None,
+) -> ModeEquations:
     """Make the equations of a configuration ready to evaluate.
+
+    `storage` are the laws of storage, which are the same in all modes, if they are known.
 
     Raises
     ------
@@ -341,7 +349,7 @@ def prepare(graph: FlatGraph, mode: Mode, slots: Slots, tableau: Tableau) -> Mod
             where=graph.mode_text(mode),
             hint="a controlled source prescribes what it also measures; add storage or resistance",
         )
-    storage = StorageLaws.of(graph, slots)
+    storage = storage or StorageLaws.of(graph, slots)
     nk = tableau.knowns
     power = Solved.of(tableau.power, nk)
     # most modes hide no constraint: one pair of matrices serves impulses and finite values

@@ -27,6 +27,7 @@ from hybond.causality.reference import reference_mode
 from hybond.equations.calculus import gradient
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.slots import Slots
+from hybond.equations.storage import StorageLaws
 from hybond.equations.tableau import Given, build
 from hybond.errors import CausalityError
 from hybond.model.expressions import Number, compile_expression
@@ -295,10 +296,12 @@ def port_equations(
     slots: Slots,
     discrete: Mapping[str, float],
     given: dict[int, Given] | None = None,
+    storage: StorageLaws | None = None,
 ) -> PortEquations:
     """Return the equations of a configuration with all junction laws open.
 
-    `given` says which variable of each law's pair comes from outside, if not `orientation`.
+    `given` says which variable of each law's pair comes from outside, if not `orientation`;
+    `storage` are the laws of storage, if they are known.
 
     Raises
     ------
@@ -335,7 +338,7 @@ def port_equations(
                 hint="two sources or switches leave nothing for the law to decide: look at what "
                 "stands in parallel or in series with it",
             )
-    equations = prepare(graph, mode, slots, tableau)
+    equations = prepare(graph, mode, slots, tableau, storage)
     bonds = len(graph.bonds)
     ports = tuple(
         Port(owners[n][0].index, owners[n][1], given[n], graph.nodes[n].path) for n in nodes

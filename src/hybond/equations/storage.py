@@ -56,6 +56,8 @@ class StorageLaws:
     """Storage ports on pseudo bonds."""
     offset: int
     size: int
+    expressions: list[tuple[int, Expr, Expr]]
+    """Of each nonlinear port: its law, and its own stiffness."""
     degrees: list[int | None]
     """Of each group: of its laws as polynomials of what is stored; None if they are none."""
     _last: tuple[bytes, float] | None = None
@@ -70,6 +72,7 @@ class StorageLaws:
         sign = np.ones(n)
         laws: list[tuple[int, Closure]] = []
         slopes: list[tuple[int, int, Closure]] = []
+        expressions: list[tuple[int, Expr, Expr]] = []
         groups: dict[int, list[int]] = {}
         ports: dict[int, list[Storage]] = {}
         degrees: dict[int, int | None] = {}
@@ -89,15 +92,17 @@ class StorageLaws:
                     matrix[s.index, t.index] = node.law.matrix[s.port][t.port]
                 continue
             groups.setdefault(s.node, []).append(s.index)
-            law = substitute(node.law.expressions[s.port], stored_names(node, graph))
+            law = substitute(node.law.expressions[s.port], stored_names(node, graph, siblings))
             own = polynomial_degree(law)
             before = degrees.get(s.node, 0)
             degrees[s.node] = None if own is None or before is None else max(own, before)
             laws.append((s.index, compile_expression(law, slots.index, pre_offset=slots.size)))
             for t in siblings:
-                d = stiffness(node, s.port, t.port, graph)
+                d = stiffness(node, s.port, t.port, graph, siblings)
                 f = compile_expression(d, slots.index, pre_offset=slots.size)
                 slopes.append((s.index, t.index, f))
+                if t is s:
+                    expressions.append((s.index, law, d))
         return StorageLaws(
             matrix,
             bond,
@@ -108,6 +113,7 @@ class StorageLaws:
             np.array([graph.bonds[s.bond].domain.pseudo for s in graph.storages], dtype=bool),
             slots.x.start,
             2 * slots.size,
+            expressions,
             list(degrees.values()),
         )
 

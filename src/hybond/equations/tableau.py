@@ -14,7 +14,7 @@ rows, solved at each evaluation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
@@ -33,7 +33,7 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
-from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.graph import FlatGraph, Mode, Node, Storage
 from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
 
 Given = Literal["common", "net"]
@@ -386,22 +386,32 @@ def _hidden(
     return constant, None if linear else simplify(total)
 
 
-def stiffness(node: Node, port: int, other: int, graph: FlatGraph) -> Expr:
-    """Return the derivative of a storage's co-energy variable by a stored quantity."""
+def stiffness(
+    node: Node, port: int, other: int, graph: FlatGraph, own: Sequence[Storage] | None = None
+) -> Expr:
+    """Return the derivative of a storage's co-energy variable by a stored quantity.
+
+    `own` are the storage ports of the node, if they are known.
+    """
     assert node.law is not None
     if node.law.matrix is not None:
         return Number(node.law.matrix[port][other])
     energy = node.about.energy
     suffix = str(other + 1) if len(node.ends) > 1 else ""
     d = differentiate(node.law.expressions[port], f"law:{energy}{suffix}")
-    return substitute(d, stored_names(node, graph))
+    return substitute(d, stored_names(node, graph, own))
 
 
-def stored_names(node: Node, graph: FlatGraph) -> dict[str, Expr]:
-    """Return what a storage's local stored quantities are called in the graph."""
+def stored_names(
+    node: Node, graph: FlatGraph, own: Sequence[Storage] | None = None
+) -> dict[str, Expr]:
+    """Return what a storage's local stored quantities are called in the graph.
+
+    `own` are its ports, if they are known.
+    """
     many = len(node.ends) > 1
     return {
         f"law:{node.about.energy}{s.port + 1 if many else ''}": Name(f"x:{s.index}")
-        for s in graph.storages
+        for s in (graph.storages if own is None else own)
         if s.node == node.index
     }

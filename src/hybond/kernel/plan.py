@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from hybond.equations.elimination import Row
 from hybond.equations.mode import ModeEquations
-from hybond.equations.tableau import Tableau, stiffness, stored_names
+from hybond.equations.tableau import Tableau
 from hybond.kernel.bytecode import Book, Declined
 from hybond.kernel.settling import Shared, put_settling
 from hybond.kernel.structs import Filled, Mode
-from hybond.model.expressions import Expr, Number, substitute
+from hybond.model.expressions import Expr, Number
 from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.modes.guards import magnitude, seen_in_motion
 from hybond.modes.jump import Ways, impulse_directions, reach_of, reach_of_bonds, ways_of
@@ -52,7 +52,7 @@ def plan(
     mode = Filled(Mode())
     book = Book(program.slots.index, pre_offset=program.slots.size)
     _layout(mode, program)
-    _storage(mode, book, program, equations)
+    _storage(mode, book, equations)
     _knowns(mode, book, equations)
     _dynamic(mode, book, equations)
     _guards(mode, book, watched)
@@ -100,23 +100,14 @@ def _layout(mode: Filled, program: Program) -> None:
     m.input_slot, m.input_rate_slot = slots.u.start, slots.du.start
 
 
-def _storage(mode: Filled, book: Book, program: Program, equations: ModeEquations) -> None:
-    graph, laws = program.graph, equations.storage
+def _storage(mode: Filled, book: Book, equations: ModeEquations) -> None:
+    laws = equations.storage
     mode.put_rows("co_energy", laws.matrix)
-    at: list[int] = []
-    values: list[Expr] = []
-    slopes: list[Expr] = []
-    for s in graph.storages:
-        node = graph.nodes[s.node]
-        assert node.law is not None
-        if node.law.matrix is None:
-            at.append(s.index)
-            values.append(substitute(node.law.expressions[s.port], stored_names(node, graph)))
-            slopes.append(stiffness(node, s.port, s.port, graph))
+    at = [k for k, _, _ in laws.expressions]
     mode.put("law_at", at)
     mode.put("slope_at", at)
-    _put_codes(mode, book, "law_code", values, count="laws")
-    _put_codes(mode, book, "slope_code", slopes, count="slopes")
+    _put_codes(mode, book, "law_code", [law for _, law, _ in laws.expressions], count="laws")
+    _put_codes(mode, book, "slope_code", [d for _, _, d in laws.expressions], count="slopes")
     mode.put("stiffness", np.diagonal(laws.matrix))
 
 

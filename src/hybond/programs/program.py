@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.ports import PortEquations, base_mode, port_equations
 from hybond.equations.slots import Slots, slots_of
+from hybond.equations.storage import StorageLaws
 from hybond.equations.tableau import build
 from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
@@ -61,6 +62,7 @@ class Program:
         self.nx = len(graph.storages)
         self.ns = len(graph.integrals)
         self.meter = _meter(graph)
+        self._storage = StorageLaws.of(graph, self.slots)
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
@@ -103,7 +105,7 @@ class Program:
         found = self._equations.get(key)
         if found is None:
             tableau = build(self.graph, mode, discrete)
-            found = prepare(self.graph, mode, self.slots, tableau)
+            found = prepare(self.graph, mode, self.slots, tableau, self._storage)
             self._equations[key] = found
             self.built += 1
             if len(self._equations) > KEPT:
@@ -118,7 +120,7 @@ class Program:
         key = (mode, *discrete.values())
         found = self._ports.get(key)
         if found is None:
-            found = port_equations(self.graph, mode, self.slots, discrete)
+            found = port_equations(self.graph, mode, self.slots, discrete, storage=self._storage)
             self._ports[key] = found
             self.built += 1
             if len(self._ports) > KEPT:
