@@ -373,4 +373,6 @@ def _sampling() -> Filled:
     filled.put("fine", locate.FINE)
     s = filled.structure
     s.unresolved, s.near_zero, s.rounding = locate.UNRESOLVED, locate.NEAR, locate.ROUNDED
+    # weights add up to one: with their magnitudes adding up to more, extremes are exceeded
+    s.overshoot = 0.5 * (float(np.abs(locate.FINE).sum(axis=1).max()) - 1.0) + 1e-9
     return filled

@@ -22,7 +22,7 @@ class Sampling(ctypes.Structure):
     __slots__ = ()
     _fields_ = (
         *((name, REALS) for name in ("fractions", "left_over", "fine")),
-        *((name, REAL) for name in ("unresolved", "near_zero", "rounding")),
+        *((name, REAL) for name in ("unresolved", "near_zero", "rounding", "overshoot")),
     )
 
 

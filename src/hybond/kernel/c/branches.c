@@ -48,7 +48,8 @@ int hb_trend(hb_settler *s, const hb_mode *m, int32_t p)
 
 /* Whether a law may stay in its branch: 1 or -1 beyond doubt; 0 if its value and its rate are zero;
  * UNDECIDED if that cannot be said. */
-static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped, int stay)
+static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped, int stay,
+                         int turned)
 {
     const hb_signals all = hb_signals_of(s, m, jumped, sqrt(s->o->run_energy));
     hb_pair value;
@@ -78,7 +79,7 @@ static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped,
     double rate, size;
     if (trend && hb_rate_of(s, m, p, &rate, &size) &&
         fabs(rate) * SOON * s->atlas->until < zero)
-        return s->turned[p] && large <= zero ? 0 : UNDECIDED;
+        return turned && large <= zero ? 0 : UNDECIDED;
     if (large > zero && trend != sign)
         return UNDECIDED;
     return trend > 0 && sign < 0 ? UNDECIDED : trend;
@@ -88,35 +89,33 @@ static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped,
  * must turn in s->target; UNDECIDED if nothing says.
  *
  * Where value and rate of some are zero, higher rates decide. All others stand beyond doubt, so that
- * no other answer differs but in these. If they were turned to come here, because their other branch
- * was refuted, it is this one; several that block around an open loop do so together, in shares at
- * will. Those that have the branch that was `given` are idle and keep it, unless they might block a
- * part of an open loop at will. Branches that were just chosen `stay` unless they are violated. */
+ * no other answer differs but in these, and by no more than that. Those that were turned, because
+ * the branch that was `given` was refuted, have the right one; several of them may share at will what
+ * an open loop holds, or nothing. The others are idle and keep theirs, unless they might block a part
+ * of such a loop. Branches that were just chosen `stay` unless they are violated. */
 static int branches_stand(hb_settler *s, const hb_mode *m, const int32_t *given, int jumped,
                           int stay)
 {
-    int violated = 0, open = 0, came = 0, shared = 1;
+    int violated = 0, open = 0, shared = 1;
+    memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
     for (int32_t p = 0; p < m->ports; ++p) {
         const int32_t k = m->port_machine[p];
-        const int turned = s->turned[p], one = branch_stands(s, m, p, jumped, stay);
+        const int turned = m->state[k] != given[k];
+        const int one = branch_stands(s, m, p, jumped, stay, turned);
         if (one == UNDECIDED)
             return UNDECIDED;
-        came += turned;
-        if (one == 0 && turned)
-            ++open;
-        else if (one == 0 && (m->state[k] != given[k] || m->loose ||
-                              (m->state[k] && m->port_drifts[p])))
+        if (one == 0 && !turned && (m->loose || (m->state[k] && m->port_drifts[p])))
             return UNDECIDED;
+        open += one == 0 && turned;
         shared &= one != 0 || m->port_adrift[p] != 0;
-        violated += s->turned[p] = one < 0;
+        if (one < 0) {
+            s->target[k] = m->port_turn[p];
+            violated = 1;
+        }
     }
-    memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
-    for (int32_t p = 0; p < m->ports; ++p)
-        if (s->turned[p])
-            s->target[m->port_machine[p]] = m->port_turn[p];
     if (violated)
         return 0;
-    return open && (open != came || (open > 1 && !shared)) ? UNDECIDED : 1;
+    return open > 1 && m->loose && !shared ? UNDECIDED : 1;
 }
 
 /* Whether a jump is nothing but rounding of what is stored. */
@@ -135,7 +134,6 @@ static int dust(const hb_settler *s, const hb_mode *m)
  * begin with. */
 static int seek(hb_settler *s, int32_t *now, const int32_t *given, double t, int jump, int stay)
 {
-    memset(s->turned, 0, sizeof *s->turned * (size_t)s->atlas->machines);
     for (int turn = 0; turn < TURNS; ++turn) {
         const hb_mode *m = s->atlas->mode[*now];
         const int how = m->enterable ? hb_enter(s, m, t, jump) : 0;

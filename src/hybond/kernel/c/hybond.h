@@ -27,6 +27,7 @@ typedef struct {
     const double *left_over;  /* HB_SAMPLES x HB_SAMPLES */
     const double *fine;       /* HB_GRID x HB_SAMPLES */
     double unresolved, near_zero, rounding;
+    double overshoot;         /* how far `fine` strays beyond the samples, in parts of their spread */
 } hb_sampling;
 
 /* Sparse rows: entry k of row i has first[i] <= k < first[i + 1]. */
@@ -256,7 +257,7 @@ typedef struct {
     const hb_schedule *schedule;
     const hb_log *log;
     double *here, *there, *impulse, *area, *largest; /* n; n; slots; bonds; classes */
-    int32_t *target, *turned, *written, *slope;      /* machines twice; HB_WRITES modes; surfaces */
+    int32_t *target, *written, *slope;               /* machines; HB_WRITES modes; surfaces */
     int struck, jumped;                              /* impulses in the last entry, so far */
     void *all;
 } hb_settler;

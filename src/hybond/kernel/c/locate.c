@@ -331,13 +331,18 @@ static int calm(const search *s, const double *d, double *rest, int *doubtful, d
     if (size == 0.0)
         return 1;
     double low = up > 0.0 ? least : up < 0.0 ? -most : 0.0;
-    for (int i = 0; i < HB_GRID && low > 0.0; ++i) {
+    const double bound = p->near_zero * spread + 3.0 * *rest;
+    if (low <= bound)
+        return 0;
+    if (low - p->overshoot * spread > bound)
+        return 1; /* the polynomial strays no further from its samples */
+    for (int i = 0; i < HB_GRID && low > bound; ++i) {
         double sum = 0.0;
         for (int j = 0; j < HB_SAMPLES; ++j)
             sum += p->fine[i * HB_SAMPLES + j] * d[j];
         low = fmin(low, up * sum);
     }
-    return low > p->near_zero * spread + 3.0 * *rest;
+    return low > bound;
 }
 
 /* Sample all guards of the block s->t; 0 if one has no value. */

@@ -30,8 +30,7 @@ int hb_settler_for(hb_settler *s)
     s->area = s->impulse + slots;
     s->largest = s->area + a->bonds;
     s->target = (int32_t *)(s->largest + a->classes);
-    s->turned = s->target + machines; /* a double has room for two of them */
-    s->written = s->turned + machines;
+    s->written = s->target + machines;
     s->slope = s->written + HB_WRITES;
     return 1;
 }
