@@ -5,7 +5,7 @@ Records only; they are made by `modes` and read by results, tables and drawings.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -92,7 +92,7 @@ class Segment:
         Accepted points.
     y : array, shape (n, m)
         Stored quantities, integrated signals, energy supplied, energy dissipated.
-    interpolants : tuple of callables
+    interpolants : sequence of callables
         One per step, n - 1.
     landed : tuple of str
         Machines that stay in their pinnacle state, its impact law with ``pre()`` terms at zero.
@@ -109,7 +109,7 @@ class Segment:
     interval: object
     t: Vector
     y: Vector
-    interpolants: tuple[Callable[[float], Vector], ...]
+    interpolants: Sequence[Callable[[float], Vector]]
     landed: tuple[str, ...] = ()
     sliding: int | None = None
     combined: object = None

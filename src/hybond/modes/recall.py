@@ -7,15 +7,16 @@ once more, by the reference.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
-from hybond.modes.marching import Passage
+from hybond.modes.marching import Marched, Passage
 from hybond.modes.settle import Settled, Settler, event_of
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -25,6 +26,34 @@ from hybond.trace import Cause, Event, Fired, Segment, Step, Trace
 Vector = NDArray[np.float64]
 SAME = 1e-9
 """Part of the largest stored quantity by which two states may differ and are one."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Steps(Sequence[Callable[[float], Vector]]):
+    """The dense output of some steps, from the one numbered `first` on, made when asked for."""
+
+    taken: Marched
+    first: int
+    t: Vector
+    y: Vector
+
+    def __len__(self) -> int:
+        return len(self.t) - 1
+
+    @overload
+    def __getitem__(self, k: int) -> Polynomial: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> list[Polynomial]: ...
+
+    def __getitem__(self, k: int | slice) -> Polynomial | list[Polynomial]:
+        if isinstance(k, slice):
+            return [self[j] for j in range(*k.indices(len(self)))]
+        k = range(len(self))[k]
+        taken, n = self.taken, self.first + k
+        return Polynomial(
+            float(self.t[k]), float(taken.stop[n]), self.y[k], taken.end[n], taken.dense[n]
+        )
 
 
 class Recall:
@@ -68,16 +97,7 @@ class Recall:
         t0, y0 = (passage.t[k - 1], passage.after[k - 1]) if k else passage.start[:2]
         t = np.concatenate([[t0], taken.t[first:last]])
         y = np.vstack([y0, taken.y[first:last]])
-        interpolants = tuple(
-            Polynomial(
-                float(t[j]),
-                float(taken.stop[first + j]),
-                y[j],
-                taken.end[first + j],
-                taken.dense[first + j],
-            )
-            for j in range(last - first)
-        )
+        interpolants = _Steps(taken, first, t, y)
         return Segment(passage.left(k), passage.around(k)[0], t, y, interpolants)
 
     def event(self, passage: Passage, k: int) -> Event:
