@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from hybond.modes.executive import Executive, Limits
 from hybond.modes.impacts.laws import IMPACT_LAWS
 from hybond.modes.journal import Journal
 from hybond.modes.sliding.bands import CHOICES, Choice, banded
-from hybond.modes.stepping.executive import TimeStepping
 from hybond.names import did_you_mean
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
@@ -27,6 +26,9 @@ from hybond.result import Result, Status
 from hybond.solvers import make_solver
 from hybond.solvers.choose import STEPPING
 from hybond.units import parse_unit, try_quantity
+
+if TYPE_CHECKING:
+    from hybond.modes.stepping.executive import TimeStepping
 
 Vector = NDArray[np.float64]
 
@@ -184,6 +186,8 @@ def simulate(
             hint="take a solver that locates events",
         )
     if name in STEPPING:
+        from hybond.modes.stepping.executive import TimeStepping
+
         executive = TimeStepping(
             program,
             limits,

@@ -5,7 +5,8 @@ import re
 
 import pytest
 
-from hybond.kernel import marcher
+from hybond.equations import mode
+from hybond.kernel import marcher, settling
 from hybond.kernel.build import SOURCES
 from hybond.kernel.bytecode import DEPTH
 from hybond.kernel.structs import (
@@ -23,7 +24,8 @@ from hybond.kernel.structs import (
     Schedule,
     Trail,
 )
-from hybond.modes import dirac, jump, locate
+from hybond.modes import dirac, jump, locate, trial
+from hybond.modes.laws import complementarity
 from hybond.solvers import dopri
 
 HEADER = re.sub(r"/\*.*?\*/", "", (SOURCES / "hybond.h").read_text(), flags=re.S)
@@ -72,6 +74,15 @@ def test_constants_are_the_same():
         locate.SEARCH,
     ]
     assert numbers("pairs.c", "ROUNDING") == [dirac.ROUNDING]
+    assert numbers("settle.c", "IMPULSE_RTOL") == [dirac.IMPULSE_RTOL]
+    assert numbers("branches.c", "ZERO") == [complementarity.ZERO]
+    assert numbers("branches.c", "DUST") == [trial.DUST]
+    assert numbers("branches.c", "CARRIES") == [settling.CARRIES]
+    assert numbers("values.c", "TOLERANCE", "STEPS") == [
+        mode.NEWTON_TOLERANCE,
+        mode.NEWTON_STEPS,
+    ]
+    assert numbers("constraints.c", "STEPS") == [jump.JUMP_STEPS]
     assert numbers("constraints.c", "MET", "AGREE", "CANCELLED", "NOTHING") == [
         jump.CONSISTENT,
         jump.AGREE,

@@ -162,8 +162,6 @@ class StorageLaws:
 
         Storage on pseudo bonds has none: effort times flow is no power there.
         """
-        if not self.groups:
-            return float(self.linear_energy(x))
         # settling asks for the same state again and again
         key = x.tobytes()
         if self._last is None or self._last[0] != key:
