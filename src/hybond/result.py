@@ -82,9 +82,10 @@ class Result:
     segments : sequence of Segment
     warnings : tuple of str
     stats : dict
-        Steps (``marched``: those that the kernel took), evaluations, modes built.
+        Steps (``marched``: those that the kernel took), events (``crossed``: those that it
+        settled), evaluations, modes built.
     kernel : str
-        How many of the steps the compiled kernel took, and why not more.
+        How many of the steps and events the compiled kernel took, and why not more.
 
     Examples
     --------
@@ -237,7 +238,7 @@ class Result:
         self, name: str, *, points_per_segment: int | None = None
     ) -> list[tuple[Vector, Vector]]:
         """Return (t, y) of each segment: its accepted points and evenly spaced ones between."""
-        span = max(self.t_end, 1e-300)
+        span = max(self.t_end - self.t_begin, 1e-300)
         found = []
         for segment in self.segments:
             count = points_per_segment

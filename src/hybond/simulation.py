@@ -111,8 +111,8 @@ def simulate(
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
     kernel : bool
-        Whether the compiled kernel takes the steps in which nothing happens, if there is one and
-        it was made for the mode. The results are the same but for rounding; `Result.kernel` says
+        Whether the compiled kernel takes steps, and settles events between them, where there is one
+        and it was made for that. The results are the same but for rounding; `Result.kernel` says
         how much it did.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
@@ -171,9 +171,10 @@ def simulate(
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
     executive: Executive | TimeStepping
-    if keep is not None and (keep < 1 or name in STEPPING):
+    whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
+    if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
-            f"keep = {keep}" if keep < 1 else f"keep is given, but solver {name!r} keeps all",
+            f"keep is given, but solver {name!r} keeps all" if whole else f"keep = {keep!r}",
             code="HB-S113",
             where="keep",
             hint="one or more, with a solver that locates events",
@@ -232,7 +233,7 @@ def simulate(
         started=scale.start,
         march=fast if isinstance(fast, Marcher) else None,
         keep=keep,
-        journal=None if journal is None else Journal(Path(journal), graph),
+        journal=None if journal is None else _opened(journal, graph),
     )
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
@@ -240,6 +241,18 @@ def simulate(
     finally:
         if executive.journal is not None:
             executive.journal.close()
+
+
+def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
+    try:
+        return Journal(Path(journal), graph)
+    except OSError as error:
+        raise UsageError(
+            f"the journal cannot be written: {error.strerror}",
+            code="HB-S113",
+            where=str(journal),
+            hint="name a file in a folder that is there",
+        ) from None
 
 
 def _finish(

@@ -112,4 +112,5 @@ def test_a_result_says_how_much_the_kernel_did(kernel):
     assert not isinstance(library(), str)
     run = hb.simulate(hb.load(ROOT / "examples" / "rope_and_disc.toml"))
     steps = int(run.stats["steps"])
-    assert run.kernel == f"{steps} of {steps} steps" and run.stats["marched"] == steps
+    assert run.kernel == f"{steps} of {steps} steps, 0 of 1 events"
+    assert run.stats["marched"] == steps

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from hybond.equations import mode
-from hybond.kernel import marcher, settling
+from hybond.kernel import crossing, marcher, settling
 from hybond.kernel.build import SOURCES
 from hybond.kernel.bytecode import DEPTH
 from hybond.kernel.structs import (
@@ -83,6 +83,7 @@ def test_constants_are_the_same():
         mode.NEWTON_STEPS,
     ]
     assert numbers("constraints.c", "STEPS") == [jump.JUMP_STEPS]
+    assert numbers("hybond.h", "HB_WRITES") == [crossing.WRITES]
     assert numbers("constraints.c", "MET", "AGREE", "CANCELLED", "NOTHING") == [
         jump.CONSISTENT,
         jump.AGREE,

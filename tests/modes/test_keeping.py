@@ -76,7 +76,12 @@ def test_a_journal_is_written_up_to_an_error(tmp_path):
     assert len(file.read_text().splitlines()) == 1 + len(run.events) > 3
 
 
-@pytest.mark.parametrize("options", [{"keep": 0}, {"keep": 3, "solver": "moreau-jean"},
+def test_a_journal_in_no_folder_is_refused(tmp_path):
+    with pytest.raises(hb.UsageError, match="HB-S113"):
+        hb.simulate(rhythm(), 1.0, journal=tmp_path / "none" / "events.csv")
+
+
+@pytest.mark.parametrize("options", [{"keep": 0}, {"keep": 2.5}, {"keep": True}, {"keep": 3, "solver": "moreau-jean"},
                                      {"journal": "x.csv", "solver": "moreau-jean"}])  # fmt: skip
 def test_what_cannot_be_kept_is_refused(options, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -27,6 +27,8 @@ AHEAD = 256
 """Intervals between timed events that are looked ahead."""
 ROWS = 512
 """Segments of one passage."""
+WRITES = 32
+"""State writes of one instant that the kernel follows."""
 MOMENT = 1000.0
 """Events are left to the reference if what separates them is less than this many times what counts
 as one moment for a machine that chatters."""
@@ -89,12 +91,6 @@ class Modes:
         """Return the mode that stands at a place."""
         return self._ready[k][0]
 
-    def filled(self, k: int) -> Filled:
-        """Return the structure that stands at a place."""
-        found = self._ready[k][1]
-        assert found is not None
-        return found
-
     def hand_back(self) -> None:
         """Let the reference know where Newton ended in each mode, as it goes on from there."""
         for equations, filled in self._newton:
@@ -117,7 +113,8 @@ class Modes:
         a.machines, a.storages, a.signals = len(graph.machines), program.nx, program.ns
         a.states = max((len(m.states) for m in graph.machines), default=1)
         a.inputs, a.slots, a.bonds = len(graph.inputs), slots.size, slots.w.stop - slots.w.start
-        a.ats, a.at_slot, a.contacts = len(graph.watches), slots.at.start, len(self._contacts)
+        a.ats, a.at_slot = len(graph.watches), slots.at.start
+        a.most_writes = min(WRITES, course.settler.max_writes)
         a.until, a.event_tol = course.until, course.event_tol
         a.remaining, a.soonest = accumulation.REMAINING, accumulation.SOONEST
         a.moment = MOMENT * accumulation.CHATTERING
@@ -131,17 +128,21 @@ class Modes:
         at = [s.bond if s.kind == "C" else half + s.bond for s in graph.storages]
         atlas.put("store_slot", [slots.w.start + k for k in at])
         atlas.put("store_sign", [1.0 if s.kind == "C" else s.sign for s in graph.storages])
-        atlas.put("real", [not graph.bonds[s.bond].domain.pseudo for s in graph.storages])
+        storage = program.storage
+        real = ~storage.pseudo
+        for group in storage.groups:
+            # as `StorageLaws.energy` has it
+            real[list(group)] = not storage.pseudo[list(group)].any()
+        atlas.put("real", real)
         of = np.full((a.machines, a.states), -1)
-        rests = np.zeros((a.contacts, a.states))
+        rests = np.zeros((len(self._contacts), a.states))
         for k, contact in enumerate(self._contacts):
             machine = contact.machine
             of[machine.index, contact.state] = k
             rests[k, : len(machine.on)] = [on >= machine.on[contact.rest] for on in machine.on]
         atlas.put("contact_of", of)
-        atlas.put("contact_machine", [c.machine.index for c in self._contacts])
         atlas.put("rests_in", rests)
-        atlas.put("ready", np.zeros(a.contacts))
+        atlas.put("ready", np.zeros(len(self._contacts)))
         surfaces = course.surfaces
         a.surfaces, a.at_once, a.vanished = len(surfaces), motion.AT_ONCE, crossings.VANISHED
         atlas.put("surface_machine", [s.machine for s in surfaces])

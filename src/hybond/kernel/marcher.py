@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
+from hybond.equations.ports import base_mode
 from hybond.kernel.bytecode import Declined
-from hybond.kernel.crossing import ROWS, Ahead, Modes, log_for, mode_of
+from hybond.kernel.crossing import KEPT, ROWS, Ahead, Modes, log_for, mode_of
 from hybond.kernel.library import library
 from hybond.kernel.plan import plan
 from hybond.kernel.settling import Shared, drifting, simple
@@ -39,8 +40,6 @@ ROOM = 6.4e7
 """Bytes of the steps of one passage."""
 PATIENCE = 64
 """Segments at the most after which a passage is tried again where one came to nothing."""
-KEPT = 256
-"""Modes that are kept ready."""
 
 
 class Marcher:
@@ -71,7 +70,7 @@ class Marcher:
         self.most = most
         self.declined: dict[str, int] = {}
         """Why modes were left to the reference, and how many."""
-        self._plans: dict[tuple[int, int], tuple[object, object, Filled | None]] = {}
+        self._plans: dict[tuple[object, ...], tuple[object, object, Filled | None]] = {}
         self._sampling = _sampling()
         self._motion = Filled(Motion())
         self._trail = Filled(Trail())
@@ -81,6 +80,8 @@ class Marcher:
         self._ahead: Ahead | None = None
         self._log: Filled | None = None
         self._wait = self._waited = 0
+        self._drifting: dict[Mode, frozenset[int]] = {}
+        self._passed_over: dict[str, int] = {}
 
     def march(
         self,
@@ -137,6 +138,7 @@ class Marcher:
     ) -> Passage | None:
         """Return the segments from where one begins, None if nothing is known of its end."""
         if not simple(self.program.graph):
+            self._passed_over["contacts or friction as junction laws"] = 0
             return None
         if self._waited < self._wait:
             self._waited += 1
@@ -172,6 +174,8 @@ class Marcher:
         )
         if why == NO_MEMORY:
             raise MemoryError
+        if why in (DECLINED, UNSURE):
+            self._over("in doubt")
         modes.hand_back()
         passage = self._passed((t, y, mode), modes, log, list(intervals))
         again = why in (EVENT, FULL) and record.rows > 0
@@ -200,12 +204,16 @@ class Marcher:
             if lawful:
                 found = drifting(laws, mode, interval, t)
                 if found is None:
+                    self._over("diodes whose branches may be ambiguous")
                     return None
-                self._shared = replace(self._shared, drifting=found)
+                self._drifting[base_mode(program.graph, mode)] = found
             equations = program.equations(mode, interval, t)
             return self._plan(equations, course.watch(mode), (), lawful=lawful)
 
         self._modes = Modes(program, course, make, rounded=self.scale.rounded)
+
+    def _over(self, why: str) -> None:
+        self._passed_over[why] = self._passed_over.get(why, 0) + 1
 
     def _in_vain(self) -> None:
         """Wait the longer, the more often there was nothing to pass.
@@ -246,11 +254,16 @@ class Marcher:
         )
 
     def reasons(self) -> list[str]:
-        """Return why modes were left to the reference, a text each."""
-        return [
+        """Return why modes and events were left to the reference, a text each."""
+        modes = [
             f"{n} mode{'s' * (n > 1)} left to the reference: {why}"
             for why, n in sorted(self.declined.items())
         ]
+        events = [
+            f"events left to the reference: {why}" + (f" ({n} times)" if n else "")
+            for why, n in sorted(self._passed_over.items())
+        ]
+        return modes + events
 
     def _plan(
         self,
@@ -260,12 +273,14 @@ class Marcher:
         *,
         lawful: bool,
     ) -> Filled | None:
-        key = id(equations), id(watched)
+        drifting = self._drifting.get(base_mode(self.program.graph, equations.mode))
+        shared = replace(self._shared, drifting=drifting or frozenset())
+        key = id(equations), id(watched), drifting
         known = self._plans.get(key)
         if known is None or known[0] is not equations or known[1] is not watched:
             found: Filled | None = None
             try:
-                found = plan(self.program, equations, watched, gaps, self._shared, lawful=lawful)
+                found = plan(self.program, equations, watched, gaps, shared, lawful=lawful)
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
             if len(self._plans) >= KEPT:

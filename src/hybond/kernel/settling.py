@@ -96,7 +96,7 @@ def put_settling(
         for rule in machine.rules
         if rule.source == equations.mode[machine.index]
     ]
-    m.machines, m.rules, m.contacts = len(graph.machines), len(rules), len(shared.contacts)
+    m.machines, m.rules = len(graph.machines), len(rules)
     mode.put("state", equations.mode)
     flags = program.flags(equations.mode)
     m.flag_count, m.flag_slot = len(flags), slots.on.start

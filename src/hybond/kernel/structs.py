@@ -38,7 +38,7 @@ _SIZES = """
     knowns rows free values entries affine
     laws sources spread supplied dissipated guards outputs slopes
     constraints agreements loose
-    bonds bond_slot machines rules contacts flag_count flag_slot
+    bonds bond_slot machines rules flag_count flag_slot
     fieldless enterable ports points
 """
 
@@ -138,7 +138,7 @@ class Trail(ctypes.Structure):
 
 _SHARED = """
     modes machines states storages signals inputs slots bonds classes
-    ats at_slot contacts surfaces
+    ats at_slot surfaces most_writes
 """
 
 
@@ -165,7 +165,7 @@ class Atlas(ctypes.Structure):
         ("mode", ADDRESSES),
         *((name, INTEGERS) for name in ("bond_class", "storage_class", "store_slot")),
         *((name, REALS) for name in ("store_sign", "real")),
-        *((name, INTEGERS) for name in ("contact_of", "contact_machine", "rests_in", "ready")),
+        *((name, INTEGERS) for name in ("contact_of", "rests_in", "ready")),
         *((name, INTEGERS) for name in ("surface_machine", "below", "above")),
         *((name, REALS) for name in ("since", "speed")),
     )
@@ -190,7 +190,7 @@ class Log(ctypes.Structure):
         *((name, INTEGERS) for name in ("steps", "mode", "interval", "timed", "changed")),
         *((name, INTEGERS) for name in ("fired", "wanted")),
         ("last", REAL),
-        *((name, INTEGER) for name in ("rows", "last_mode", "last_interval")),
+        ("rows", INTEGER),
     )
 
 

@@ -19,6 +19,7 @@ The whole algorithm::
       settle with inputs before and after the instant; note the event if anything changed
       slide along surfaces into which both sides push (sliding.py), leave those that they do not
       land what was hit and whose next flight would be none (landing.py), at the extrapolated limit
+      write events to the journal, let go of what need not be kept
       if events still follow each other ever faster: stop, status "accumulation"
 
 Nothing else changes the state: a jump is made by `settle` alone.
@@ -209,14 +210,14 @@ class Executive:
                 steps=float(self._steps),
                 rejected=float(self._rejected),
                 marched=float(self._marched),
+                events=float(self.trace.events.total),
                 crossed=float(self._crossed),
                 evaluations=float(program.evaluations),
                 modes=float(program.built),
             )
             if self.march is not None:
                 done = f"{self._marched} of {self._steps} steps"
-                if self._crossed:
-                    done += f", {self._crossed} of {self.trace.events.total} events"
+                done += f", {self._crossed} of {self.trace.events.total} events"
                 self.trace.kernel = "; ".join([done, *self.march.reasons()])
         return "ok"
 
@@ -271,6 +272,7 @@ class Executive:
             for k in range(self._written - events.forgotten, len(events)):
                 self.journal.event(events[k])
             self._written = events.total
+            self.journal.flush()
         if self.keep is not None:
             # in large pieces: to take one from the front of a list moves all others
             for record in (events, segments):

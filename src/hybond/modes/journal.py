@@ -27,7 +27,7 @@ class Journal:
     def __init__(self, path: Path, graph: FlatGraph) -> None:
         self.graph = graph
         self._file = path.open("w", newline="", encoding="utf-8")
-        self._writer = csv.writer(self._file)
+        self._writer = csv.writer(self._file, lineterminator="\n")
         stored = [s.path for s in graph.storages] + [i.path for i in graph.integrals]
         self._writer.writerow(["t", "cause", *(m.path for m in graph.machines), *stored])
 
@@ -41,6 +41,10 @@ class Journal:
         for k, changed in enumerate(passage.changed.tolist()):
             if changed:
                 self._row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
+
+    def flush(self) -> None:
+        """Let others see what there is."""
+        self._file.flush()
 
     def close(self) -> None:
         """End the file."""

@@ -62,7 +62,7 @@ class Program:
         self.nx = len(graph.storages)
         self.ns = len(graph.integrals)
         self.meter = _meter(graph)
-        self._storage = StorageLaws.of(graph, self.slots)
+        self.storage = StorageLaws.of(graph, self.slots)
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
@@ -105,7 +105,7 @@ class Program:
         found = self._equations.get(key)
         if found is None:
             tableau = build(self.graph, mode, discrete)
-            found = prepare(self.graph, mode, self.slots, tableau, self._storage)
+            found = prepare(self.graph, mode, self.slots, tableau, self.storage)
             self._equations[key] = found
             self.built += 1
             if len(self._equations) > KEPT:
@@ -120,7 +120,7 @@ class Program:
         key = (mode, *discrete.values())
         found = self._ports.get(key)
         if found is None:
-            found = port_equations(self.graph, mode, self.slots, discrete, storage=self._storage)
+            found = port_equations(self.graph, mode, self.slots, discrete, storage=self.storage)
             self._ports[key] = found
             self.built += 1
             if len(self._ports) > KEPT:

@@ -44,7 +44,7 @@ typedef struct {
     int32_t knowns, rows, free, values, entries, affine;
     int32_t laws, sources, spread, supplied, dissipated, guards, outputs, slopes;
     int32_t constraints, agreements, loose;
-    int32_t bonds, bond_slot, machines, rules, contacts, flag_count, flag_slot;
+    int32_t bonds, bond_slot, machines, rules, flag_count, flag_slot;
     int32_t fieldless, enterable, ports, points;
     double cost;                                    /* of a step, in operations, about */
     const int32_t *code;
@@ -121,7 +121,7 @@ typedef struct {
 /* What the modes of a graph have in common, and those that are known. */
 typedef struct {
     int32_t modes, machines, states, storages, signals, inputs, slots, bonds, classes;
-    int32_t ats, at_slot, contacts, surfaces;
+    int32_t ats, at_slot, surfaces, most_writes;
     double until, event_tol, rounded;               /* Limits; ErrorScale.start */
     double remaining, soonest, moment;              /* modes/landing: what may be a landing */
     double slow, lively, fading, at_once, vanished;
@@ -130,7 +130,7 @@ typedef struct {
     const int32_t *store_slot;                      /* storages: bond variables that show them */
     const double *store_sign, *real;                /* real: 1 if it stores energy */
     const int32_t *contact_of;                      /* machines x states: impact laws, or -1 */
-    const int32_t *contact_machine, *rests_in;      /* contacts; contacts x states */
+    const int32_t *rests_in;                        /* contacts x states */
     const int32_t *ready;                           /* contacts whose reactions are known */
     const int32_t *surface_machine, *below, *above; /* surfaces: states on either side */
     double *since, *speed;                          /* machines: last impact, fastest approach */
@@ -144,12 +144,12 @@ typedef struct {
 
 /* What a run leaves behind: a row for each segment that ended, with the instant that ended it. */
 typedef struct {
-    double *t, *before, *after, *energy, *approach; /* approach: contacts, nan if not struck */
+    double *t, *before, *after, *energy, *approach; /* approach: machines, nan if not struck */
     int32_t *steps, *mode, *interval, *timed, *changed;
     int32_t *fired;                                 /* machines */
     int32_t *wanted;                                /* machines: a mode that was not known */
     double last;                                    /* time of the last event */
-    int32_t rows, last_mode, last_interval;
+    int32_t rows;
 } hb_log;
 
 /* Why a march or a run ends. */
@@ -193,6 +193,7 @@ struct hb_work {
     double *sampled, *atoms, *magnitudes;      /* guards */
     double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
     double *met;                                     /* residuals taken away so far */
+    double *began;                                   /* where Newton began */
     void *all;
 };
 
@@ -248,8 +249,7 @@ int hb_locate(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *
 int32_t hb_pass(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling,
                 double t_end, int32_t most, int32_t begins, hb_trail *trail, int32_t *count);
 
-/* Settle a mode at (t, y), between intervals of the schedule; y is what is stored a priori, then
- * what is a posteriori. The reason why not, or HB_EVENT. */
+/* What settling works with. */
 typedef struct {
     const hb_atlas *atlas;
     hb_motion *o;
@@ -287,6 +287,9 @@ int hb_observe(hb_settler *s, const hb_mode *m, double t, const double *before, 
 void hb_approach(hb_settler *s, const hb_mode *m);
 int hb_slides(hb_settler *s, const hb_mode *from, const hb_mode *m, double t, const double *y,
               int timed, const int32_t *fired);
+
+/* Settle a mode at (t, y), between two intervals of the schedule; y is what is stored a priori, then
+ * what is a posteriori. The reason why not, or HB_EVENT. */
 int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t from, int32_t to,
                   int32_t row);
 

@@ -69,7 +69,7 @@ static int32_t segment(hb_settler *s, const hb_sampling *sampling, int32_t *mode
         return HB_ARRIVED;
     /* events that crowd may accumulate: the reference looks at each of them */
     const double gap = o->t - *last;
-    if (gap <= a->moment * fmax(fabs(o->t), a->soonest * a->until) || gap <= 1e-12 * a->until)
+    if (gap <= a->moment * fmax(fabs(o->t), a->soonest * a->until) || gap <= a->event_tol * a->until)
         return HB_DECLINED;
     memcpy(log->before + (size_t)row * (n - 2), o->y, sizeof *o->y * (n - 2));
     log->energy[row] = o->run_energy;
@@ -118,7 +118,7 @@ int32_t hb_run(const hb_atlas *atlas, hb_motion *o, const hb_sampling *sampling,
     }
     while (why == HB_EVENT && log->rows < rows && budget > 0.0) {
         const hb_mode *m = atlas->mode[mode];
-        const int32_t before = steps, in = mode, at = interval;
+        const int32_t before = steps;
         /* one segment at least, if it can be had in a few times as much */
         const double spent = log->rows ? budget : LONGER * budget;
         const double left = fmin(spent / m->cost + 1.0, (double)(most - steps));
@@ -127,14 +127,9 @@ int32_t hb_run(const hb_atlas *atlas, hb_motion *o, const hb_sampling *sampling,
                          : segment(&s, sampling, &mode, &interval, (int32_t)left, trail, &steps,
                                    &last, log);
         budget -= (steps - before) * m->cost;
-        if (why != HB_EVENT) {
+        if (why != HB_EVENT)
             go_back(&start, m, o, n);
-            mode = in;
-            interval = at;
-        }
     }
-    log->last_mode = mode;
-    log->last_interval = interval;
     free(start.y);
     free(work.all);
     free(s.all);

@@ -223,7 +223,7 @@ int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t fro
             return how < 0 ? HB_UNKNOWN : HB_DECLINED;
         if (!moved && how != HB_JUMPS && now == real)
             break;
-        if (writes == HB_WRITES)
+        if (writes == a->most_writes)
             return HB_DECLINED;
         s->jumped |= how == HB_JUMPS && s->struck;
         s->written[writes++] = real = now;

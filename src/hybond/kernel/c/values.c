@@ -32,11 +32,13 @@ int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
     }
     size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
-                      slots, n, constraints, 4 * n, free_, constraints};
+                      slots, n, constraints, 4 * n, free_, constraints,
+                      free_};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->magnitudes, &work->kept,
-                        &work->residuals, &work->dense, &work->guess, &work->met};
+                        &work->residuals, &work->dense, &work->guess, &work->met,
+                        &work->began};
     size_t total = 1, parts_count = sizeof sizes / sizeof *sizes;
     for (size_t i = 0; i < parts_count; ++i)
         total += sizes[i];
@@ -117,8 +119,7 @@ static void with_free(const hb_mode *m, const double *base, const double *r, dou
     spread(m, w, v);
 }
 
-/* Newton in the free unknowns, from where it ended last. */
-static int newton(const hb_mode *m, hb_motion *o, hb_work *work)
+static int iterate(const hb_mode *m, hb_motion *o, hb_work *work)
 {
     const int n = m->free;
     double *base = work->w + m->rows, *r = o->free, *step = work->step, update = INFINITY;
@@ -162,6 +163,16 @@ static int newton(const hb_mode *m, hb_motion *o, hb_work *work)
         }
     }
     return 0;
+}
+
+/* Newton in the free unknowns, from where it ended last; it stays there if it fails. */
+static int newton(const hb_mode *m, hb_motion *o, hb_work *work)
+{
+    memcpy(work->began, o->free, sizeof *o->free * (size_t)m->free);
+    const int found = iterate(m, o, work);
+    if (!found)
+        memcpy(o->free, work->began, sizeof *o->free * (size_t)m->free);
+    return found;
 }
 
 void hb_known(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y)
