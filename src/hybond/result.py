@@ -308,7 +308,8 @@ class Result:
         found = {name: np.full(len(t), np.nan) for name in names}
         by_segment: dict[int, list[int]] = {}
         for k, a in enumerate(t):
-            if not self.segments or not self.t_begin <= a <= self.t_end:
+            lost = side == "left" and a == self.t_begin and self.trace.segments.forgotten
+            if not self.segments or lost or not self.t_begin <= a <= self.t_end:
                 raise UsageError(
                     f"the run goes from {self.t_begin:.9g} to {self.t_end:.9g} s, not to {a:g} s",
                     code="HB-S110",
@@ -468,7 +469,7 @@ class Result:
         for k, segment in enumerate(self.segments):
             columns["t"].append(segment.t)
             side = np.full(len(segment.t), "", dtype="<U5")
-            if k:
+            if k or self.trace.segments.forgotten:
                 side[0] = "right"
             if k + 1 < len(self.segments):
                 side[-1] = "left"

@@ -10,6 +10,7 @@ import pytest
 
 import hybond as hb
 from hybond.chronicle import Chronicle
+from hybond.modes.journal import Journal
 
 LONG = """
 import resource, hybond as hb
@@ -76,13 +77,46 @@ def test_a_journal_is_written_up_to_an_error(tmp_path):
     assert len(file.read_text().splitlines()) == 1 + len(run.events) > 3
 
 
+def test_an_interrupted_journal_has_each_event_once(tmp_path, monkeypatch):
+    row, rows = Journal._row, []
+
+    def stopped(self, *given):
+        row(self, *given)
+        rows.append(given)
+        if len(rows) == 30:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Journal, "_row", stopped)
+    file = tmp_path / "events.csv"
+    run = hb.simulate(rhythm(), 60.0, journal=file)
+    times = [float(line.split(",")[0]) for line in file.read_text().splitlines()[1:]]
+    assert run.status == "interrupted"
+    assert times == [e.t for e in run.events][: len(times)] and len(times) >= 30
+
+
+def test_the_left_limit_where_the_kept_part_begins_is_not_known():
+    run = hb.simulate(rhythm(), 60.0, keep=20)
+    assert run["s.f"].at(run.t_begin, side="right") >= 0.0
+    with pytest.raises(hb.UsageError, match="HB-S110"):
+        run["s.f"].at(run.t_begin, side="left")
+    assert run.table(["c.q"])["side"][0] == "right"
+
+
 def test_a_journal_in_no_folder_is_refused(tmp_path):
     with pytest.raises(hb.UsageError, match="HB-S113"):
         hb.simulate(rhythm(), 1.0, journal=tmp_path / "none" / "events.csv")
 
 
-@pytest.mark.parametrize("options", [{"keep": 0}, {"keep": 2.5}, {"keep": True}, {"keep": 3, "solver": "moreau-jean"},
-                                     {"journal": "x.csv", "solver": "moreau-jean"}])  # fmt: skip
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"keep": 0},
+        {"keep": 2.5},
+        {"keep": True},
+        {"keep": 3, "solver": "moreau-jean"},
+        {"journal": "x.csv", "solver": "moreau-jean"},
+    ],
+)
 def test_what_cannot_be_kept_is_refused(options, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(hb.UsageError, match="HB-S113"):

@@ -159,8 +159,6 @@ class Executive:
         self._crossed = 0
         self.keep = keep
         self.journal = journal
-        self._written = 0
-        """Events in the journal."""
         self._recall = Recall(program, max_writes=max_writes, cause=self._timed_cause)
         self._course = Course(
             self.settler,
@@ -241,7 +239,6 @@ class Executive:
                 self._recall.note(found, self.trace)
                 if self.journal is not None:
                     self.journal.passage(found, self._recall.causes(found))
-                    self._written = self.trace.events.total
                 self._tidy()
                 self.landings.observe_many(
                     found.t[found.changed],
@@ -269,9 +266,8 @@ class Executive:
         """Write events to the journal, and let go of what need not be kept."""
         events, segments = self.trace.events, self.trace.segments
         if self.journal is not None:
-            for k in range(self._written - events.forgotten, len(events)):
+            for k in range(self.journal.written - events.forgotten, len(events)):
                 self.journal.event(events[k])
-            self._written = events.total
             self.journal.flush()
         if self.keep is not None:
             # in large pieces: to take one from the front of a list moves all others

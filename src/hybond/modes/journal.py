@@ -26,6 +26,8 @@ class Journal:
 
     def __init__(self, path: Path, graph: FlatGraph) -> None:
         self.graph = graph
+        self.written = 0
+        """Rows, one an event."""
         self._file = path.open("w", newline="", encoding="utf-8")
         self._writer = csv.writer(self._file, lineterminator="\n")
         stored = [s.path for s in graph.storages] + [i.path for i in graph.integrals]
@@ -53,3 +55,4 @@ class Journal:
     def _row(self, t: float, cause: str, mode: Mode, stored: list[float]) -> None:
         states = [m.states[k] for m, k in zip(self.graph.machines, mode, strict=True)]
         self._writer.writerow([repr(float(t)), cause, *states, *map(repr, stored)])
+        self.written += 1
