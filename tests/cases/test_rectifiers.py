@@ -281,3 +281,50 @@ def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(orde
         shares = [run[f"d{k}.e"].at(t) for k in (1, 2, 3, 4)]
         near, far = 0.5 * (grid - u), 0.5 * (-grid - u)
         assert shares == pytest.approx([near, far, far, near], rel=1e-9)
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("rate", [300, 310, 320])
+def test_a_bridge_with_resistance_and_inductance_goes_on(rate: int, kernel: bool) -> None:
+    """Diodes that carry nothing keep the branch they were just given."""
+    m = hb.Model("bridge", domain="electrical")
+    m.add(V=hb.Se(f"100 V*sin({rate}*time/(1 s))"), ab=hb.One(), a=hb.Zero(), b=hb.Zero())
+    m.add(p=hb.Zero(), ls=hb.I("1 mH"), rs=hb.R("0.5 ohm"), c=hb.C("1 mF", q=0), g=hb.G("0.02 S"))
+    m.bond("V -> ab", "b -> ab -> a", "ab -> rs", "ab -> ls", "p -> c", "p -> g")
+    for k, path in enumerate(("a -> d1 -> p", "b -> d2 -> p", "d3 -> a", "d4 -> b"), 1):
+        m.add(**{f"d{k}": hb.One(law="diode"), f"r{k}": hb.R("0.01 ohm")})
+        m.bond(path, f"d{k} -> r{k}")
+    run = hb.simulate(m, 0.1, kernel=kernel)
+    assert run.status == "ok"
+    assert run["c.e"].at(0.1) == pytest.approx(_bridge_by_phases(rate, 0.1), rel=1e-6)
+
+
+def _bridge_by_phases(rate: float, until: float) -> float:
+    """The capacitor's voltage, from blocking and conduction taken by turns."""
+
+    def source(t: float) -> float:
+        return 100.0 * math.sin(rate * t)
+
+    def conducts(t: float, y: np.ndarray, way: float) -> list[float]:
+        i, v = y
+        return [(way * source(t) - 0.52 * i - v) / 1e-3, (i - 0.02 * v) / 1e-3]
+
+    def ends(t: float, y: np.ndarray, way: float) -> float:
+        return float(y[0])
+
+    def exceeds(t: float, y: np.ndarray) -> float:
+        return abs(source(t)) - float(y[0])
+
+    ends.terminal, ends.direction = True, -1.0
+    exceeds.terminal, exceeds.direction = True, 1.0
+    options = {"rtol": 1e-10, "atol": 1e-10, "max_step": 1e-4}
+    t, v = 0.0, 0.0
+    while t < until:
+        if t > 0.0:
+            wait = solve_ivp(lambda _, y: -20.0 * y, (t, until), [v], events=exceeds, **options)
+            t, v = float(wait.t[-1]), float(wait.y[0, -1])
+        if t < until:
+            way = math.copysign(1.0, source(t)) if t > 0.0 else 1.0
+            flow = solve_ivp(conducts, (t, until), [0.0, v], args=(way,), events=ends, **options)
+            t, v = float(flow.t[-1]), float(flow.y[1, -1])
+    return v

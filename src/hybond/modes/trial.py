@@ -217,7 +217,8 @@ class Trials:
         states = [landed]
         for state in states:
             lasting = self.laws.lasting(at, state, energy=energy)
-            settled = ((mode, False),) if stay and done is None and state is landed else ()
+            still = done is None or not done.happened
+            settled = ((mode, False),) if stay and still and state is landed else ()
             turned: list[tuple[Mode, bool]] = []
             asked: set[Mode] = set()
             # `turned` grows while the others are tried
