@@ -339,7 +339,8 @@ class Result:
         for index, which in by_segment.items():
             segment = self.segments[index]
             plain = segment.bonds is None and segment.sliding is None
-            key = (segment.mode, segment.interval, segment.landed) if plain else index
+            held = segment.interval if self.program.selective else None
+            key = (segment.mode, segment.landed, held) if plain else index
             groups.setdefault(key, []).append((segment, which))
         return groups.values()
 
@@ -350,11 +351,15 @@ class Result:
         first = segments[0]
         if len(segments) == 1:
             return self._of_segment(first, names, times[0])
-        assert isinstance(first.interval, Interval)
         equations = equations_of(self.program, first)
-        rows = [row for s, t in zip(segments, times, strict=True) for row in self._rows(s, t)]
+        rows: list[Vector] = []
+        intervals: list[Interval] = []
+        for s, at in zip(segments, times, strict=True):
+            assert isinstance(s.interval, Interval)
+            rows += self._rows(s, at)
+            intervals += [s.interval] * len(at)
         y, t = np.array(rows), np.concatenate(times)
-        columns = list(self.program.evaluate_many(t, y, first.interval, equations))
+        columns = list(self.program.evaluate_many(t, y, intervals, equations))
         found = {}
         for name in names:
             value = self.program.compile_arrays(self.expression(name))(columns)

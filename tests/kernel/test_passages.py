@@ -214,3 +214,22 @@ def test_diodes_that_may_share_at_will_are_left_to_the_reference(kernel):
     a, b = both(m, 20.0)
     assert told(a) == told(b) and a.warnings == b.warnings
     assert b["c.q"].at(19.0) == pytest.approx(a["c.q"].at(19.0), rel=1e-7)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_samples_of_many_segments_are_those_one_by_one(kernel, side):
+    m = oscillating(
+        ["off -> on when u > 0.5 and time < 3.05", "on -> off when u < 0.5 or time > 4"]
+    )
+    m.input(u=hb.Input(pwm={"period": 0.3, "duty": 0.4}))
+    m.input(w=hb.Input(table=[(0.0, 0.0), (1.1, 2.0), (2.7, -1.0), (6.0, 3.0)], linear=True))
+    m.signal(both="u + w + (if time > 2 then 10 else 0)")
+    run = hb.simulate(m, 6.0)
+    assert run.stats["crossed"] > 5
+    edges = [e.t for e in run.events]
+    t = [*np.linspace(0.0, 6.0, 83).tolist(), *edges]
+    names = ["c.q", "c.e", "both", "s.f"]
+    together = run.sample(t, names, side=side)
+    for name in names:
+        alone = [float(run.sample([a], [name], side=side)[name][0]) for a in t]
+        assert together[name] == pytest.approx(alone, rel=1e-13, abs=1e-15), name

@@ -36,6 +36,7 @@ REPORTED = 16
 """Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
+TIMES = {0: "", 1: " (once)"}
 ROOM = 6.4e7
 """Bytes of the steps of one passage."""
 PATIENCE = 64
@@ -260,7 +261,7 @@ class Marcher:
             for why, n in sorted(self.declined.items())
         ]
         events = [
-            f"events left to the reference: {why}" + (f" ({n} times)" if n else "")
+            f"events left to the reference: {why}" + TIMES.get(n, f" ({n} times)")
             for why, n in sorted(self._passed_over.items())
         ]
         return modes + events

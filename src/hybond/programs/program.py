@@ -239,29 +239,39 @@ class Program:
         return v
 
     def evaluate_many(
-        self, t: Vector, y: Vector, interval: Interval, equations: ModeEquations
+        self,
+        t: Vector,
+        y: Vector,
+        interval: Interval | Sequence[Interval],
+        equations: ModeEquations,
     ) -> Vector:
-        """Return all values at many instants of one segment, shape (2 * slots, len(t)).
+        """Return all values at many instants of one mode, shape (2 * slots, len(t)).
 
-        Linear modes take one matrix product for all instants.
+        `interval` is one for all, or one for each. Linear modes take one matrix product for all
+        instants.
         """
+        each = [interval] * len(t) if isinstance(interval, Interval) else list(interval)
         if not (equations.linear and equations.storage.linear):
-            rows = [self.evaluate(a, b, interval, equations) for a, b in zip(t, y, strict=True)]
+            rows = [self.evaluate(a, b, i, equations) for a, b, i in zip(t, y, each, strict=True)]
             return np.array(rows).reshape(len(t), 2 * self.slots.size).T
         n = self.slots.size
         v = np.zeros((2 * n, len(t)))
         first = self.values(
             float(t[0]),
-            interval,
+            each[0],
             equations.mode,
             y[0, : self.nx],
             y[0, self.nx : self.nx + self.ns],
         )
         v[:n] = np.array(first[:n])[:, None]
         v[0] = t
-        for i, p in zip(self.graph.inputs, interval.pieces, strict=True):
-            v[self.slots.u.start + i.index] = [i.waveform.value(a, p) for a in t]
-            v[self.slots.du.start + i.index] = [i.waveform.rate(a, p) for a in t]
+        times = t.tolist()
+        for k, i in enumerate(self.graph.inputs):
+            at = [(a, j.pieces[k]) for a, j in zip(times, each, strict=True)]
+            v[self.slots.u.start + i.index] = [i.waveform.value(a, p) for a, p in at]
+            v[self.slots.du.start + i.index] = [i.waveform.rate(a, p) for a, p in at]
+        if each[0].at:
+            v[self.slots.at] = np.array([j.at for j in each], dtype=float).T
         v[self.slots.x] = y[:, : self.nx].T
         v[self.slots.s] = y[:, self.nx : self.nx + self.ns].T
         nu = len(equations.tableau.sources)
