@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Hashable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -194,6 +196,12 @@ class Log(ctypes.Structure):
     )
 
 
+@cache
+def _kinds(structure: Hashable) -> dict[str, Any]:
+    assert isinstance(structure, type) and issubclass(structure, ctypes.Structure)
+    return {f[0]: f[1] for f in structure._fields_}
+
+
 class Filled:
     """A structure and the arrays that its pointers lead to, kept alive together.
 
@@ -209,10 +217,10 @@ class Filled:
     def put(self, name: str, values: Any, *, part: str = "") -> NDArray[Any]:
         """Give a pointer an array, made contiguous and of its type; return the array."""
         owner = getattr(self.structure, part) if part else self.structure
-        kind = {f[0]: f[1] for f in type(owner)._fields_}[name]
+        kind = _kinds(type(owner))[name]
         array: NDArray[Any] = np.ascontiguousarray(values, dtype=DTYPES[kind])
         self.arrays[f"{part}.{name}" if part else name] = array
-        setattr(owner, name, array.ctypes.data_as(kind))
+        setattr(owner, name, ctypes.cast(array.__array_interface__["data"][0], kind))
         return array
 
     def put_rows(self, name: str, dense: NDArray[np.float64]) -> None:
