@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Hashable
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -196,10 +194,10 @@ class Log(ctypes.Structure):
     )
 
 
-@cache
-def _kinds(structure: Hashable) -> dict[str, Any]:
-    assert isinstance(structure, type) and issubclass(structure, ctypes.Structure)
-    return {f[0]: f[1] for f in structure._fields_}
+_KINDS = {
+    structure: {f[0]: f[1] for f in structure._fields_}
+    for structure in (Sampling, Rows, Mode, Motion, Trail, Atlas, Schedule, Log)
+}
 
 
 class Filled:
@@ -217,7 +215,7 @@ class Filled:
     def put(self, name: str, values: Any, *, part: str = "") -> NDArray[Any]:
         """Give a pointer an array, made contiguous and of its type; return the array."""
         owner = getattr(self.structure, part) if part else self.structure
-        kind = _kinds(type(owner))[name]
+        kind = _KINDS[type(owner)][name]
         array: NDArray[Any] = np.ascontiguousarray(values, dtype=DTYPES[kind])
         self.arrays[f"{part}.{name}" if part else name] = array
         setattr(owner, name, ctypes.cast(array.__array_interface__["data"][0], kind))
