@@ -194,7 +194,7 @@ class Log(ctypes.Structure):
     )
 
 
-_KINDS = {
+_KINDS: dict[Any, dict[str, Any]] = {
     structure: {f[0]: f[1] for f in structure._fields_}
     for structure in (Sampling, Rows, Mode, Motion, Trail, Atlas, Schedule, Log)
 }
