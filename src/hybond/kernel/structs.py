@@ -121,6 +121,7 @@ class Motion(ctypes.Structure):
         ("instant", REAL),
         ("evaluations", ctypes.c_int64),
         ("controlled", INTEGER),
+        ("method", INTEGER),
         *((name, REALS) for name in ("y", "f", "largest", "free", "rounding")),
         *((name, REALS) for name in ("input", "input_rate", "input_time", "v")),
     )

@@ -106,6 +106,7 @@ typedef struct {
     double run_energy, instant;                     /* seen by the run; what is one instant, s */
     int64_t evaluations;
     int32_t controlled;
+    int32_t method;                                 /* one of METHODS in method.c */
     double *y, *f, *largest, *free, *rounding;
     const double *input, *input_rate, *input_time;  /* at which `input` holds */
     double *v;                                      /* 2 slots: flags written, the rest is work */
@@ -209,15 +210,39 @@ int hb_solve(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doub
 /* The rate of y; 0 as above. */
 int hb_rate(const hb_mode *m, hb_motion *o, hb_work *work, double t, const double *y, double *rate);
 
-/* One accepted step of Dormand and Prince, in work->y1 and work->k; 0 if there is none. */
+/* A way to make steps. `begin` chooses the first step after a jump, no longer than `limit`; `step` makes
+ * one that is accepted, to *t1 <= t_end, and sets o->h for the next; `retry` makes one to t1 as it
+ * comes. Both leave the state at the end in work->y1, its rate in row 6 of work->k, and what `dense`
+ * needs, which writes the coefficients of the step's dense output, 4 x states. 0: there is none. */
+typedef struct {
+    int (*begin)(const hb_mode *m, hb_motion *o, hb_work *work, double limit);
+    int (*step)(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
+                int32_t *rejected);
+    int (*retry)(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
+    void (*dense)(const hb_mode *m, const hb_work *work, double h, double *dense);
+} hb_method;
+extern const hb_method hb_dopri;
+
+/* Those of the method of a motion. */
+int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
 int hb_step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
             int32_t *rejected);
-
-/* Derivative and first step of a motion that begins at o->t with o->y; 0 if it cannot. */
-int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
-
-/* The step from where the motion stands to t1, as it comes; 0 if it is not finite. */
 int hb_retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
+void hb_dense(const hb_mode *m, const hb_motion *o, const hb_work *work, double h, double *dense);
+
+/* Stored quantities, signals, energy supplied and dissipated. */
+int hb_states(const hb_mode *m);
+
+/* What one step may be wrong by: `ErrorScale` of simulation.py. */
+void hb_tolerances(const hb_mode *m, hb_motion *o, const double *y0, const double *y1,
+                   double *tolerance);
+
+/* The norm of a vector in units of the tolerances. */
+double hb_norm(const hb_mode *m, const hb_motion *o, const double *vector,
+               const double *tolerance);
+
+/* The first step of a method of an order. */
+double hb_first_step(const hb_mode *m, hb_motion *o, hb_work *work, double limit, double order);
 
 /* The size of the terms of a value of the last hb_solve. `reach` is what a unit of energy in one
  * storage weighs: 0 or the root of the energy of the run. */
@@ -237,9 +262,6 @@ int hb_keep(const hb_mode *m, hb_motion *o, hb_work *work, double t, double *y, 
 
 /* The state at the part x of a step. */
 void hb_between(int n, const double *y0, const double *dense, double x, double *y);
-
-/* Coefficients of the step's dense output, 4 x states. */
-void hb_dense(const hb_mode *m, const hb_work *work, double h, double *dense);
 
 /* The first instant in (t, t1] at which a guard holds: 1 and *at; 0 if none does; -1 in doubt. */
 int hb_locate(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling *sampling, double t1,

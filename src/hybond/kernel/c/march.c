@@ -42,7 +42,7 @@ static int land(march *a, double *t1, double *at, double *dense)
         repeated = 1;
         if (!hb_retry(a->m, a->o, a->work, end))
             return 0;
-        hb_dense(a->m, a->work, end - t0, a->work->dense);
+        hb_dense(a->m, a->o, a->work, end - t0, a->work->dense);
         const int found =
             hb_locate(a->m, a->o, a->work, a->sampling, end, a->work->dense, &again);
         if (found < 0)
@@ -66,7 +66,7 @@ static int advance(march *a, size_t k)
     int moved;
     if (!hb_step(a->m, o, a->work, a->t_end, &t1, trail->rejected + k))
         return HB_DECLINED;
-    hb_dense(a->m, a->work, t1 - o->t, dense);
+    hb_dense(a->m, o, a->work, t1 - o->t, dense);
     const int found = hb_locate(a->m, o, a->work, a->sampling, t1, dense, &at);
     if (found < 0 || (found && !land(a, &t1, &at, dense)))
         return HB_UNSURE;
