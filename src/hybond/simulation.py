@@ -335,7 +335,7 @@ class ErrorScale:
         if self.atol is not None:
             tolerance[:n] = self.rtol * size + self.atol
             return tolerance
-        stiffness = np.abs(np.diagonal(self.storage.stiffness(y0[: self.nx])))
+        stiffness = np.abs(self.storage.own_stiffness(y0[: self.nx]))
         x = y0[: self.nx]
         self.energy = max(self.energy, 0.5 * float(np.sum(stiffness * x * x)))
         tried = 0.5 * float(np.sum(stiffness * y1[: self.nx] ** 2))

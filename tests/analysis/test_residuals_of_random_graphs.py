@@ -64,7 +64,7 @@ class Jets:
             ]
             assert np.abs(rows @ np.concatenate([z, u[0]])).max() < 1e-9
         self.data: dict[str, list[float]] = {}
-        x = np.linalg.solve(own.storage.matrix, z) if nz else z
+        x = np.linalg.solve(own.storage.matrix.dense(), z) if nz else z
         for order in range(ORDERS + 1):
             w = own.x2 @ np.concatenate([z, u[order], u[order + 1]])
             if own.project is not None:
@@ -78,7 +78,7 @@ class Jets:
                 value = rng.normal() if s.node in off else u[order][k]
                 self.data[graph.nodes[s.node].path + prime] = value
             x = own.storage.rates_of(w)
-            z = own.storage.matrix @ x
+            z = own.storage.matrix.times(x)
 
 
 def _matrix(rows, base, width):

@@ -125,7 +125,7 @@ def point_of(graph, mode, rng) -> Point:
         w = own.project @ w
     freedom = own.freedom if own.freedom.shape[1] else np.zeros((len(w), 0))
     return Point(
-        x=np.linalg.solve(own.storage.matrix, point[:nz]),
+        x=np.linalg.solve(own.storage.matrix.dense(), point[:nz]),
         z=point[:nz],
         u={s.node: point[nz + k] for k, s in enumerate(tableau.sources)},
         du={s.node: du[k] for k, s in enumerate(tableau.sources)},

@@ -137,7 +137,8 @@ class Motion:
             # exact where a difference would not be
             sign, storage = self._co_energy[name]
             own = self.equations.storage
-            return np.asarray(sign * own.matrix[storage] @ own.rates_of(self.bonds(order - 1)))
+            rates = own.rates_of(self.bonds(order - 1))
+            return np.asarray(sign * own.matrix.times(rates)[storage])
         return np.asarray(self.bonds(order)[k + (len(self.graph.bonds) if kind == "f" else 0)])
 
     @cached_property
@@ -173,8 +174,8 @@ class Motion:
         sources = own.tableau.sources
         nz, nu = len(self.graph.storages), len(sources)
         xi = np.zeros((nz + 2 * nu, len(self.t)))
-        xi[:nz] = own.storage.matrix @ own.storage.rates_of(self.bonds(order - 1))
-        needed = np.any(own.finite.known != 0.0, axis=0)
+        xi[:nz] = own.storage.matrix.times(own.storage.rates_of(self.bonds(order - 1)))
+        needed = own.finite.known.used()
         for k, source in enumerate(sources):
             if needed[nz + k]:
                 xi[nz + k] = self.derivative(source.value, order)

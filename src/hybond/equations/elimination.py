@@ -46,13 +46,18 @@ class Elimination:
         """``unknown + sum(row) = 0``, the row in free unknowns and knowns only."""
         self._users: dict[int, set[int]] = {}
         """Free unknown to the solved unknowns whose rows contain it."""
+        self._shared: set[int] = set()
+        """Solved unknowns whose rows belong to other eliminations as well."""
 
     def copy(self) -> Elimination:
-        """Return an independent copy."""
-        other = Elimination(self.unknowns)
+        """Return an independent copy; rows are copied when one of both changes them."""
+        other = Elimination.__new__(Elimination)
+        other.unknowns = self.unknowns
         other.representative = self.representative
-        other.solved = {k: dict(row) for k, row in self.solved.items()}
+        other.solved = dict(self.solved)
         other._users = {k: set(v) for k, v in self._users.items()}
+        self._shared = set(self.solved)
+        other._shared = set(self.solved)
         return other
 
     def reduce(self, row: Row) -> Row:
@@ -97,6 +102,9 @@ class Elimination:
 
     def _replace(self, user: int, pivot: int, solved: Row) -> None:
         row = self.solved[user]
+        if user in self._shared:
+            self._shared.discard(user)
+            row = self.solved[user] = dict(row)
         c = row.pop(pivot)
         for k, d in solved.items():
             old = row.get(k, 0.0)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 from hybond.equations.ports import PortEquations, base_mode, port_equations
 from hybond.equations.slots import Slots
-from hybond.equations.tableau import Given, Tableau, build
+from hybond.equations.tableau import Given, Sheet, Tableau
 from hybond.model.graph import FlatGraph, Mode
 
 
@@ -28,18 +28,19 @@ def end_of_step_ports(
         HB-C104, see `ports.port_equations`.
     """
     mode = base_mode(graph, mode)
-    found = port_equations(graph, mode, slots, discrete)
+    sheet = Sheet(graph)
+    found = port_equations(graph, mode, slots, discrete, sheet=sheet)
     given: dict[int, Given] = {p.law.node: p.given for p in found.ports}
-    least = _cost(build(graph, mode, discrete, given))
+    least = _cost(sheet.build(mode, discrete, given))
     changed = False
     for port in found.ports:
         if port.law.two_sided or port.given == "common":
             continue
         trial: dict[int, Given] = {**given, port.law.node: "common"}
-        tableau = build(graph, mode, discrete, trial)
+        tableau = sheet.build(mode, discrete, trial)
         if not _tied(tableau, len(trial)) and _cost(tableau) <= least:
             given, changed = trial, True
-    return port_equations(graph, mode, slots, discrete, given) if changed else found
+    return port_equations(graph, mode, slots, discrete, given, sheet=sheet) if changed else found
 
 
 def _cost(tableau: Tableau) -> tuple[int, int]:

@@ -9,6 +9,8 @@ elements. The result is flagged wherever it is used.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,8 +49,33 @@ def undetermined(freedom: Matrix) -> NDArray[np.intp]:
     return np.flatnonzero(size > MOVED * size.max())
 
 
-def least_leakage(freedom: Matrix, junctions: Matrix) -> Matrix:
-    """Return the matrix that projects any solution onto the one of least leakage.
+@dataclass(frozen=True, slots=True, eq=False)
+class Projection:
+    """A matrix P by what it takes off: ``P = (1 - basis2 @ taken2) @ (1 - basis1 @ taken1)``.
+
+    Parameters
+    ----------
+    stages : tuple of (basis, taken)
+        The first one first; arrays of shapes (n, k) and (k, n).
+    """
+
+    stages: tuple[tuple[Matrix, Matrix], ...]
+
+    def __matmul__(self, w: Matrix) -> Matrix:
+        """Return ``P @ w`` for a vector or a matrix."""
+        for basis, taken in self.stages:
+            w = w - basis @ (taken @ w)
+        return w
+
+    def after(self, m: Matrix) -> Matrix:
+        """Return ``m @ P``."""
+        for basis, taken in reversed(self.stages):
+            m = m - (m @ basis) @ taken
+        return m
+
+
+def least_leakage(freedom: Matrix, junctions: Matrix) -> Projection:
+    """Return the projection of any solution onto the one of least leakage.
 
     Parameters
     ----------
@@ -59,7 +86,7 @@ def least_leakage(freedom: Matrix, junctions: Matrix) -> Matrix:
 
     Returns
     -------
-    array, shape (n, n)
+    Projection
         P with ``w_least = P @ w`` for every admissible w.
 
     Examples
@@ -70,20 +97,18 @@ def least_leakage(freedom: Matrix, junctions: Matrix) -> Matrix:
     >>> least_leakage(np.array([[1.0], [-1.0]]), np.eye(2)) @ np.array([1.0, 0.0])
     array([0.5, 0.5])
     """
-    n = freedom.shape[0]
-    project = np.eye(n)
+    stages = []
     basis = freedom
-    for weights in (junctions, _bond_rows(freedom)):
-        if basis.shape[1] == 0 or weights.shape[0] == 0:
-            continue
-        seen = weights @ basis
-        project = project - basis @ np.linalg.pinv(seen, rcond=MOVED) @ weights @ project
+    bonds = undetermined(freedom)
+    if junctions.shape[0] and basis.shape[1]:
+        seen = junctions @ basis
+        stages.append((basis, np.linalg.pinv(seen, rcond=MOVED) @ junctions))
         basis = basis @ null_space(seen)
-    return np.asarray(project)
-
-
-def _bond_rows(freedom: Matrix) -> Matrix:
-    return np.asarray(np.eye(freedom.shape[0])[undetermined(freedom)])
+    if len(bonds) and basis.shape[1]:
+        taken = np.zeros((basis.shape[1], len(basis)))
+        taken[:, bonds] = np.linalg.pinv(basis[bonds], rcond=MOVED)
+        stages.append((basis, taken))
+    return Projection(tuple(stages))
 
 
 def null_space(m: Matrix, *, rank: int | None = None, tolerance: float = 1e-10) -> Matrix:

@@ -84,7 +84,7 @@ def _stored(graph: FlatGraph, slots: Slots) -> Vector:
     goal = np.array([graph.storages[k].start for k in wanted])
     for _ in range(50):
         rest = goal - laws.co_energy(x)[wanted]
-        slope = laws.stiffness(x)[np.ix_(wanted, wanted)]
+        slope = laws.stiffness(x, wanted)
         move = np.linalg.lstsq(slope, rest, rcond=None)[0]
         x[wanted] += move
         if np.abs(move).max() <= 1e-14 * np.abs(x).max():

@@ -20,11 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import partial_time, reads_bonds
-from hybond.equations.leakage import junction_rows, least_leakage, null_space, undetermined
+from hybond.equations.element_parts import Dynamic
+from hybond.equations.leakage import (
+    Projection,
+    junction_rows,
+    least_leakage,
+    null_space,
+    undetermined,
+)
 from hybond.equations.slots import Slots
 from hybond.equations.solved import Solved
 from hybond.equations.storage import StorageLaws
-from hybond.equations.tableau import Dynamic, Tableau
+from hybond.equations.tableau import Tableau
 from hybond.errors import CausalityError, NumericsError
 from hybond.model.expressions import Expr, Number, compile_expression
 from hybond.model.graph import FlatGraph, Mode
@@ -104,7 +111,7 @@ class ModeEquations:
     """Rank of the structure rows, found at generic values."""
     affine: bool
     """Whether all dynamic rows are affine in bond variables and nothing is hidden."""
-    project: Matrix | None = None
+    project: Projection | None = None
     freedom: Matrix = field(default_factory=lambda: np.zeros((0, 0)))
     guess: Vector | None = None
     newton_steps: int = 0
@@ -132,6 +139,11 @@ class ModeEquations:
     def x2(self) -> Matrix:
         """Bond variables by `xi`; made anew at each call."""
         return self.finite.spread()
+
+    @property
+    def shown(self) -> Solved:
+        """Bond variables by what is known, least leakage applied; made anew at each call."""
+        return self.finite if self.project is None else self.finite.projected(self.project)
 
     @property
     def junctions(self) -> Matrix:
@@ -388,8 +400,8 @@ def prepare(
             rate_values.append((k, compiled(s.rate)))
     if not structure:
         # a source rate is evaluated only where a constraint asks for it
-        first = len(graph.storages) + len(tableau.sources)
-        rate_values = [(k, f) for k, f in rate_values if np.any(finite.known[:, first + k])]
+        first, used = len(graph.storages) + len(tableau.sources), finite.known.used()
+        rate_values = [(k, f) for k, f in rate_values if used[first + k]]
     equations = ModeEquations(
         graph,
         mode,

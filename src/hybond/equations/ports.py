@@ -28,7 +28,7 @@ from hybond.equations.calculus import gradient
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.slots import Slots
 from hybond.equations.storage import StorageLaws
-from hybond.equations.tableau import Given, build
+from hybond.equations.tableau import Given, Sheet
 from hybond.errors import CausalityError
 from hybond.model.expressions import Number, compile_expression
 from hybond.model.graph import FlatGraph, Mode
@@ -124,8 +124,7 @@ class PortEquations:
         """Return the derivative of the bond variables by `l`, shape (2 * bonds, ports)."""
         e = self.equations
         if e.linear:
-            taken = e.finite.known[:, len(e.graph.storages) + self.columns]
-            gain = (taken * self.sign)[e.finite.row]
+            gain = e.finite.columns(len(e.graph.storages) + self.columns) * self.sign
             return np.asarray(gain if e.project is None else e.project @ gain)
         # modulated two-ports and controlled sources are affine in what ports give, so that a
         # difference over a unit step is exact; through nonlinear resistors it is a chord
@@ -192,9 +191,9 @@ class PortEquations:
         e = self.equations
         gain = self.gains(v, x)
         nz, nu = len(e.graph.storages), len(e.tableau.sources)
-        project = np.eye(len(gain)) if e.project is None else e.project
-        shown = self.partner @ project
-        seen = shown @ e.x2[:, :nz] @ e.storage.matrix
+        shown = self.partner if e.project is None else e.project.after(self.partner)
+        by_knowns = e.finite.after(shown)
+        seen = e.storage.matrix.after(by_knowns[:, :nz])
         inward = e.storage.rates_of(gain)
         return _Constant(
             gain,
@@ -202,7 +201,7 @@ class PortEquations:
             inward,
             _product(seen, inward),
             seen,
-            shown @ e.x2[:, nz : nz + nu],
+            by_knowns[:, nz : nz + nu],
         )
 
     def _directional(self, v: list[float], x: Vector, inward: Matrix, y: Vector) -> Matrix:
@@ -297,11 +296,12 @@ def port_equations(
     discrete: Mapping[str, float],
     given: dict[int, Given] | None = None,
     storage: StorageLaws | None = None,
+    sheet: Sheet | None = None,
 ) -> PortEquations:
     """Return the equations of a configuration with all junction laws open.
 
     `given` says which variable of each law's pair comes from outside, if not `orientation`;
-    `storage` are the laws of storage, if they are known.
+    `storage` are the laws of storage, and `sheet` makes tableaus, if they are known.
 
     Raises
     ------
@@ -313,8 +313,9 @@ def port_equations(
     given = orientation(graph, mode) if given is None else given
     owners = {law.node: (m, law) for m in graph.machines if m.law for law in m.law.junctions}
     seen: set[tuple[Given, ...]] = set()
+    sheet = sheet or Sheet(graph)
     while True:
-        tableau = build(graph, mode, discrete, given)
+        tableau = sheet.build(mode, discrete, given)
         nodes = list(given)
         first = len(tableau.sources) - len(nodes)
         own = {tableau.unknowns + tableau.storages + first + k: n for k, n in enumerate(nodes)}

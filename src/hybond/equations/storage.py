@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.slots import Slots
+from hybond.equations.sparse import Sparse
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.model.expressions import (
@@ -38,14 +39,14 @@ class StorageLaws:
 
     Parameters
     ----------
-    matrix : array, shape (n, n)
-        Of the linear storages; zero rows for the others.
+    matrix : Sparse, shape (n, n)
+        Of the linear storages; rows without entries for the others.
     bond, sign : arrays, shape (n,)
         Of each stored quantity: which bond variable is its rate, among efforts then flows, and
         with which sign: ``x' = sign * w[bond]``.
     """
 
-    matrix: Matrix
+    matrix: Sparse
     bond: NDArray[np.intp]
     sign: Vector
     laws: list[tuple[int, Closure]]
@@ -61,13 +62,18 @@ class StorageLaws:
     degrees: list[int | None]
     """Of each group: of its laws as polynomials of what is stored; None if they are none."""
     _last: tuple[bytes, float] | None = None
+    _law: dict[int, Closure] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Find the laws by port."""
+        self._law = dict(self.laws)
 
     @staticmethod
     def of(graph: FlatGraph, slots: Slots) -> StorageLaws:
         """Read the laws of `graph`."""
         n = len(graph.storages)
         bonds = len(graph.bonds)
-        matrix = np.zeros((n, n))
+        entries: list[tuple[int, int, float]] = []
         bond = np.zeros(n, dtype=np.intp)
         sign = np.ones(n)
         laws: list[tuple[int, Closure]] = []
@@ -88,8 +94,8 @@ class StorageLaws:
             assert node.law is not None
             siblings = ports[s.node]
             if node.law.matrix is not None:
-                for t in siblings:
-                    matrix[s.index, t.index] = node.law.matrix[s.port][t.port]
+                own_row = node.law.matrix[s.port]
+                entries += [(s.index, t.index, own_row[t.port]) for t in siblings]
                 continue
             groups.setdefault(s.node, []).append(s.index)
             law = substitute(node.law.expressions[s.port], stored_names(node, graph, siblings))
@@ -103,8 +109,9 @@ class StorageLaws:
                 slopes.append((s.index, t.index, f))
                 if t is s:
                     expressions.append((s.index, law, d))
+        rows, columns, values = zip(*entries, strict=True) if entries else ((), (), ())
         return StorageLaws(
-            matrix,
+            Sparse.of((n, n), rows, columns, values),
             bond,
             sign,
             laws,
@@ -140,22 +147,34 @@ class StorageLaws:
 
     def co_energy(self, x: Vector) -> Vector:
         """Return z, shape (n,): the effort of each C, the flow of each I, power inward."""
-        z = self.matrix @ x
+        z = self.matrix.times(x)
         if self.laws:
             v = self._values(x)
             for k, f in self.laws:
                 z[k] = f(v)
         return np.asarray(z)
 
-    def stiffness(self, x: Vector) -> Matrix:
-        """Return dz/dx, shape (n, n)."""
-        if not self.laws:
-            return self.matrix
-        m = self.matrix.copy()
-        v = self._values(x)
-        for i, j, f in self.slopes:
-            m[i, j] = f(v)
+    def stiffness(self, x: Vector, ports: Sequence[int] | None = None) -> Matrix:
+        """Return dz/dx, shape (n, n), or that of some ports by each other."""
+        which = range(len(x)) if ports is None else ports
+        m = self.matrix.dense() if ports is None else self.matrix.block(ports)
+        if self.slopes:
+            place = {k: i for i, k in enumerate(which)}
+            v = self._values(x)
+            for i, j, f in self.slopes:
+                if i in place and j in place:
+                    m[place[i], place[j]] = f(v)
         return m
+
+    def own_stiffness(self, x: Vector) -> Vector:
+        """Return the derivative of each port's co-energy variable by what it stores itself."""
+        found = self.matrix.diagonal()
+        if self.slopes:
+            v = self._values(x)
+            for i, j, f in self.slopes:
+                if i == j:
+                    found[i] = f(v)
+        return found
 
     def energy(self, x: Vector) -> float:
         """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
@@ -166,16 +185,17 @@ class StorageLaws:
         key = x.tobytes()
         if self._last is None or self._last[0] != key:
             total = float(self.linear_energy(x))
+            v = self._values(np.zeros(len(x))) if self.groups else []
             for group, degree in zip(self.groups, self.degrees, strict=True):
-                if not self.pseudo[list(group)].any():
-                    total += self._along(x, group, degree)
+                if not any(self.pseudo[k] for k in group):
+                    total += self._along(x, group, degree, v)
             self._last = key, total
         return self._last[1]
 
     def linear_energy(self, x: Vector) -> Vector:
         """Return the energy of linear storage, J, for states of shape (..., n): shape (...)."""
         true = np.where(self.pseudo, 0.0, x)
-        return np.asarray(0.5 * ((true @ self.matrix) * true).sum(axis=-1))
+        return np.asarray(0.5 * (self.matrix.after(true) * true).sum(axis=-1))
 
     def stored(self, z: Vector, k: int, graph: FlatGraph) -> float:
         """Return the stored quantity of port k at the co-energy values `z` of its storage.
@@ -194,7 +214,7 @@ class StorageLaws:
         x = np.zeros(len(z))
         for _ in range(100):
             error = (self.co_energy(x) - z)[ports]
-            slope = self.stiffness(x)[np.ix_(ports, ports)]
+            slope = self.stiffness(x, ports)
             step = np.linalg.lstsq(slope, error, rcond=None)[0]
             if not step.any() and error.any():
                 # flat at this point (a cubic spring at rest): look aside
@@ -210,11 +230,15 @@ class StorageLaws:
             hint="give the stored quantity itself",
         )
 
-    def _along(self, x: Vector, group: tuple[int, ...], degree: int | None) -> float:
-        """Integrate ``z dx`` from 0 along a ray; the law has an energy, so any path will do."""
-        laws = [f for k, f in self.laws if k in group]
+    def _along(
+        self, x: Vector, group: tuple[int, ...], degree: int | None, v: list[float]
+    ) -> float:
+        """Integrate ``z dx`` from 0 along a ray; the law has an energy, so any path will do.
+
+        `v` are values to work in.
+        """
+        laws = [self._law[k] for k in group]
         ends = x[list(group)].tolist()
-        v = [0.0] * self.size
 
         def power(a: float) -> float:
             for k, b in zip(group, ends, strict=True):

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.element_parts import configure, settings
 from hybond.equations.slots import Slots
-from hybond.equations.tableau import configure, settings, stored_names
+from hybond.equations.tableau import stored_names
 from hybond.model.expressions import (
     And,
     Binary,

@@ -19,64 +19,23 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from hybond.equations.calculus import gradient, partial_time, rate_name, reads_bonds
+from hybond.equations.calculus import gradient, rate_name, reads_bonds
+from hybond.equations.element_parts import Dynamic, Part, Parts, Source, settings
 from hybond.equations.elimination import Elimination, Row
 from hybond.model.expressions import (
     Binary,
-    Bool,
     Expr,
     Name,
-    Neg,
     Number,
     differentiate,
-    names,
     simplify,
     substitute,
 )
 from hybond.model.graph import FlatGraph, Mode, Node, Storage
-from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
+from hybond.model.kinds import STORAGES
 
 Given = Literal["common", "net"]
 """Which variable of a junction's conjugate pair is given from outside."""
-
-
-@dataclass(frozen=True, slots=True)
-class Dynamic:
-    """A row ``expression = 0`` that is evaluated anew each time.
-
-    Parameters
-    ----------
-    kind : {"structure", "law", "hidden"}
-        Power structure (a modulated two-port, a controlled source), a resistor's law, or the
-        time derivative of a constraint.
-    node : int
-        The element, for messages; -1 for a hidden row.
-    expression : Expr
-    slopes : dict
-        Derivatives with respect to bond variables, for Newton.
-    frozen : dict
-        The same with moduli held: what the structure is at this instant.
-    impulse_free : tuple of str
-        Bond variables that this row forbids to carry an impulse.
-    """
-
-    kind: Literal["structure", "law", "hidden"]
-    node: int
-    expression: Expr
-    slopes: Mapping[str, Expr]
-    frozen: Mapping[str, Expr]
-    impulse_free: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A source whose value does not read bond variables: a known, with its own column."""
-
-    node: int
-    bond: int
-    value: Expr
-    rate: Expr
-    """Its time derivative; it may read bond variables if the value reads what is stored."""
 
 
 @dataclass(slots=True)
@@ -108,22 +67,120 @@ class Tableau:
         return self.storages + 2 * len(self.sources)
 
 
-def settings(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> dict[str, Expr]:
-    """Return what is constant in a configuration: machine states, switches, `discrete`."""
-    on = graph.on_nodes(mode)
-    values: dict[str, Expr] = {k: Number(v) for k, v in discrete.items()}
-    for n in graph.nodes:
-        if n.controlled:
-            values[f"on:{n.index}"] = Bool(n.index in on)
-    for m, k in zip(graph.machines, mode, strict=True):
-        values.update({f"in:{m.index}:{j}": Bool(j == k) for j in range(len(m.states))})
-    return values
+class Sheet:
+    """Makes the tableaus of one graph.
+
+    Rows that are the same in every mode are eliminated once; those of a mode are added to that.
+    """
+
+    def __init__(self, graph: FlatGraph) -> None:
+        self.graph = graph
+        self.parts = Parts(graph)
+        self._begun: dict[frozenset[int], _Begun] = {}
+
+    def build(
+        self, mode: Mode, discrete: Mapping[str, float], ports: Mapping[int, Given] | None = None
+    ) -> Tableau:
+        """Return the tableau of one configuration.
+
+        `ports` are junctions whose law is left open: whether their ``"common"`` or their ``"net"``
+        variable is given from outside, as a source at the end of `sources`, in the order of
+        `ports`.
+        """
+        graph = self.graph
+        ports = {} if ports is None else ports
+        bonds = len(graph.bonds)
+        off = graph.off_nodes(mode)
+        values = settings(graph, mode, discrete)
+        begun = self._first(frozenset(k for k in ports if not graph.nodes[k].controlled), values)
+        power = begun.power.copy()
+        leftover: list[Row | None] = list(begun.leftover)
+        sources, dynamic = list(begun.sources), list(begun.dynamic)
+        value0 = 2 * bonds + len(graph.storages)
+        first: list[Row] = []
+        second: list[Row] = []
+        for node in begun.open:
+            if node.is_junction:
+                continue
+            part = self.parts.of(node, node.index in off, values)
+            _collect(part, value0, first, second, sources, dynamic)
+        for index, given in ports.items():
+            own = value0 + len(sources)
+            first += _port(graph.nodes[index], given, own, bonds)
+            bond = graph.nodes[index].ends[0].bond
+            sources.append(Source(index, bond, Number(0.0), Number(0.0)))
+        for node in begun.open:
+            if node.is_junction and node.index not in ports:
+                first += _nothing(node, bonds) if node.index in off else _joined(node, bonds)
+        leftover += [power.add(row) for row in first + second]
+        # a source's rate column stands as far behind its value as there are sources
+        constraints, agreements = _independent([r for r in leftover if r], graph)
+        finite = power.copy() if constraints else power
+        too_high = []
+        for row in constraints:
+            constant, expression = _hidden(row, graph, sources, value0)
+            if expression is not None:
+                slopes = gradient(expression)
+                dynamic.append(Dynamic("hidden", -1, expression, slopes, slopes))
+            elif (rest := finite.add(constant)) is not None:
+                too_high.append(rest)
+        return Tableau(
+            2 * bonds,
+            len(graph.storages),
+            sources,
+            power,
+            finite,
+            constraints,
+            agreements,
+            dynamic,
+            too_high,
+        )
+
+    def _first(self, loose: frozenset[int], values: Mapping[str, Expr]) -> _Begun:
+        """Return the elimination of what is the same in every mode, `loose` junctions left out."""
+        found = self._begun.get(loose)
+        if found is not None:
+            return found
+        graph = self.graph
+        bonds = len(graph.bonds)
+        value0 = 2 * bonds + len(graph.storages)
+        first: list[Row] = []
+        second: list[Row] = []
+        sources: list[Source] = []
+        dynamic: list[Dynamic] = []
+        open_: list[Node] = []
+        for s in graph.storages:
+            own = s.bond if s.kind == "C" else bonds + s.bond
+            first.append({own: 1.0 if s.kind == "C" else float(s.sign), 2 * bonds + s.index: -1.0})
+        joined: list[Node] = []
+        for node in graph.nodes:
+            if node.kind in STORAGES:
+                continue
+            if node.is_junction:
+                (open_ if node.controlled or node.index in loose else joined).append(node)
+                continue
+            part = self.parts.of(node, False, values)
+            if part.steady:
+                _collect(part, value0, first, second, sources, dynamic)
+            else:
+                open_.append(node)
+        first += [_balance(node, bonds) for node in joined]
+        power = Elimination(2 * bonds, [pair for n in joined for pair in _equal(n, bonds)])
+        leftover = [power.add(row) for row in first + second]
+        found = _Begun(power, [r for r in leftover if r], sources, dynamic, open_)
+        self._begun[loose] = found
+        return found
 
 
-def configure(e: Expr, values: Mapping[str, Expr]) -> Expr:
-    """Put in what is constant in a configuration."""
-    read = names(e) & values.keys()
-    return simplify(substitute(e, {k: values[k] for k in read})) if read else e
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """What is the same in every mode, and the nodes that are not."""
+
+    power: Elimination
+    leftover: list[Row]
+    sources: list[Source]
+    dynamic: list[Dynamic]
+    open: list[Node]
 
 
 def build(
@@ -132,118 +189,38 @@ def build(
     discrete: Mapping[str, float],
     ports: Mapping[int, Given] | None = None,
 ) -> Tableau:
-    """Return the tableau of one configuration.
-
-    `ports` are junctions whose law is left open: whether their ``"common"`` or their ``"net"``
-    variable is given from outside, as a source at the end of `sources`, in the order of `ports`.
-    """
-    ports = {} if ports is None else ports
-    bonds = len(graph.bonds)
-    off = graph.off_nodes(mode)
-    values = settings(graph, mode, discrete)
-    first: list[Row] = []
-    second: list[Row] = []
-    sources: list[Source] = []
-    dynamic: list[Dynamic] = []
-    value0 = 2 * bonds + len(graph.storages)
-
-    def column(name: str) -> int:
-        kind, _, index = name.partition(":")
-        return int(index) + (bonds if kind == "f" else 0)
-
-    for s in graph.storages:
-        own = column(f"e:{s.bond}") if s.kind == "C" else column(f"f:{s.bond}")
-        first.append({own: 1.0 if s.kind == "C" else float(s.sign), 2 * bonds + s.index: -1.0})
-    for node in graph.nodes:
-        if node.is_junction or node.kind in STORAGES:
-            continue
-        plain = node.law is not None and node.law.matrix is not None and not node.impulsive
-        if plain and node.kind in RESISTORS:
-            second.extend({column(k): c for k, c in row.items()} for row in _constant(node))
-            continue
-        laws = [configure(e, values) for e in _localised(node)]
-        if node.kind in SOURCES:
-            end = node.ends[0]
-            name = f"{'e' if node.kind == 'Se' else 'f'}:{end.bond}"
-            value = Number(0.0) if node.index in off else laws[0]
-            if reads_bonds(value) or node.impulsive:
-                dynamic.append(_controlled_source(node, name, value))
-            else:
-                first.append({column(name): 1.0, value0 + len(sources): -1.0})
-                sources.append(Source(node.index, end.bond, value, partial_time(value, graph)))
-        elif node.kind in TWO_PORTS:
-            modulus = Number(0.0) if node.index in off else laws[0]
-            pairs = _two_port(node)
-            if isinstance(modulus, Number):
-                for (out, a), (arg, b) in pairs:
-                    row = {column(out): a}
-                    if modulus.value != 0.0:
-                        row[column(arg)] = row.get(column(arg), 0.0) - modulus.value * b
-                    first.append(row)
-            else:
-                dynamic.extend(_modulated(node, modulus, pair) for pair in pairs)
-        else:
-            second_rows, laws_rows = _resistor(node, laws)
-            second.extend({column(k): c for k, c in row.items()} for row in second_rows)
-            dynamic.extend(laws_rows)
-    known = first
-    for index, given in ports.items():
-        own = value0 + len(sources)
-        known += _port(graph.nodes[index], given, own, bonds)
-        bond = graph.nodes[index].ends[0].bond
-        sources.append(Source(index, bond, Number(0.0), Number(0.0)))
-    shared = [n for n in graph.nodes if n.is_junction and n.index not in off | ports.keys()]
-    known += [
-        r
-        for n in graph.nodes
-        if n.is_junction and n.index not in ports
-        for r in ([_balance(n, bonds)] if n.index not in off else _nothing(n, bonds))
-    ]
-
-    power = Elimination(2 * bonds, [pair for n in shared for pair in _equal(n, bonds)])
-    leftover = [power.add(row) for row in known]
-    leftover += [power.add(row) for row in second]
-    # a source's rate column stands as far behind its value as there are sources
-    constraints, agreements = _independent([r for r in leftover if r], graph)
-    finite = power.copy()
-    too_high = []
-    for row in constraints:
-        constant, expression = _hidden(row, graph, sources, value0)
-        if expression is not None:
-            slopes = gradient(expression)
-            dynamic.append(Dynamic("hidden", -1, expression, slopes, slopes))
-        elif (rest := finite.add(constant)) is not None:
-            too_high.append(rest)
-    return Tableau(
-        2 * bonds,
-        len(graph.storages),
-        sources,
-        power,
-        finite,
-        constraints,
-        agreements,
-        dynamic,
-        too_high,
-    )
+    """Return the tableau of one configuration of a graph, from scratch; see `Sheet.build`."""
+    return Sheet(graph).build(mode, discrete, ports)
 
 
-def _localised(node: Node) -> list[Expr]:
-    """Return the law with its local names replaced by those of the node's bonds."""
-    assert node.law is not None
-    local: dict[str, Expr] = {}
-    many = len(node.ends) > 1
-    for end in node.ends:
-        k = str(end.port + 1) if many else ""
-        local[f"law:e{k}"] = Name(f"e:{end.bond}")
-        flow = Name(f"f:{end.bond}")
-        local[f"law:f{k}"] = flow if end.inward else Neg(flow)
-    return [substitute(e, local) for e in node.law.expressions]
+def _collect(
+    part: Part,
+    value0: int,
+    first: list[Row],
+    second: list[Row],
+    sources: list[Source],
+    dynamic: list[Dynamic],
+) -> None:
+    """Add what an element says; the value of a source gets the next column."""
+    if part.source is not None:
+        (row,) = part.power
+        first.append({**row, value0 + len(sources): -1.0})
+        sources.append(part.source)
+    else:
+        first.extend(part.power)
+    second.extend(part.laws)
+    dynamic.extend(part.dynamic)
 
 
 def _equal(node: Node, bonds: int) -> list[tuple[int, int]]:
     """Return the variables that a junction, ON, makes equal."""
     common = 0 if node.kind == "0" else bonds
     return [(common + a.bond, common + b.bond) for a, b in pairwise(node.ends)]
+
+
+def _joined(node: Node, bonds: int) -> list[Row]:
+    """Return the rows of a junction that is ON."""
+    return [*({a: 1.0, b: -1.0} for a, b in _equal(node, bonds)), _balance(node, bonds)]
 
 
 def _balance(node: Node, bonds: int) -> Row:
@@ -262,80 +239,8 @@ def _port(node: Node, given: Given, own: int, bonds: int) -> list[Row]:
     """Return the rows of a junction one of whose pair of variables is the known column `own`."""
     if given == "common":
         return [{**row, own: -1.0} for row in _nothing(node, bonds)]
-    rows: list[Row] = [{a: 1.0, b: -1.0} for a, b in _equal(node, bonds)]
-    return [*rows, {**_balance(node, bonds), own: -1.0}]
-
-
-Term = tuple[str, float]
-
-
-def _two_port(node: Node) -> list[tuple[Term, Term]]:
-    """Return ``(output, argument)`` of both equations ``output = modulus * argument``.
-
-    Port 1 takes power in, port 2 gives it out: TF e1 = m e2, f2 = m f1; GY e1 = r f2, e2 = r f1.
-    """
-    one, two = node.ends
-    f1, f2 = 1.0 if one.inward else -1.0, -1.0 if two.inward else 1.0
-    e1, e2 = (f"e:{one.bond}", 1.0), (f"e:{two.bond}", 1.0)
-    flow1, flow2 = (f"f:{one.bond}", f1), (f"f:{two.bond}", f2)
-    if node.kind == "TF":
-        return [(e1, e2), (flow2, flow1)]
-    return [(e1, flow2), (e2, flow1)]
-
-
-def _scaled(term: Term) -> Expr:
-    name, sign = term
-    return Name(name) if sign > 0 else Neg(Name(name))
-
-
-def _modulated(node: Node, modulus: Expr, pair: tuple[Term, Term]) -> Dynamic:
-    out, arg = pair
-    e = simplify(Binary("-", _scaled(out), Binary("*", modulus, _scaled(arg))))
-    frozen: dict[str, Expr] = {out[0]: Number(out[1])}
-    frozen[arg[0]] = simplify(Binary("*", Number(-arg[1]), modulus))
-    return Dynamic("structure", node.index, e, gradient(e), frozen)
-
-
-def _controlled_source(node: Node, name: str, value: Expr) -> Dynamic:
-    e = simplify(Binary("-", Name(name), value))
-    slopes = gradient(e)
-    return Dynamic("structure", node.index, e, slopes, slopes, () if node.impulsive else (name,))
-
-
-def _constant(node: Node) -> list[dict[str, float]]:
-    """Return the rows of a linear resistor with constant coefficients."""
-    assert node.law is not None and node.law.matrix is not None
-    flow = node.law.output == "f"
-    rows = []
-    for end, coefficients in zip(node.ends, node.law.matrix, strict=True):
-        row = {f"{'f' if flow else 'e'}:{end.bond}": float(end.sign) if flow else 1.0}
-        for other, c in zip(node.ends, coefficients, strict=True):
-            if c != 0.0:
-                row[f"{'e' if flow else 'f'}:{other.bond}"] = -c * (1.0 if flow else other.sign)
-        rows.append(row)
-    return rows
-
-
-def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], list[Dynamic]]:
-    """Return constant rows and dynamic rows of a resistor; a row is constant if its slopes are."""
-    assert node.law is not None
-    constant: list[dict[str, float]] = []
-    dynamic: list[Dynamic] = []
-    for end, law in zip(node.ends, laws, strict=True):
-        flow = node.law.output == "f"
-        own = f"{'f' if flow else 'e'}:{end.bond}"
-        sign = float(end.sign) if flow else 1.0
-        e = simplify(Binary("-", _scaled((own, sign)), law))
-        slopes = gradient(e)
-        at_zero = simplify(substitute(e, {n: Number(0.0) for n in slopes}))
-        numbers = {n: d.value for n, d in slopes.items() if isinstance(d, Number)}
-        if len(numbers) == len(slopes) and at_zero == Number(0.0) and not node.impulsive:
-            constant.append(numbers)
-        else:
-            both = (f"e:{end.bond}", f"f:{end.bond}")
-            free = () if node.impulsive else both
-            dynamic.append(Dynamic("law", node.index, e, slopes, slopes, free))
-    return constant, dynamic
+    *rows, balance = _joined(node, bonds)
+    return [*rows, {**balance, own: -1.0}]
 
 
 def _independent(rows: list[Row], graph: FlatGraph) -> tuple[list[Row], list[Row]]:

@@ -102,13 +102,13 @@ def _layout(mode: Filled, program: Program) -> None:
 
 def _storage(mode: Filled, book: Book, equations: ModeEquations) -> None:
     laws = equations.storage
-    mode.put_rows("co_energy", laws.matrix)
+    mode.put_sparse("co_energy", *laws.matrix.rows(range(laws.matrix.shape[0])))
     at = [k for k, _, _ in laws.expressions]
     mode.put("law_at", at)
     mode.put("slope_at", at)
     _put_codes(mode, book, "law_code", [law for _, law, _ in laws.expressions], count="laws")
     _put_codes(mode, book, "slope_code", [d for _, _, d in laws.expressions], count="slopes")
-    mode.put("stiffness", np.diagonal(laws.matrix))
+    mode.put("stiffness", laws.matrix.diagonal())
 
 
 def _knowns(mode: Filled, book: Book, equations: ModeEquations) -> None:
@@ -171,13 +171,11 @@ def _rows(
     rates = storage.bond
     bonds = np.concatenate([read, rates, *meter.supplied[:2], *meter.dissipated[:2]])
     bonds = bonds.astype(np.intp)
-    if equations.project is None:
-        # equal bond variables share a row; one of them stands for it
-        shared, known = solved.row, solved.known
-    else:
-        shared, known = np.arange(w.stop - w.start), equations.project @ solved.spread()
+    shown = equations.shown
+    # equal bond variables share a row; one of them stands for it
+    shared, known = shown.row, shown.known
     own, some = np.unique(shared[bonds], return_index=True)
-    place = np.zeros(len(known), dtype=np.intp)
+    place = np.zeros(known.shape[0], dtype=np.intp)
     place[own] = np.arange(len(own))
 
     def row_of(k: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -185,16 +183,13 @@ def _rows(
 
     m.rows = len(own)
     solid = equations.project is None
-    if solid:
-        mode.put_sparse("solved", *solved.sparse(own))
-    else:
-        mode.put_rows("solved", known[own])
+    mode.put_sparse("solved", *known.rows(own))
     mode.put("by_free", solved.free[bonds[some]][:, : m.free])
     # rounding is that of the terms before least leakage shares them out
     loose = equations.tableau.finite.free() if equations.project is not None else []
     m.loose = len(loose)
-    mode.put_sparse("measured", *solved.sparse(own if solid else solved.row[own]))
-    mode.put_rows("shares", known[loose])
+    mode.put_sparse("measured", *solved.known.rows(own if solid else solved.row[own]))
+    mode.put_sparse("shares", *known.rows(shared[loose]))
     mode.put("by_share", solved.free[bonds[some]][:, : m.loose])
     weighed = ~equations.storage.pseudo if lawful else np.zeros(program.nx)
     mode.put("weighed", weighed)
@@ -226,7 +221,7 @@ def _constraints(mode: Filled, equations: ModeEquations) -> Ways | None:
     ways: Ways | None = None
     if len(rows):
         directions = impulse_directions(equations, [])
-        ways = ways_of(storage, directions, lambda d: rows[:, :nx] @ storage.matrix @ d)
+        ways = ways_of(storage, directions, lambda d: rows[:, :nx] @ storage.matrix.times(d))
         assert ways.inverse is not None
         back = ways.d @ ways.inverse
     mode.structure.constraints, mode.structure.agreements = len(rows), len(tableau.agreements)
@@ -235,7 +230,7 @@ def _constraints(mode: Filled, equations: ModeEquations) -> Ways | None:
     mode.put("put_back", back)
     reach = reach_of(storage, np.zeros(nx), 1.0) if storage.linear else np.zeros(nx)
     known = np.zeros(tableau.knowns)
-    known[:nx] = reach * np.abs(np.diagonal(storage.matrix))
+    known[:nx] = reach * np.abs(storage.matrix.diagonal())
     mode.put("stored_reach", reach)
     mode.put("known_reach", known)
     return ways

@@ -161,9 +161,7 @@ def _rates(
     None where a rate is not known: it takes the rate of a source's rate, or the slope of a law.
     """
     graph, slots, nx = program.graph, program.slots, program.nx
-    solved, sources = equations.finite, equations.tableau.sources
-    known = solved.known if equations.project is None else equations.project @ solved.spread()
-    row_of = solved.row if equations.project is None else np.arange(len(known))
+    solved, sources = equations.shown if followed else equations.finite, equations.tableau.sources
     rows = np.zeros((len(followed), nx))
     pushes: list[Expr | None] = []
     for row, e in zip(rows, followed, strict=True):
@@ -171,10 +169,11 @@ def _rates(
         if slopes and not equations.linear:
             pushes.append(None)
             continue
-        terms = np.zeros(known.shape[1])
+        terms = np.zeros(solved.known.shape[1])
         for name, slope in slopes.items():
             c = slope.value if isinstance(slope, Number) else np.nan
-            terms += c * known[row_of[slots.index[name] - slots.w.start]]
+            _, column, value = solved.known.rows(solved.row[[slots.index[name] - slots.w.start]])
+            terms[column] += c * value
         unsure = np.isnan(terms).any() or terms[nx + len(sources) :].any()
         if unsure or terms[[k for k, _ in equations.storage.laws]].any():
             pushes.append(None)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.storage import StorageLaws
 from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import created_by_steps
 from hybond.programs.combined import Combined
@@ -80,7 +79,7 @@ def audit(program: Program, trace: Trace) -> Audit:
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
     largest = 0.0
-    storage = StorageLaws.of(graph, program.slots)
+    storage = program.storage
     strongest, fastest = np.zeros(len(bond)), np.zeros(len(bond))
     for segment in trace.segments:
         if segment.bonds is not None:

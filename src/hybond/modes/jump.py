@@ -216,7 +216,7 @@ class _Constraints:
             known = self.rows
             if self.left.shape[1]:
                 known = np.vstack([known, self.left.T @ (self.two_port @ self.x1)])
-            return np.asarray(known[:, : len(x)] @ e.storage.matrix @ d)
+            return np.asarray(known[:, : len(x)] @ e.storage.matrix.times(d))
         # nonlinear storage or controlled sources: a difference quotient is a good enough slope,
         # because the residual decides when Newton ends
         base, _ = self.residual(x)
@@ -231,7 +231,7 @@ class _Constraints:
 
 def stiffness_of(storage: StorageLaws, x: Vector) -> Vector:
     """Return each storage's own stiffness, positive, shape (storages,)."""
-    return np.abs(np.diagonal(storage.stiffness(x)))
+    return np.abs(storage.own_stiffness(x))
 
 
 def reach_of(storage: StorageLaws, x: Vector, energy: float) -> Vector:

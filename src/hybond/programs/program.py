@@ -13,7 +13,7 @@ from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.ports import PortEquations, base_mode, port_equations
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import StorageLaws
-from hybond.equations.tableau import build
+from hybond.equations.tableau import Sheet
 from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
 from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
@@ -63,6 +63,7 @@ class Program:
         self.ns = len(graph.integrals)
         self.meter = _meter(graph)
         self.storage = StorageLaws.of(graph, self.slots)
+        self._sheet = Sheet(graph)
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
@@ -104,7 +105,7 @@ class Program:
         key = (mode, *discrete.values())
         found = self._equations.get(key)
         if found is None:
-            tableau = build(self.graph, mode, discrete)
+            tableau = self._sheet.build(mode, discrete)
             found = prepare(self.graph, mode, self.slots, tableau, self.storage)
             self._equations[key] = found
             self.built += 1
@@ -120,7 +121,9 @@ class Program:
         key = (mode, *discrete.values())
         found = self._ports.get(key)
         if found is None:
-            found = port_equations(self.graph, mode, self.slots, discrete, storage=self.storage)
+            found = port_equations(
+                self.graph, mode, self.slots, discrete, storage=self.storage, sheet=self._sheet
+            )
             self._ports[key] = found
             self.built += 1
             if len(self._ports) > KEPT:
@@ -276,7 +279,7 @@ class Program:
         v[self.slots.s] = y[:, self.nx : self.nx + self.ns].T
         nu = len(equations.tableau.sources)
         xi = np.zeros((self.nx + 2 * nu, len(t)))
-        xi[: self.nx] = equations.storage.matrix @ y[:, : self.nx].T
+        xi[: self.nx] = equations.storage.matrix.times(y[:, : self.nx].T)
         xi[self.nx : self.nx + nu] = equations.source_constants[:, None]
         columns = [v[k] for k in range(2 * n)]
         needed = {k for k, _ in equations.source_values}

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import gradient
-from hybond.equations.storage import StorageLaws
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph, Integral, Machine
 from hybond.model.planar_friction import kept_paths
@@ -255,9 +254,9 @@ def _scales(a: Result, b: Result, names: Sequence[Quantity], left: Vector, right
     """Return what each quantity is measured by, never zero."""
     both = np.maximum(np.abs(left).max(axis=0), np.abs(right).max(axis=0))
     nx = a.program.nx
-    storage = StorageLaws.of(a.graph, a.program.slots)
+    storage = a.program.storage
     energy = max(a.trace.energy, *(abs(storage.energy(y[:nx])) for s in a.segments for y in s.y))
-    stiffness = np.abs(np.diagonal(storage.stiffness(left[0, :nx])))
+    stiffness = np.abs(storage.own_stiffness(left[0, :nx]))
     with np.errstate(divide="ignore", invalid="ignore"):
         whole = np.sqrt(2.0 * energy / stiffness)
     floor = np.zeros(len(names))

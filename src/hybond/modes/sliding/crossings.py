@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
-from hybond.equations.storage import StorageLaws
 from hybond.equations.surfaces import Rates, Surface, SurfaceLaws
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
@@ -64,7 +63,7 @@ class Crossings:
         self.graph = program.graph
         self.trace = trace
         self.laws = laws
-        self.storage = StorageLaws.of(program.graph, program.slots)
+        self.storage = program.storage
         self._told: set[Surface] = set()
 
     # -- without a jump

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import gradient, reads_bonds
+from hybond.equations.element_parts import Dynamic
 from hybond.equations.ports import PortEquations
-from hybond.equations.tableau import Dynamic
 from hybond.model.expressions import Expr, Number, names
 from hybond.modes.stepping.coupling import Coupling, couple
 from hybond.modes.stepping.laws import Laws, Together, closed_half_way
@@ -150,7 +150,7 @@ class LinearSteps:
         if e.linear:
             x2 = e.x2[:, :n]
             state = x2 if e.project is None else e.project @ x2
-            return np.asarray(state @ e.storage.matrix)
+            return e.storage.matrix.after(state)
         # constant rows: what storage gives by itself, put through them one quantity at a time
         v, nothing = self._zeros(), np.zeros(len(ports.ports))
         base = ports.solve(v, np.zeros(n), nothing)
