@@ -244,9 +244,9 @@ class Result:
             count = points_per_segment
             if count is None:
                 count = int(POINTS * (segment.t[-1] - segment.t[0]) / span)
-            t = np.unique(
-                np.concatenate([segment.t, np.linspace(segment.t[0], segment.t[-1], count + 2)])
-            )
+            even = np.linspace(segment.t[0], segment.t[-1], count + 2)
+            t = np.sort(np.concatenate([segment.t, even]))
+            t = t[np.append(True, t[1:] > t[:-1])]
             found.append((t, self._of_segment(segment, [name], t)[name]))
         return found
 

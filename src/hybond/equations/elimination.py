@@ -10,7 +10,7 @@ of them, their representative, has a row.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 Row = dict[int, float]
 """Column to coefficient; the row says that the sum of coefficient times column is zero."""
@@ -117,6 +117,21 @@ class Elimination:
                 row[k] = new
                 if k < self.unknowns:
                     self._users.setdefault(k, set()).add(user)
+
+    def put_in(self, known: Mapping[int, Row]) -> None:
+        """Replace known columns: ``column + sum(row) = 0``, the rows in other knowns only."""
+        for user, row in self.solved.items():
+            met = known.keys() & row.keys()
+            if not met:
+                continue
+            total = {k: c for k, c in row.items() if k not in met}
+            size = {k: abs(c) for k, c in total.items()}
+            for k in sorted(met):
+                for i, d in known[k].items():
+                    total[i] = total.get(i, 0.0) - row[k] * d
+                    size[i] = size.get(i, 0.0) + abs(row[k] * d)
+            self.solved[user] = {k: c for k, c in total.items() if abs(c) > CANCELLATION * size[k]}
+            self._shared.discard(user)
 
     def free(self) -> list[int]:
         """Return the unknowns that no row has determined, in order: of equal ones the first."""

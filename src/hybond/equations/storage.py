@@ -258,6 +258,8 @@ class StorageLaws:
 @cache
 def gauss(count: int) -> tuple[list[float], list[float]]:
     """Return points and weights of Gauss's formula on [0, 1]."""
+    if count == 1:
+        return [0.5], [1.0]
     points, weights = np.polynomial.legendre.leggauss(count)
     return (0.5 * (points + 1.0)).tolist(), (0.5 * weights).tolist()
 

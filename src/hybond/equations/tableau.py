@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Literal
 
@@ -28,11 +29,14 @@ from hybond.model.expressions import (
     Name,
     Number,
     differentiate,
+    names,
     simplify,
     substitute,
+    uses_pre,
 )
 from hybond.model.graph import FlatGraph, Mode, Node, Storage
 from hybond.model.kinds import STORAGES
+from hybond.uncollected import uncollected
 
 Given = Literal["common", "net"]
 """Which variable of a junction's conjugate pair is given from outside."""
@@ -124,6 +128,10 @@ class Sheet:
                 dynamic.append(Dynamic("hidden", -1, expression, slopes, slopes))
             elif (rest := finite.add(constant)) is not None:
                 too_high.append(rest)
+        if constraints:
+            # what is stored dependently is not asked: sums that cancel on the constraints are gone
+            told = {value0 + k for k, s in enumerate(sources) if _of_time(s.value)}
+            finite.put_in(_dependent(constraints, {*range(2 * bonds, value0), *told}))
         return Tableau(
             2 * bonds,
             len(graph.storages),
@@ -136,6 +144,7 @@ class Sheet:
             too_high,
         )
 
+    @uncollected
     def _first(self, loose: frozenset[int], values: Mapping[str, Expr]) -> _Begun:
         """Return the elimination of what is the same in every mode, `loose` junctions left out."""
         found = self._begun.get(loose)
@@ -244,17 +253,38 @@ def _port(node: Node, given: Given, own: int, bonds: int) -> list[Row]:
 
 
 def _independent(rows: list[Row], graph: FlatGraph) -> tuple[list[Row], list[Row]]:
-    """Split constraints into independent ones on storage and ones among sources alone."""
+    """Split constraints into independent ones on storage and ones among sources alone.
+
+    Those on storage are reduced by each other: sums over many storages, which rounding would not
+    keep, become differences of few.
+    """
     first = 2 * len(graph.bonds)
     table = Elimination(len(graph.storages))
-    constraints, agreements = [], []
+    agreements = []
     for row in rows:
         rest = table.add({k - first: c for k, c in row.items()})
-        if rest is None:
-            constraints.append(row)
-        elif rest:
+        if rest:
             agreements.append({k + first: c for k, c in rest.items()})
+    constraints = [
+        {k + first: 1.0, **{j + first: c for j, c in row.items()}}
+        for k, row in table.solved.items()
+    ]
     return constraints, agreements
+
+
+def _dependent(constraints: list[Row], told: set[int]) -> dict[int, Row]:
+    """Return the first column of each constraint by the others, if all are `told`.
+
+    A source that reads ``pre()`` is not: what is stored keeps its value when that has moved on.
+    """
+    return {
+        next(iter(row)): dict(list(row.items())[1:]) for row in constraints if row.keys() <= told
+    }
+
+
+def _of_time(e: Expr) -> bool:
+    """Whether a value depends on time and inputs only."""
+    return not uses_pre(e) and all(n == "time" or n.startswith("u:") for n in names(e))
 
 
 def _hidden(
@@ -303,8 +333,14 @@ def stiffness(
         return Number(node.law.matrix[port][other])
     energy = node.about.energy
     suffix = str(other + 1) if len(node.ends) > 1 else ""
-    d = differentiate(node.law.expressions[port], f"law:{energy}{suffix}")
+    d = _slope(node.law.expressions[port], f"law:{energy}{suffix}")
     return substitute(d, stored_names(node, graph, own))
+
+
+@lru_cache(maxsize=1024)
+def _slope(law: Expr, name: str) -> Expr:
+    """Return a derivative in local names, which are the same in many elements."""
+    return differentiate(law, name)
 
 
 def stored_names(

@@ -113,15 +113,34 @@ class Book:
         self.read: set[int] = set()
         """Slots that some expression reads."""
         self._place: dict[float, int] = {}
+        self._begun: dict[int, tuple[Expr, int]] = {}
+
+    def copy(self) -> Book:
+        """Return another book that begins with all that is in this one."""
+        other = Book(self.slot, pre_offset=self.pre_offset)
+        other.code, other.values = self.code.copy(), self.values.copy()
+        other.read, other._place = self.read.copy(), self._place.copy()
+        other._begun = self._begun.copy()
+        return other
 
     def add(self, e: Expr) -> int:
-        """Add an expression; return where it begins.
+        """Add an expression, if it is not there yet; return where it begins.
+
+        Expressions are told apart by identity: to hash one takes longer than to read it.
 
         Raises
         ------
         Declined
             For what needs a deeper stack.
         """
+        known = self._begun.get(id(e))
+        if known is not None:
+            return known[1]
+        start = self._added(e)
+        self._begun[id(e)] = e, start
+        return start
+
+    def _added(self, e: Expr) -> int:
         code, depth = fold(e, self._node)
         if depth > DEPTH:
             raise Declined("an expression is too deep")

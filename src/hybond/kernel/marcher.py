@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.equations.ports import base_mode
 from hybond.kernel.bytecode import Declined
+from hybond.kernel.common import Common
 from hybond.kernel.crossing import KEPT, ROWS, Ahead, Modes, log_for, mode_of
 from hybond.kernel.library import library
 from hybond.kernel.plan import plan
@@ -81,6 +82,7 @@ class Marcher:
         self._ahead: Ahead | None = None
         self._log: Filled | None = None
         self._wait = self._waited = 0
+        self._common: Common | None = None
         self._drifting: dict[Mode, frozenset[int]] = {}
         self._passed_over: dict[str, int] = {}
 
@@ -281,7 +283,10 @@ class Marcher:
         if known is None or known[0] is not equations or known[1] is not watched:
             found: Filled | None = None
             try:
-                found = plan(self.program, equations, watched, gaps, shared, lawful=lawful)
+                if self._common is None:
+                    self._common = Common(self.program)
+                common = self._common
+                found = plan(self.program, equations, watched, gaps, shared, common, lawful=lawful)
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
             if len(self._plans) >= KEPT:

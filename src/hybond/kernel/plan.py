@@ -11,11 +11,11 @@ from hybond.equations.elimination import Row
 from hybond.equations.mode import ModeEquations
 from hybond.equations.tableau import Tableau
 from hybond.kernel.bytecode import Book, Declined
+from hybond.kernel.common import Common
 from hybond.kernel.settling import Shared, put_settling
 from hybond.kernel.structs import Filled, Mode
 from hybond.model.expressions import Expr, Number
 from hybond.model.inputs import Constant, Pwm, Timetable
-from hybond.modes.guards import magnitude, seen_in_motion
 from hybond.modes.jump import Ways, impulse_directions, reach_of, reach_of_bonds, ways_of
 from hybond.modes.locate import Watched
 from hybond.programs.combined import Combined
@@ -32,6 +32,7 @@ def plan(
     watched: Watched,
     outputs: Sequence[Expr],
     shared: Shared,
+    common: Common,
     *,
     lawful: bool,
 ) -> Filled:
@@ -50,16 +51,16 @@ def plan(
     if not watched.rounded:
         raise Declined("guards that are asked without rounding")
     mode = Filled(Mode())
-    book = Book(program.slots.index, pre_offset=program.slots.size)
+    book = common.book.copy()
     _layout(mode, program)
     _storage(mode, book, equations)
     _knowns(mode, book, equations)
     _dynamic(mode, book, equations)
-    _guards(mode, book, watched)
+    _guards(mode, book, common, watched)
     _put_codes(mode, book, "signal_code", [i.rate for i in program.graph.integrals])
     _put_codes(mode, book, "output_code", outputs, count="outputs")
     ways = _constraints(mode, equations)
-    put_settling(mode, book, program, equations, shared, ways)
+    put_settling(mode, book, common, equations, shared, ways)
     book.read |= shared.read
     _rows(mode, book, program, equations, lawful=lawful)
     code, constants = book.arrays()
@@ -146,19 +147,12 @@ def _dynamic(mode: Filled, book: Book, equations: ModeEquations) -> None:
     mode.put("entry_by_free", np.array(by_free).reshape(len(by_free), n2.shape[1]))
 
 
-def _guards(mode: Filled, book: Book, watched: Watched) -> None:
-    tests: list[Expr] = []
-    atoms: list[Expr] = []
-    first = [0]
-    for guard in watched.guards:
-        test, differences = seen_in_motion(guard.rule)
-        tests.append(test)
-        atoms += differences
-        first.append(len(atoms))
-    _put_codes(mode, book, "guard_test", tests, count="guards")
-    _put_codes(mode, book, "atom_code", atoms)
-    _put_codes(mode, book, "size_code", [magnitude(a) for a in atoms])
-    mode.put("guard_atoms", first)
+def _guards(mode: Filled, book: Book, common: Common, watched: Watched) -> None:
+    guards = [common.guard(g.rule) for g in watched.guards]
+    _put_codes(mode, book, "guard_test", [g.test for g in guards], count="guards")
+    _put_codes(mode, book, "atom_code", [a for g in guards for a in g.atoms])
+    _put_codes(mode, book, "size_code", [a for g in guards for a in g.sizes])
+    mode.put("guard_atoms", np.cumsum([0, *(len(g.atoms) for g in guards)]))
 
 
 def _rows(

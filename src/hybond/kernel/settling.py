@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import gradient, partial_time
 from hybond.equations.leakage import null_space, undetermined
 from hybond.equations.mode import ModeEquations
 from hybond.equations.ports import base_mode
 from hybond.equations.storage import gauss
 from hybond.equations.surfaces import Surface
 from hybond.kernel.bytecode import Book
+from hybond.kernel.common import Common
 from hybond.kernel.structs import Filled
-from hybond.model.expressions import Binary, Expr, Neg, Number, names
+from hybond.model.expressions import Binary, Expr, Number, names
 from hybond.model.expressions.tree import prior_names
 from hybond.model.graph import FlatGraph, Mode, Rule
 from hybond.modes.jump import Ways, kicks_of
@@ -82,12 +82,13 @@ def _asked(graph: FlatGraph) -> Iterable[Expr]:
 def put_settling(
     mode: Filled,
     book: Book,
-    program: Program,
+    common: Common,
     equations: ModeEquations,
     shared: Shared,
     ways: Ways | None,
 ) -> None:
     """Put in the rules that leave a mode, and the impulses of entering it."""
+    program = common.program
     m, slots, graph = mode.structure, program.slots, program.graph
     rules = [
         (machine.index, rule)
@@ -114,28 +115,28 @@ def put_settling(
     mode.put("point", points)
     mode.put("weight", weights)
     mode.put("guess", np.zeros(m.free))
-    _put_ports(mode, book, program, equations, shared)
+    _put_ports(mode, book, common, equations, shared)
     m.fieldless = int(program.fieldless(equations.mode))
     m.enterable = int(_enterable(graph, equations, ways, [rule for _, rule in rules]))
 
 
 def _put_ports(
-    mode: Filled, book: Book, program: Program, equations: ModeEquations, shared: Shared
+    mode: Filled, book: Book, common: Common, equations: ModeEquations, shared: Shared
 ) -> None:
     """Put in what is followed with its rate.
 
     That is what must be positive for diodes to stay in their branches, then what is zero on
     switching surfaces.
     """
-    graph, slots = program.graph, program.slots
+    graph, slots = common.program.graph, common.program.slots
     ports = [m for m in graph.machines if m.law is not None and equations.linear]
     laws = [m.law for m in ports if m.law is not None]
     on = [bool(m.on[equations.mode[m.index]]) for m in ports]
-    wanted = [law.common if is_on else Neg(law.net) for law, is_on in zip(laws, on, strict=True)]
+    wanted = [common.wanted(m, is_on) for m, is_on in zip(ports, on, strict=True)]
     freedom = np.abs(equations.freedom).max(axis=1, initial=0.0)
     adrift = [
         (CARRIES if is_on else BLOCKS)
-        if any(freedom[slots.index[name] - slots.w.start] > 0.0 for name in gradient(e))
+        if any(freedom[slots.index[name] - slots.w.start] > 0.0 for name in common.follow(e).slopes)
         else 0
         for e, is_on in zip(wanted, on, strict=True)
     ]
@@ -147,25 +148,26 @@ def _put_ports(
     mode.put("port_adrift", adrift)
     mode.put("port_drifts", [m.index in shared.drifting for m in ports])
     followed = [*wanted, *(surface.g for surface in shared.surfaces)]
-    rows, pushes = _rates(program, equations, followed)
+    rows, pushes = _rates(common, equations, followed)
     mode.put("sense_code", [book.add(e) for e in followed])
     mode.put("sense_push", [-1 if push is None else book.add(push) for push in pushes])
     mode.put_rows("sense", rows)
 
 
 def _rates(
-    program: Program, equations: ModeEquations, followed: Sequence[Expr]
+    common: Common, equations: ModeEquations, followed: Sequence[Expr]
 ) -> tuple[Matrix, list[Expr | None]]:
     """Return the rates of expressions: rows of co-energy variables, and what is added to them.
 
     None where a rate is not known: it takes the rate of a source's rate, or the slope of a law.
     """
-    graph, slots, nx = program.graph, program.slots, program.nx
+    slots, nx = common.program.slots, common.program.nx
     solved, sources = equations.shown if followed else equations.finite, equations.tableau.sources
     rows = np.zeros((len(followed), nx))
     pushes: list[Expr | None] = []
     for row, e in zip(rows, followed, strict=True):
-        slopes = gradient(e)
+        known = common.follow(e)
+        slopes = known.slopes
         if slopes and not equations.linear:
             pushes.append(None)
             continue
@@ -179,7 +181,7 @@ def _rates(
             pushes.append(None)
             continue
         row[:] = terms[:nx]
-        push = partial_time(e, graph)
+        push = known.push
         for source, c in zip(sources, terms[nx : nx + len(sources)].tolist(), strict=True):
             if c != 0.0 and source.rate != Number(0.0):
                 push = Binary("+", push, Binary("*", Number(c), source.rate))

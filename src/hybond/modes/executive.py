@@ -55,6 +55,7 @@ from hybond.solvers import Field, Solver, Step, StepFailure
 from hybond.solvers.dense import Polynomial
 from hybond.solvers.fixed import FixedStep
 from hybond.trace import Cause, Segment, Trace
+from hybond.uncollected import uncollected
 
 Vector = NDArray[np.float64]
 Progress = Callable[[float, int], None]
@@ -117,6 +118,7 @@ class _Recorder:
 class Executive:
     """Runs one program with one solver; `trace` holds what it did, whatever happens."""
 
+    @uncollected
     def __init__(
         self,
         program: Program,

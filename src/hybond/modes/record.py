@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.expressions import compile_expression
-from hybond.model.fieldless import reads_pre
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
 from hybond.modes.dirac import DIRAC, Pair, Pairs
 from hybond.modes.guards import Guards
-from hybond.modes.signals import named_rows
+from hybond.modes.signals import NamedRows, named_rows
 from hybond.modes.trial import Trial
 from hybond.programs.program import Program
 from hybond.trace import Energy, Fired, Step, StepKind
@@ -29,9 +29,13 @@ class Recorder:
         self.program = program
         self.guards = guards
         self.graph = program.graph
-        self.named = named_rows(self.graph)
         self._reads: dict[Rule, list[tuple[str, Callable[[Pairs], object]]]] = {}
-        self._impact = frozenset(n.index for n in self.graph.nodes if reads_pre(n))
+        self._impact = frozenset(n.index for n in program.prior)
+
+    @cached_property
+    def named(self) -> NamedRows:
+        """The signals that records name."""
+        return named_rows(self.graph)
 
     def fired(self, machine: Machine, rule: Rule, pairs: Pairs, others: tuple[str, ...]) -> Fired:
         """Return the record of a transition, with the values that its guard read."""

@@ -20,6 +20,7 @@ from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.resolve import prior
 from hybond.programs.interval import Interval, discrete_names, discrete_values
+from hybond.uncollected import uncollected
 
 Vector = NDArray[np.float64]
 Field = Callable[[float, Vector], Vector]
@@ -56,6 +57,7 @@ class Program:
     supplied, energy dissipated.
     """
 
+    @uncollected
     def __init__(self, graph: FlatGraph) -> None:
         self.graph = graph
         self.slots: Slots = slots_of(graph)
@@ -67,7 +69,8 @@ class Program:
         self._discrete = discrete_names(graph)
         self._equations: OrderedDict[tuple[object, ...], ModeEquations] = OrderedDict()
         self._ports: OrderedDict[tuple[object, ...], PortEquations] = OrderedDict()
-        self._prior = [n for n in graph.nodes if reads_pre(n)]
+        self.prior = [n for n in graph.nodes if reads_pre(n)]
+        """Elements whose laws read a priori values."""
         self._compiled: dict[int, tuple[Expr, Callable[[Sequence[float]], float]]] = {}
         self._arrays: dict[int, tuple[Expr, Callable[[Sequence[Vector]], Vector]]] = {}
         self._rates = [self.compile(i.rate) for i in graph.integrals]
@@ -135,7 +138,7 @@ class Program:
         """Whether an active law of `mode` reads ``pre()``, one of a landed machine left out."""
         return any(
             not any(s.machine in self.landed for s in switches_of(self.graph, node))
-            for node in fieldless_laws(self.graph, mode, self._prior)
+            for node in fieldless_laws(self.graph, mode, self.prior)
         )
 
     def vanishing(self, mode: Mode) -> tuple[int, ...]:
@@ -144,7 +147,7 @@ class Program:
         if found is None:
             read = {
                 self.slots.index[name]
-                for node in fieldless_laws(self.graph, mode, self._prior)
+                for node in fieldless_laws(self.graph, mode, self.prior)
                 if node.law is not None
                 for e in node.law.expressions
                 for argument in prior(e)

@@ -6,7 +6,7 @@ conjugate variable is the reaction, which the contact then carries.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 
@@ -22,7 +22,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.fieldless import reads_pre, switches_of
+from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
 
 
@@ -73,10 +73,9 @@ def contact_of(graph: FlatGraph, machine: Machine, state: int) -> Contact | None
         return None  # dry friction
     laws = [
         node
-        for node in graph.nodes
+        for node in _beside(graph, machine.on[state])
         if node.kind in ("Se", "Sf")
         and (not node.implied if own is None else node.index == own.source)
-        and any(s.index in machine.on[state] for s in switches_of(graph, node))
     ]
     if machine.fieldless and machine.fieldless[state]:
         laws = [node for node in laws if reads_pre(node)]
@@ -85,6 +84,15 @@ def contact_of(graph: FlatGraph, machine: Machine, state: int) -> Contact | None
         return None
     rest = machine.states.index("closed") if own is not None else state
     return Contact(machine, state, tuple(reactions), rest)
+
+
+def _beside(graph: FlatGraph, switched: Iterable[int]) -> list[Node]:
+    """Return some nodes and their neighbours."""
+    found = set(switched)
+    for k in switched:
+        bonds = (graph.bonds[end.bond] for end in graph.nodes[k].ends)
+        found.update(b.head if b.tail == k else b.tail for b in bonds)
+    return [graph.nodes[k] for k in sorted(found)]
 
 
 def _reaction(graph: FlatGraph, node: Node) -> Reaction | None:

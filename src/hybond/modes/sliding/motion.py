@@ -19,13 +19,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide, surfaces_of
 from hybond.model.graph import Mode
-from hybond.modes.signals import named_rows
+from hybond.modes.signals import NamedRows, named_rows
 from hybond.modes.sliding.crossings import Collapse, sides_of
 from hybond.modes.sliding.filippov import ABOVE, SLIDES
 from hybond.modes.sliding.meeting import meet
@@ -57,12 +58,16 @@ class Slider:
         self._views: dict[tuple[tuple[Surface, ...], Kind], View] = {}
         self.laws = SurfaceLaws(program.graph, program.slots)
         self.ways = WaysOn(program, trace, self.laws)
-        self.named = named_rows(program.graph)
         self._plain = [program.compile(s.g) for s in self.surfaces]
         self._rests = [
             [[program.compile(e) for e in rest] for rest in (s.up_rest, s.down_rest)]
             for s in self.surfaces
         ]
+
+    @cached_property
+    def named(self) -> NamedRows:
+        """The signals that records name."""
+        return named_rows(self.graph)
 
     # -- after an event
 
