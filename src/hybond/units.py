@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from hybond.errors import UnitError
 from hybond.names import did_you_mean
@@ -114,6 +115,7 @@ def _bad(text: str, why: str) -> UnitError:
     return UnitError(f"{text[:40]!r} {why}", code="HB-U104", hint=hint)
 
 
+@lru_cache(1024)
 def _exact(text: str) -> _Unit:
     """Return the exact factor and the dimension of a product of units."""
     source = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), text.strip())

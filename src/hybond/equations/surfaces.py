@@ -9,8 +9,10 @@ surface is that of the whole: ``max(a, b) = 0``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -247,18 +249,24 @@ def _opposite(g: Expr, h: Expr) -> bool:
     wanted = sorted(names(g) | names(h))
     slot = {name: k for k, name in enumerate(wanted)}
     f, k = (compile_expression(e, slot, pre_offset=0) for e in (g, h))
-    generator = np.random.default_rng(7)
     compared = 0
-    for scale in SCALES:
-        for _ in range(3):
-            v = (scale * generator.uniform(0.3, 1.7, len(wanted))).tolist()
-            a, b = float(f(v)), float(k(v))
-            if not np.isfinite(a + b):
-                continue
-            compared += 1
-            if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
-                return False
+    for v in _generic(len(wanted)):
+        a, b = float(f(v)), float(k(v))
+        if not math.isfinite(a + b):
+            continue
+        compared += 1
+        if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
+            return False
     return compared > 0
+
+
+@lru_cache
+def _generic(count: int) -> tuple[list[float], ...]:
+    """Return values of so many names, several of each size, the same in every run."""
+    generator = np.random.default_rng(7)
+    return tuple(
+        (scale * generator.uniform(0.3, 1.7, count)).tolist() for scale in SCALES for _ in range(3)
+    )
 
 
 def coincide(one: Surface, other: Surface) -> bool:

@@ -402,6 +402,12 @@ def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
     )
 
 
+def constrained(equations: ModeEquations) -> bool:
+    """Whether a mode has constraints on what is stored, off which a motion may drift."""
+    tableau = equations.tableau
+    return bool(tableau.constraints or equations.structure or tableau.agreements)
+
+
 def on_constraints(
     program: Program,
     equations: ModeEquations,
@@ -415,8 +421,7 @@ def on_constraints(
 
     The same projection as a jump, but within a mode: what it moves is less than the tolerance.
     """
-    tableau = equations.tableau
-    if not tableau.constraints and not equations.structure and not tableau.agreements:
+    if not constrained(equations):
         return y
     where = program.graph.mode_text(equations.mode)
     v = program.evaluate(t, y, interval, equations)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from hybond.errors import ExpressionError
 from hybond.units import Dimension
@@ -174,23 +175,24 @@ FUNCTIONS: Mapping[str, tuple[int, int]] = {
 """The functions and how many arguments each takes, least and most."""
 
 
+_BELOW: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {
+    **dict.fromkeys((Pre, Neg, Not, Table), lambda e: (e.arg,)),
+    **dict.fromkeys((Binary, Compare), lambda e: (e.left, e.right)),
+    **dict.fromkeys((And, Or, Call), lambda e: e.args),
+    If: lambda e: (e.cond, e.then, e.orelse),
+}
+"""The subexpressions of each kind of node that has some."""
+
+
 def children(e: Expr) -> tuple[Expr, ...]:
     """Return the direct subexpressions of `e`, in reading order."""
-    match e:
-        case Pre(arg) | Neg(arg) | Not(arg) | Table(arg=arg):
-            return (arg,)
-        case Binary(_, left, right) | Compare(_, left, right):
-            return (left, right)
-        case And(args) | Or(args) | Call(_, args):
-            return args
-        case If(cond, then, orelse):
-            return (cond, then, orelse)
-    return ()
+    below = _BELOW.get(type(e))
+    return () if below is None else below(e)
 
 
 def with_children(e: Expr, new: tuple[Expr, ...]) -> Expr:
     """Return `e` with its subexpressions replaced; the same object if none changed."""
-    if all(a is b for a, b in zip(children(e), new, strict=True)):
+    if all(map(operator.is_, children(e), new)):
         return e
     match e:
         case Pre() | Neg() | Not():
@@ -214,8 +216,10 @@ def walk(e: Expr) -> Iterator[tuple[Expr, bool]]:
     while stack:
         node, prior = stack.pop()
         yield node, prior
-        inside = prior or isinstance(node, Pre)
-        stack.extend((child, inside) for child in reversed(children(node)))
+        below = children(node)
+        if below:
+            inside = prior or type(node) is Pre
+            stack.extend([(child, inside) for child in reversed(below)])
 
 
 def names(e: Expr) -> set[str]:
@@ -250,19 +254,22 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
     `Pre`. There is no recursion: the derivative of a long chain is deeper than Python's stack.
     """
     done: list[T] = []
-    stack = [(e, False, False)]
+    # a number of subexpressions that is below zero: they are not done yet
+    stack = [(e, False, -1)]
     while stack:
-        node, prior, ready = stack.pop()
-        below = children(node)
-        if ready or not below:
-            first = len(done) - len(below)
-            results = done[first:]
-            del done[first:]
+        node, prior, count = stack.pop()
+        if count > 0:
+            results = done[-count:]
+            del done[-count:]
             done.append(fn(node, prior, results))
-        else:
-            stack.append((node, prior, True))
-            inside = prior or isinstance(node, Pre)
-            stack.extend((child, inside, False) for child in reversed(below))
+            continue
+        below = children(node)
+        if not below:
+            done.append(fn(node, prior, []))
+            continue
+        stack.append((node, prior, len(below)))
+        inside = prior or type(node) is Pre
+        stack.extend([(child, inside, -1) for child in reversed(below)])
     return done[0]
 
 
