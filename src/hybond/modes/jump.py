@@ -307,6 +307,8 @@ class Ways:
         From areas to residuals of the constraints and back, where that is the same everywhere.
     rank : int
         Of `slope`.
+    shares : array or None
+        Combinations of impulses that move nothing, where all this is kept.
     """
 
     directions: Matrix
@@ -315,6 +317,7 @@ class Ways:
     slope: Matrix | None = None
     inverse: Matrix | None = None
     rank: int = 0
+    shares: Matrix | None = None
 
 
 def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Vector) -> Ways:
@@ -338,11 +341,14 @@ def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix
     d = rates @ moving
     slope = slope_of(d)
     inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
-    return Ways(directions, moving, d, slope, inverse, _rank(slope))
+    shares = directions @ _complement(moving)
+    return Ways(directions, moving, d, slope, inverse, _rank(slope), shares)
 
 
 def _shares(ways: Ways) -> Matrix:
     """Return the impulses that move nothing: what is left to least leakage."""
+    if ways.shares is not None:
+        return ways.shares
     return np.asarray(ways.directions @ _complement(ways.moving))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -192,8 +192,15 @@ def children(e: Expr) -> tuple[Expr, ...]:
 
 def with_children(e: Expr, new: tuple[Expr, ...]) -> Expr:
     """Return `e` with its subexpressions replaced; the same object if none changed."""
-    if all(map(operator.is_, children(e), new)):
+    if len(new) != len(children(e)):
+        raise ValueError(f"{len(new)} subexpressions for {e!r}")
+    return _rebuilt(e, new)
+
+
+def _rebuilt(e: Expr, below: Sequence[Expr]) -> Expr:
+    if all(map(operator.is_, children(e), below)):
         return e
+    new = tuple(below)
     match e:
         case Pre() | Neg() | Not():
             return type(e)(new[0])
@@ -224,7 +231,15 @@ def walk(e: Expr) -> Iterator[tuple[Expr, bool]]:
 
 def names(e: Expr) -> set[str]:
     """Return the paths of all names, those inside `Pre` too."""
-    return {node.path for node, _ in walk(e) if isinstance(node, Name)}
+    found: set[str] = set()
+    stack = [e]
+    while stack:
+        node = stack.pop()
+        if type(node) is Name:
+            found.add(node.path)
+        else:
+            stack.extend(children(node))
+    return found
 
 
 def posterior_names(e: Expr) -> set[str]:
@@ -239,7 +254,13 @@ def prior_names(e: Expr) -> set[str]:
 
 def uses_pre(e: Expr) -> bool:
     """Say whether `e` reads an a priori value."""
-    return any(isinstance(node, Pre) for node, _ in walk(e))
+    stack = [e]
+    while stack:
+        node = stack.pop()
+        if type(node) is Pre:
+            return True
+        stack.extend(children(node))
+    return False
 
 
 def comparisons(e: Expr) -> list[Compare]:
@@ -253,6 +274,8 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
     `results` are those of the node's subexpressions, `prior` says whether the node stands inside
     `Pre`. There is no recursion: the derivative of a long chain is deeper than Python's stack.
     """
+    if not children(e):
+        return fn(e, False, [])
     done: list[T] = []
     # a number of subexpressions that is below zero: they are not done yet
     stack = [(e, False, -1)]
@@ -291,7 +314,7 @@ def transform(e: Expr, fn: Callable[[Expr], Expr]) -> Expr:
     >>> str(transform(parse("a + 2*a"), lambda n: Name("b") if n == Name("a") else n))
     'b + 2*b'
     """
-    return fold(e, lambda node, _, below: fn(with_children(node, tuple(below))))
+    return fold(e, lambda node, _, below: fn(_rebuilt(node, below) if below else node))
 
 
 def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
@@ -303,4 +326,6 @@ def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
     >>> str(substitute(parse("a*b"), {"a": parse("b + 1"), "b": parse("a")}))
     '(b + 1)*a'
     """
+    if not mapping:
+        return e
     return transform(e, lambda n: mapping.get(n.path, n) if isinstance(n, Name) else n)
