@@ -308,16 +308,18 @@ class Result:
         found = {name: np.full(len(t), np.nan) for name in names}
         by_segment: dict[int, list[int]] = {}
         begin, end = self.t_begin, self.t_end
+        starts = self.trace.segments.times
+        before = bisect.bisect_right if side == "right" else bisect.bisect_left
+        cut = side == "left" and bool(self.trace.segments.forgotten)
         for k, a in enumerate(t):
-            lost = side == "left" and a == begin and self.trace.segments.forgotten
-            if not self.segments or lost or not begin <= a <= end:
+            if not starts or (cut and a == begin) or not begin <= a <= end:
                 raise UsageError(
                     f"the run goes from {begin:.9g} to {end:.9g} s, not to {a:g} s",
                     code="HB-S110",
                     where="t",
                     hint="ask for a time within it",
                 )
-            by_segment.setdefault(self._segment_at(a, side), []).append(k)
+            by_segment.setdefault(max(before(starts, a) - 1, 0), []).append(k)
         for parts in self._alike(by_segment):
             times = [np.array([t[k] for k in which], dtype=float) for _, which in parts]
             segments = [segment for segment, _ in parts]
