@@ -89,8 +89,8 @@ def problem(full: bool) -> Problem:
         FULL,
         {
             C: lambda n: in_c("ensemble", n, END, RTOL, POINTS),
-            "hybond": in_hybond,
-            "hybond, one core": lambda n: in_hybond(n, 1),
+            "hybond": lambda n: in_hybond(n, 1),
+            "hybond, all cores": in_hybond,
             "SciPy": in_restarts,
         },
         lambda n: (sum(last(*ball(k)) for k in range(1, int(n) + 1)),),

@@ -122,7 +122,7 @@ def test_what_comes_out_does_not_depend_on_the_processes(workers: int) -> None:
     )
     same(alone, together)
     assert alone.failed.tolist() == [4]
-    assert together.how == f"1 members in this process, 11 in {workers} processes"
+    assert together.how == f"1 member in this process, 11 in {workers} processes"
 
 
 def test_a_member_without_a_meaning_does_not_stop_the_others() -> None:
@@ -198,6 +198,26 @@ def test_few_members_stay_in_this_process() -> None:
     assert many.how == "2 members in this process"
 
 
+def test_members_that_take_long_go_to_other_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    # as if processes took no time to start, and there were two cores
+    monkeypatch.setattr("hybond.sweep.ensemble.STARTING", 1e-9)
+    monkeypatch.setattr("hybond.sweep.ensemble.TELLING", 0.0)
+    monkeypatch.setattr("hybond.sweep.ensemble.cores", lambda: 2)
+    many = hb.ensemble(ball(), 2.0, sets=SETS, samples=5)
+    assert many.how == "1 member in this process, 11 in 2 processes"
+    same(many, hb.ensemble(ball(), 2.0, sets=SETS, samples=5, workers=1))
+
+
+def test_what_cannot_be_started_runs_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_: Any) -> str:
+        raise OSError("no semaphores")
+
+    monkeypatch.setattr("hybond.sweep.ensemble.in_processes", none)
+    many = hb.ensemble(capacitor(), 1.0, sets={"r": [1e3, 2e3, 4e3]}, workers=2, outputs=["c1.e"])
+    np.testing.assert_allclose(many.final["c1.e"], 10.0 * np.exp([-1.0, -0.5, -0.25]), rtol=1e-7)
+    assert many.how == "3 members in this process: no other could be started (no semaphores)"
+
+
 SCRIPT = """\
 import hybond as hb
 print("once")
@@ -218,7 +238,7 @@ def test_a_script_needs_no_main_guard(tmp_path: Path) -> None:
     assert done.stderr == ""
     assert done.stdout.splitlines() == [
         "once",
-        "[1.353353, 3.678794, 6.065307] 1 members in this process, 2 in 2 processes",
+        "[1.353353, 3.678794, 6.065307] 1 member in this process, 2 in 2 processes",
     ]
 
 

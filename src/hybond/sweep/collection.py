@@ -52,7 +52,8 @@ class Ensemble:
     t : array, shape (times,)
         When outputs were sampled, s.
     samples : mapping of output to array, shape (members, times)
-        At events the limit from the right; nan beyond the end of a member.
+        At events the limit from the right; nan beyond the end of a member, and before what it was
+        told to keep.
     errors : mapping of member to HybondError
         Why members stopped.
     warnings : mapping of member to tuple of str

@@ -168,7 +168,7 @@ class _Work:
                     return self._elsewhere(k, min(count, rest))
             known = self._here(k, known, named=named) or known
         ending = f": {kept_here}" if kept_here else ""
-        return f"{self.total} members in this process{ending}"
+        return f"{_members(self.total)} in this process{ending}"
 
     def _here(self, k: int, known: bool, *, named: bool) -> bool:
         """Run a member in this process; whether it has told what the outputs are."""
@@ -213,11 +213,11 @@ class _Work:
             for k in range(first, self.total):
                 if k not in self.members:
                     self._here(k, True, named=True)
-            return f"{self.total} members in this process: no other could be started ({error})"
+            return f"{_members(self.total)} in this process: no other could be started ({error})"
         if lost:
             self._give_up(lost)
         words = "process" if count == 1 else "processes"
-        return f"{first} members in this process, {rest} in {count} {words}"
+        return f"{_members(first)} in this process, {rest} in {count} {words}"
 
     def _give_up(self, why: str) -> None:
         """Write down what a process that ended has not done."""
@@ -239,6 +239,10 @@ class _Work:
             self.members[member.number] = member
         if self._progress is not None:
             self._progress(len(self.members), self.total)
+
+
+def _members(count: int) -> str:
+    return f"{count} member{'s' * (count != 1)}"
 
 
 def _gathered(work: _Work, how: str, seconds: float) -> Ensemble:

@@ -28,7 +28,7 @@ from hybond.sweep.member import Member, Task, member_of, run_of
 
 AHEAD = 2
 """Chunks that are handed out per process, so that none waits for work."""
-SELDOM = 20_000
+SELDOM = 5_000
 """Containers that a process may make more than it frees before the collector looks at them."""
 MOST = 61
 """Processes that one pool can have on Windows."""
