@@ -286,7 +286,8 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
             del done[-count:]
             done.append(fn(node, prior, results))
             continue
-        below = children(node)
+        below_of = _BELOW.get(type(node))
+        below = () if below_of is None else below_of(node)
         if not below:
             done.append(fn(node, prior, []))
             continue
