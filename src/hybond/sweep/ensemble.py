@@ -19,7 +19,7 @@ from hybond.result import Result
 from hybond.simulation import end_of, simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.member import Member, Task, member_of, run_of
-from hybond.sweep.processes import cores, in_processes, stays
+from hybond.sweep.processes import MOST, cores, in_processes, stays
 from hybond.sweep.sets import Columns, columns_of, numbers_of
 
 Vector = NDArray[np.float64]
@@ -165,7 +165,7 @@ class _Work:
                 # looked at once, and only if there is a use for it
                 kept_here = stays(self.task)
                 if not kept_here:
-                    return self._elsewhere(k, min(count, rest))
+                    return self._elsewhere(k, min(count, rest, MOST))
             known = self._here(k, known, named=named) or known
         ending = f": {kept_here}" if kept_here else ""
         return f"{_members(self.total)} in this process{ending}"

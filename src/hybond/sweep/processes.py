@@ -30,8 +30,8 @@ AHEAD = 2
 """Chunks that are handed out per process, so that none waits for work."""
 SELDOM = 5_000
 """Containers that a process may make more than it frees before the collector looks at them."""
-MOST = 61
-"""Processes that one pool can have on Windows."""
+MOST = 61 if os.name == "nt" else 4096
+"""Processes that one pool can have: Windows cannot wait for more."""
 
 Sets = Sequence[tuple[int, Mapping[str, Value]]]
 """Numbers of members with their parameters."""
@@ -88,7 +88,7 @@ def in_processes(
     rest = iter(sets)
     chunks = iter(lambda: list(islice(rest, chunk)), [])
     pending: set[Future[list[Member]]] = set()
-    pool = ProcessPoolExecutor(min(workers, MOST), context, _begin, (task,))
+    pool = ProcessPoolExecutor(workers, context, _begin, (task,))
     try:
         while True:
             for part in islice(chunks, AHEAD * workers - len(pending)):
