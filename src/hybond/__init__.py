@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
+    from hybond.sweep.collection import Ensemble
+    from hybond.sweep.ensemble import ensemble
 
 _HOME = {
     **dict.fromkeys(
@@ -71,6 +73,7 @@ _HOME = {
         ("GY", "TF", "C", "G", "I", "Integral", "One", "R", "Se", "Sf", "Submodel", "Zero"),
         "hybond.model.parts",
     ),
+    "Ensemble": "hybond.sweep.collection",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
@@ -78,6 +81,7 @@ _HOME = {
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
+    "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
@@ -101,6 +105,7 @@ __all__ = [
     "Coverage",
     "CrossCheck",
     "DivergenceOfTime",
+    "Ensemble",
     "EquationError",
     "ExpressionError",
     "FileError",
@@ -134,6 +139,7 @@ __all__ = [
     "draw_mode",
     "draw_modes",
     "dumps",
+    "ensemble",
     "junction_matrix",
     "load",
     "loads",

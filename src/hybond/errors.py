@@ -47,9 +47,17 @@ class HybondError(Exception):
         remedy = f"\n  try: {self.hint}" if self.hint else ""
         return f"{self.code}{place}: {self.why}{remedy}"
 
+    def __reduce__(self) -> Any:
+        # between processes: what is said, not the partial result
+        return _said_again, (type(self), self.why, self.code, self.where, self.hint)
+
     def to_dict(self) -> dict[str, str]:
         """Return the refusal as plain data, the ``error`` object of ``--json``."""
         return {"code": self.code, "where": self.where, "why": self.why, "try": self.hint}
+
+
+def _said_again(kind: type[HybondError], why: str, code: str, where: str, hint: str) -> HybondError:
+    return kind(why, code=code, where=where, hint=hint)
 
 
 class UsageError(HybondError):

@@ -14,7 +14,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.modes.audit import Audit, audit
-from hybond.modes.jump import on_constraints
+from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import values_of_steps
 from hybond.names import did_you_mean
@@ -307,16 +307,19 @@ class Result:
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         found = {name: np.full(len(t), np.nan) for name in names}
         by_segment: dict[int, list[int]] = {}
+        begin, end = self.t_begin, self.t_end
+        starts = self.trace.segments.times
+        before = bisect.bisect_right if side == "right" else bisect.bisect_left
+        cut = side == "left" and bool(self.trace.segments.forgotten)
         for k, a in enumerate(t):
-            lost = side == "left" and a == self.t_begin and self.trace.segments.forgotten
-            if not self.segments or lost or not self.t_begin <= a <= self.t_end:
+            if not starts or (cut and a == begin) or not begin <= a <= end:
                 raise UsageError(
-                    f"the run goes from {self.t_begin:.9g} to {self.t_end:.9g} s, not to {a:g} s",
+                    f"the run goes from {begin:.9g} to {end:.9g} s, not to {a:g} s",
                     code="HB-S110",
                     where="t",
                     hint="ask for a time within it",
                 )
-            by_segment.setdefault(self._segment_at(a, side), []).append(k)
+            by_segment.setdefault(max(before(starts, a) - 1, 0), []).append(k)
         for parts in self._alike(by_segment):
             times = [np.array([t[k] for k in which], dtype=float) for _, which in parts]
             segments = [segment for segment, _ in parts]
@@ -324,7 +327,7 @@ class Result:
             for name, values in self._of_segments(segments, names, times).items():
                 found[name][places] = values
         last = self.segments[-1] if self.segments else None
-        at_end = [k for k, a in enumerate(t) if a == self.t_end]
+        at_end = [k for k, a in enumerate(t) if a == end]
         if side == "right" and last is not None and at_end and self._settled_at_end:
             # an event at the very end: its right limit starts no segment
             for name, value in self._after_last_event(names).items():
@@ -370,16 +373,17 @@ class Result:
         """Return the states at times of a segment, on its constraints."""
         assert isinstance(segment.interval, Interval)
         equations = equations_of(self.program, segment)
+        times = t.tolist()
+        rows = segment.rows(times)
+        if not constrained(equations):
+            return rows
         accepted = set(segment.t.tolist())
-        rows = []
-        for a in t.tolist():
-            row = segment.at(a)
+        for k, a in enumerate(times):
             if a not in accepted:
                 # between accepted points the interpolant is off the constraints by its own error
-                row = on_constraints(
-                    self.program, equations, segment.interval, a, row, energy=self.trace.energy
+                rows[k] = on_constraints(
+                    self.program, equations, segment.interval, a, rows[k], energy=self.trace.energy
                 )
-            rows.append(row)
         return rows
 
     def _segment_at(self, t: float, side: Side) -> int:
@@ -390,9 +394,10 @@ class Result:
     @property
     def _settled_at_end(self) -> bool:
         events = self.trace.events
-        if not events or events[-1].cause == "step":
+        # the time first: the record of the event may have to be made
+        if not events or events.times[-1] != self.t_end or not self.t_end > 0.0:
             return False
-        return bool(events[-1].t == self.t_end) and self.t_end > 0.0
+        return events[-1].cause != "step"
 
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
         from hybond.programs.interval import interval_after

@@ -146,14 +146,7 @@ def simulate(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
     experiment = graph.experiment
-    end = _seconds(until if until is not None else experiment.get("until"), "until")
-    if end is None or not 0.0 < end < math.inf:
-        raise UsageError(
-            "the run has no end time" if end is None else f"until = {end:g} s",
-            code="HB-S106",
-            where="until",
-            hint='give until="1 s", or [experiment] until in the file',
-        )
+    end = end_of(until, experiment)
     rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
     if not 1e-14 <= rtol < 1.0:
         raise UsageError(
@@ -241,6 +234,30 @@ def simulate(
     finally:
         if executive.journal is not None:
             executive.journal.close()
+
+
+def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
+    """Return when a run ends, s: as asked for, or as the experiment says.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 if neither says so, or it is no time after 0.
+
+    Examples
+    --------
+    >>> end_of(None, {"until": "50 ms"})
+    0.05
+    """
+    end = _seconds(until if until is not None else experiment.get("until"), "until")
+    if end is None or not 0.0 < end < math.inf:
+        raise UsageError(
+            "the run has no end time" if end is None else f"until = {end:g} s",
+            code="HB-S106",
+            where="until",
+            hint='give until="1 s", or [experiment] until in the file',
+        )
+    return end
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -5,6 +5,7 @@ Records only; they are made by `modes` and read by results, tables and drawings.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -123,6 +124,24 @@ class Segment:
         if self.bonds is not None:
             return self._between(self.y, t)
         return np.asarray(self.interpolants[min(max(k - 1, 0), len(self.interpolants) - 1)](t))
+
+    def rows(self, times: Sequence[float]) -> list[Vector]:
+        """Return the states at some times within the segment, those of `at`."""
+        if self.bonds is not None or not len(self.interpolants):
+            return [self.at(t) for t in times]
+        points = self.t.tolist()
+        found: list[Vector] = []
+        last, step = -1, self.interpolants[0]
+        for t in times:
+            k = bisect_left(points, t)
+            if k < len(points) and points[k] == t:
+                found.append(np.asarray(self.y[k]))
+                continue
+            k = min(max(k - 1, 0), len(self.interpolants) - 1)
+            if k != last:
+                last, step = k, self.interpolants[k]
+            found.append(np.asarray(step(t)))
+        return found
 
     def bonds_at(self, t: float) -> Vector:
         """Return the bond variables of a step-by-step segment at a time within it."""

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from hybond.errors import UnitError
 from hybond.names import did_you_mean
@@ -29,13 +30,15 @@ class Dimension:
     exponents: tuple[Fraction, ...] = (Fraction(0),) * 7
 
     def __mul__(self, other: Dimension) -> Dimension:
-        return Dimension(tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True)))
+        # most exponents are zero, and fractions add slowly
+        pairs = zip(self.exponents, other.exponents, strict=True)
+        return Dimension(tuple([a + b if a and b else a or b for a, b in pairs]))
 
     def __truediv__(self, other: Dimension) -> Dimension:
         return self * other**-1
 
     def __pow__(self, power: int | Fraction) -> Dimension:
-        return Dimension(tuple(a * power for a in self.exponents))
+        return Dimension(tuple([a * power if a else a for a in self.exponents]))
 
     def __str__(self) -> str:
         if self in _SYMBOL_OF:
@@ -114,6 +117,7 @@ def _bad(text: str, why: str) -> UnitError:
     return UnitError(f"{text[:40]!r} {why}", code="HB-U104", hint=hint)
 
 
+@lru_cache(1024)
 def _exact(text: str) -> _Unit:
     """Return the exact factor and the dimension of a product of units."""
     source = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), text.strip())

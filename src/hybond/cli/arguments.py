@@ -29,6 +29,7 @@ VERBS = {
     "equations": "print the equations of all modes, or of one",
     "analyse": "analyse the structure of each mode, a contact, what sensors can tell",
     "run": "simulate a model",
+    "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format (TOML, JSON)",
 }
@@ -213,6 +214,33 @@ def _parser() -> Parser:
     run.add_argument("--out", metavar="FILE", help="write the run as .csv, .npz or .json")
     run.add_argument("--plot", metavar="FILE", help="plot the run as .png, .svg or .pdf")
     run.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+    sweep = _verb(
+        verbs,
+        "sweep",
+        "hybond sweep ball.toml --vary m=1..2kg:11 --out masses.csv",
+        "hybond sweep ball.toml --vary m=1kg,2kg --vary h0=1..3:5 --signals height",
+    )
+    sweep.add_argument("file", metavar="FILE", help="a model file")
+    sweep.add_argument(
+        "--vary",
+        metavar="PATH=VALUES",
+        action="append",
+        default=[],
+        help="a parameter and its values, LOW..HIGH:NUMBER or V,W,...; "
+        "several options: all combinations",
+    )
+    sweep.add_argument(
+        "--together", action="store_true", help="the first values of all, the second, ...: no grid"
+    )
+    _settings(sweep)
+    _solver(sweep)
+    sweep.add_argument(
+        "--signals", metavar="NAME,...", action="append", help="what is read at the end"
+    )
+    sweep.add_argument("--workers", metavar="N", type=int, help="processes (default: as it pays)")
+    sweep.add_argument("--out", metavar="FILE", help="write the table as .csv, .npz or .json")
+    sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")

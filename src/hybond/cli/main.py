@@ -91,6 +91,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.analyse import analyse
 
             return analyse(given)
+        case "sweep":
+            from hybond.cli.sweep import sweep
+
+            return sweep(given)
         case "explain":
             from hybond.cli.explain import explain
 

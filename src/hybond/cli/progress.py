@@ -31,7 +31,11 @@ class Progress:
         part = min(max(t / self.until, 0.0), 1.0)
         full = int(part * _CELLS)
         bar = "#" * full + "-" * (_CELLS - full)
-        self._write(f"[{bar}] {100 * part:3.0f} %  t = {t:.4g} s  {events} events")
+        self._write(f"[{bar}] {100 * part:3.0f} %  {self.words(t, events)}")
+
+    def words(self, t: float, events: int) -> str:
+        """Return what stands behind the bar."""
+        return f"t = {t:.4g} s  {events} events"
 
     def __enter__(self) -> Progress:
         return self
@@ -53,3 +57,11 @@ class Progress:
                 sys.stderr.write("\r")
             sys.stderr.flush()
         self.width = len(text)
+
+
+class MembersDone(Progress):
+    """The same for an ensemble: called with how many members are done, and how many there are."""
+
+    def words(self, t: float, events: int) -> str:
+        """Return what stands behind the bar."""
+        return f"{t:.0f} of {events} members"

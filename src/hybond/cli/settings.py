@@ -74,6 +74,17 @@ def model_with(model: Model, settings: Sequence[str]) -> Model:
     return changed
 
 
+def changed_with(model: Model, settings: Sequence[str]) -> tuple[Model, dict[str, str]]:
+    """Return a copy of `model` with its parts set, and the parameters that are set.
+
+    Raises
+    ------
+    UsageError
+        HB-X103 for a setting without ``=``.
+    """
+    return _read(model, settings)
+
+
 def _read(model: Model, settings: Sequence[str]) -> tuple[Model, dict[str, str]]:
     """Return a copy with parts changed, and what is set that is no part."""
     parameters: dict[str, str] = {}

@@ -9,8 +9,10 @@ surface is that of the whole: ``max(a, b) = 0``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +38,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.graph import FlatGraph, Machine, Mode, Rule
+from hybond.model.graph import FlatGraph, Mode, Rule
 
 Vector = NDArray[np.float64]
 Closure = Callable[[Sequence[float]], float]
@@ -90,33 +92,34 @@ def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
     >>> [s.text for s in surfaces_of(m.flatten())]
     ['c.q = 0']
     """
-    found: list[Surface] = []
+    found: dict[tuple[int, frozenset[int]], Surface] = {}
     for machine in graph.machines:
         if machine.law is not None:
             continue
         for up in machine.rules:
             for down in machine.rules:
-                if (down.source, down.target) == (up.target, up.source) and up is not down:
-                    found += _between(machine, up, down)
-    # each surface was met from both of its sides
-    seen: set[tuple[int, frozenset[int]]] = set()
-    kept = []
-    for s in found:
-        key = (s.machine, frozenset((s.below, s.above)))
-        if key not in seen:
-            seen.add(key)
-            kept.append(s)
-    return tuple(kept)
+                if (down.source, down.target) != (up.target, up.source) or up is down:
+                    continue
+                key = (machine.index, frozenset((up.source, up.target)))
+                # each surface is met from both of its sides
+                if key not in found:
+                    count = sum(frozenset((r.source, r.target)) == key[1] for r in machine.rules)
+                    found.update((key, s) for s in _between(machine.index, up, down, count))
+    return tuple(found.values())
 
 
-def _between(machine: Machine, up: Rule, down: Rule) -> list[Surface]:
-    pair = {(up.source, up.target), (down.source, down.target)}
-    if sum((r.source, r.target) in pair for r in machine.rules) != 2:
+@lru_cache(1024)
+def _between(machine: int, up: Rule, down: Rule, count: int) -> tuple[Surface, ...]:
+    """Return the surface of two rules, if they have one; `count` rules join their states.
+
+    What was found is kept: most rules are the same in runs with other parameters.
+    """
+    if count != 2:
         # a second rule between the same states: which of them decides is not for us to say
-        return []
+        return ()
     whole = _whole(machine, up, down)
     if whole is not None:
-        return [whole]
+        return (whole,)
     forth, back = _parts(up.guard), _parts(down.guard)
     for one in forth:
         for other in back:
@@ -128,20 +131,18 @@ def _between(machine: Machine, up: Rule, down: Rule) -> list[Surface]:
             text = _text(up, one, len(forth))
             up_rest = tuple(e for e in forth if e is not one)
             down_rest = tuple(e for e in back if e is not other)
-            return [
-                Surface(machine.index, up.source, up.target, g, text, up, down, up_rest, down_rest)
-            ]
-    return []
+            return (Surface(machine, up.source, up.target, g, text, up, down, up_rest, down_rest),)
+    return ()
 
 
-def _whole(machine: Machine, up: Rule, down: Rule) -> Surface | None:
+def _whole(machine: int, up: Rule, down: Rule) -> Surface | None:
     """Return the surface of two rules with ``or`` of which one is the negation of the other."""
     forth, back = _plain(up.guard), _plain(down.guard)
     g = _level(forth)
     if g is None or not isinstance(g, Call) or not _steered(g) or not _negated(forth, back):
         return None
     text = f"{_written(up, g)} = 0"
-    return Surface(machine.index, up.source, up.target, g, text, up, down, (), ())
+    return Surface(machine, up.source, up.target, g, text, up, down, (), ())
 
 
 def _level(guard: Expr) -> Expr | None:
@@ -248,18 +249,24 @@ def _opposite(g: Expr, h: Expr) -> bool:
     wanted = sorted(names(g) | names(h))
     slot = {name: k for k, name in enumerate(wanted)}
     f, k = (compile_expression(e, slot, pre_offset=0) for e in (g, h))
-    generator = np.random.default_rng(7)
     compared = 0
-    for scale in SCALES:
-        for _ in range(3):
-            v = (scale * generator.uniform(0.3, 1.7, len(wanted))).tolist()
-            a, b = float(f(v)), float(k(v))
-            if not np.isfinite(a + b):
-                continue
-            compared += 1
-            if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
-                return False
+    for v in _generic(len(wanted)):
+        a, b = float(f(v)), float(k(v))
+        if not math.isfinite(a + b):
+            continue
+        compared += 1
+        if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
+            return False
     return compared > 0
+
+
+@lru_cache
+def _generic(count: int) -> tuple[list[float], ...]:
+    """Return values of so many names, several of each size, the same in every run."""
+    generator = np.random.default_rng(7)
+    return tuple(
+        (scale * generator.uniform(0.3, 1.7, count)).tolist() for scale in SCALES for _ in range(3)
+    )
 
 
 def coincide(one: Surface, other: Surface) -> bool:

@@ -7,6 +7,7 @@ same for a field. ``{ e = ... }`` or ``{ f = ... }`` is a law in full, an expres
 
 from __future__ import annotations
 
+import math
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, cast
@@ -298,6 +299,8 @@ class _Reader:
 def _check(node: Node, law: Law, where: str) -> None:
     """Refuse storage laws that have no energy; warn about nothing silently."""
     if node.kind not in STORAGES or law.matrix is None:
+        return
+    if len(law.matrix) == 1 and 0.0 < law.matrix[0][0] < math.inf:
         return
     import numpy as np
 

@@ -83,6 +83,8 @@ class Resolver:
             HB-M120 unknown name, HB-M121 ambiguous bond name, HB-M122 a signal that needs
             itself, HB-M123 ``==`` between continuous signals.
         """
+        if isinstance(tree, Number):
+            return tree
         local = local or {}
 
         def visit(e: Expr) -> Expr:
@@ -305,6 +307,8 @@ class Resolver:
         certain: bool = False,
     ) -> Dimension | None:
         """Return a tree's dimension; a refusal speaks of names as they are written."""
+        if isinstance(tree, Number):
+            return infer_dimension(tree, dimensions.get, where=where, certain=certain)
         written = {
             name: as_written(name, self.nodes, self.bonds, self.opened) for name in names(tree)
         }

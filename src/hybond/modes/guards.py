@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +32,35 @@ Columns = Callable[[Sequence[Vector]], Vector]
 Guard = Callable[[Pairs], object]
 
 
-@dataclass(frozen=True, slots=True)
-class Followed:
+class Followed(Protocol):
     """A guard as a function of the signals while time passes, over floats and over arrays.
 
-    `atoms` are the differences of its comparisons; `sizes` what the magnitudes of their two sides
-    add up to.
+    `atoms` are the differences of its comparisons, `arrays` the same at many instants; `sizes` what
+    the magnitudes of their two sides add up to.
     """
+
+    @property
+    def rule(self) -> Rule: ...  # noqa: D102
+
+    @property
+    def test(self) -> Scalar: ...  # noqa: D102
+
+    @property
+    def atoms(self) -> tuple[Scalar, ...]: ...  # noqa: D102
+
+    @property
+    def arrays(self) -> tuple[Columns, ...]: ...  # noqa: D102
+
+    @property
+    def array_test(self) -> Columns: ...  # noqa: D102
+
+    @property
+    def sizes(self) -> tuple[Columns, ...]: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A guard that is followed by functions that are there."""
 
     rule: Rule
     test: Scalar
@@ -44,6 +68,49 @@ class Followed:
     arrays: tuple[Columns, ...]
     array_test: Columns
     sizes: tuple[Columns, ...]
+
+
+class Compiled:
+    """The guard of a rule, its forms made when they are asked for: a run in the kernel needs none.
+
+    Parameters
+    ----------
+    program : Program
+    rule : Rule
+    """
+
+    def __init__(self, program: Program, rule: Rule) -> None:
+        self.program = program
+        self.rule = rule
+
+    @cached_property
+    def _seen(self) -> tuple[Expr, list[Expr]]:
+        return seen_in_motion(self.rule)
+
+    @cached_property
+    def test(self) -> Scalar:
+        """Whether it holds."""
+        return self.program.compile(self._seen[0])
+
+    @cached_property
+    def array_test(self) -> Columns:
+        """Whether it holds, at many instants."""
+        return self.program.compile_arrays(self._seen[0])
+
+    @cached_property
+    def atoms(self) -> tuple[Scalar, ...]:
+        """The differences of its comparisons."""
+        return tuple(self.program.compile(d) for d in self._seen[1])
+
+    @cached_property
+    def arrays(self) -> tuple[Columns, ...]:
+        """The same at many instants."""
+        return tuple(self.program.compile_arrays(d) for d in self._seen[1])
+
+    @cached_property
+    def sizes(self) -> tuple[Columns, ...]:
+        """What the magnitudes of the two sides of each comparison add up to."""
+        return tuple(self.program.compile_arrays(magnitude(d)) for d in self._seen[1])
 
 
 class Guards:
@@ -75,7 +142,7 @@ class Guards:
         """Return what a locator needs of a guard; while time passes, ``pre(a)`` is ``a``."""
         found = self._followed.get(id(rule))
         if found is None:
-            found = self._followed[id(rule)] = _follow(self.program, rule)
+            found = self._followed[id(rule)] = Compiled(self.program, rule)
         return found
 
 
@@ -84,18 +151,6 @@ def seen_in_motion(rule: Rule) -> tuple[Expr, list[Expr]]:
     guard = transform(rule.guard, _without_pre)
     compared = [c for c in comparisons(guard) if isinstance(c, Compare)]
     return guard, [Binary("-", c.left, c.right) for c in compared]
-
-
-def _follow(program: Program, rule: Rule) -> Followed:
-    guard, differences = seen_in_motion(rule)
-    return Followed(
-        rule,
-        program.compile(guard),
-        tuple(program.compile(d) for d in differences),
-        tuple(program.compile_arrays(d) for d in differences),
-        program.compile_arrays(guard),
-        tuple(program.compile_arrays(magnitude(d)) for d in differences),
-    )
 
 
 def magnitude(e: Expr) -> Expr:

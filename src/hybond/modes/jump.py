@@ -307,6 +307,8 @@ class Ways:
         From areas to residuals of the constraints and back, where that is the same everywhere.
     rank : int
         Of `slope`.
+    shares : array or None
+        Combinations of impulses that move nothing, where all this is kept.
     """
 
     directions: Matrix
@@ -315,6 +317,7 @@ class Ways:
     slope: Matrix | None = None
     inverse: Matrix | None = None
     rank: int = 0
+    shares: Matrix | None = None
 
 
 def _ways(equations: ModeEquations, v: list[float], problem: _Constraints, x: Vector) -> Ways:
@@ -338,11 +341,14 @@ def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix
     d = rates @ moving
     slope = slope_of(d)
     inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
-    return Ways(directions, moving, d, slope, inverse, _rank(slope))
+    shares = directions @ _complement(moving)
+    return Ways(directions, moving, d, slope, inverse, _rank(slope), shares)
 
 
 def _shares(ways: Ways) -> Matrix:
     """Return the impulses that move nothing: what is left to least leakage."""
+    if ways.shares is not None:
+        return ways.shares
     return np.asarray(ways.directions @ _complement(ways.moving))
 
 
@@ -402,6 +408,12 @@ def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
     )
 
 
+def constrained(equations: ModeEquations) -> bool:
+    """Whether a mode has constraints on what is stored, off which a motion may drift."""
+    tableau = equations.tableau
+    return bool(tableau.constraints or equations.structure or tableau.agreements)
+
+
 def on_constraints(
     program: Program,
     equations: ModeEquations,
@@ -415,8 +427,7 @@ def on_constraints(
 
     The same projection as a jump, but within a mode: what it moves is less than the tolerance.
     """
-    tableau = equations.tableau
-    if not tableau.constraints and not equations.structure and not tableau.agreements:
+    if not constrained(equations):
         return y
     where = program.graph.mode_text(equations.mode)
     v = program.evaluate(t, y, interval, equations)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import overload
 
 import numpy as np
@@ -71,8 +72,12 @@ class Recall:
         self, program: Program, *, max_writes: int, cause: Callable[[Interval], Cause]
     ) -> None:
         self.program = program
-        self._settler = Settler(program, Trace(), max_writes=max_writes)
+        self._max_writes = max_writes
         self._cause = cause
+
+    @cached_property
+    def _settler(self) -> Settler:
+        return Settler(self.program, Trace(), max_writes=self._max_writes)
 
     def note(self, passage: Passage, trace: Trace) -> None:
         """Add the segments and events of a passage to a trace."""

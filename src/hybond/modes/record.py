@@ -29,7 +29,7 @@ class Recorder:
         self.program = program
         self.guards = guards
         self.graph = program.graph
-        self._reads: dict[Rule, list[tuple[str, Callable[[Pairs], object]]]] = {}
+        self._reads: dict[int, tuple[Rule, list[tuple[str, Callable[[Pairs], object]]]]] = {}
         self._impact = frozenset(n.index for n in program.prior)
 
     @cached_property
@@ -39,14 +39,17 @@ class Recorder:
 
     def fired(self, machine: Machine, rule: Rule, pairs: Pairs, others: tuple[str, ...]) -> Fired:
         """Return the record of a transition, with the values that its guard read."""
-        if rule not in self._reads:
+        # by identity: to hash a rule takes longer than to read its values
+        known = self._reads.get(id(rule))
+        if known is None:
             slots = self.program.slots
-            self._reads[rule] = [
+            reads = [
                 (name, compile_expression(e, slots.index, DIRAC, pre_offset=slots.size))
                 for name, e in rule.reads
             ]
+            known = self._reads[id(rule)] = rule, reads
         values, impulses = {}, {}
-        for name, f in self._reads[rule]:
+        for name, f in known[1]:
             pair = f(pairs)
             if isinstance(pair, Pair):
                 values[name] = pair.finite

@@ -88,8 +88,10 @@ class Polynomial(Interpolant):
     def _at(self, t: float) -> FloatArray:
         x = (t - self.t0) / self._h
         # one product after the other, as the kernel takes them: a touch is decided by the last bits
-        powers = np.cumprod(np.full(len(self.coefficients), x))
-        value: FloatArray = self.y0 + powers.dot(self.coefficients)
+        powers = [x]
+        for _ in range(len(self.coefficients) - 1):
+            powers.append(powers[-1] * x)
+        value: FloatArray = self.y0 + np.array(powers).dot(self.coefficients)
         return value
 
     def _at_all(self, times: FloatArray) -> FloatArray:

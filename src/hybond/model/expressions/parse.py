@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NoReturn
 
 from hybond.errors import ExpressionError, UnitError
@@ -32,6 +33,8 @@ from hybond.model.expressions.tree import (
 from hybond.names import did_you_mean
 from hybond.units import parse_quantity
 
+KEPT = 4096
+"""Texts whose trees are kept: a model is flattened again with every set of parameters."""
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
 # A chain `a + b + c + ...` is one level deep to a reader but one level per term in the tree. A
@@ -107,7 +110,16 @@ def parse(text: str, *, where: str = "") -> Expr:
     if len(text) > MAX_LENGTH:
         why = f"the expression has {len(text)} characters, the limit is {MAX_LENGTH}"
         raise ExpressionError(why, code="HB-E107", where=where, hint="split it into signals")
-    return _Parser(text, where).whole()
+    try:
+        return _whole(text)
+    except ExpressionError:
+        # once more, to say where
+        return _Parser(text, where).whole()
+
+
+@lru_cache(KEPT)
+def _whole(text: str) -> Expr:
+    return _Parser(text, "").whole()
 
 
 class _Parser:

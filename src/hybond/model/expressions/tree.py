@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from hybond.errors import ExpressionError
 from hybond.units import Dimension
@@ -174,24 +175,32 @@ FUNCTIONS: Mapping[str, tuple[int, int]] = {
 """The functions and how many arguments each takes, least and most."""
 
 
+_BELOW: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {
+    **dict.fromkeys((Pre, Neg, Not, Table), lambda e: (e.arg,)),
+    **dict.fromkeys((Binary, Compare), lambda e: (e.left, e.right)),
+    **dict.fromkeys((And, Or, Call), lambda e: e.args),
+    If: lambda e: (e.cond, e.then, e.orelse),
+}
+"""The subexpressions of each kind of node that has some."""
+
+
 def children(e: Expr) -> tuple[Expr, ...]:
     """Return the direct subexpressions of `e`, in reading order."""
-    match e:
-        case Pre(arg) | Neg(arg) | Not(arg) | Table(arg=arg):
-            return (arg,)
-        case Binary(_, left, right) | Compare(_, left, right):
-            return (left, right)
-        case And(args) | Or(args) | Call(_, args):
-            return args
-        case If(cond, then, orelse):
-            return (cond, then, orelse)
-    return ()
+    below = _BELOW.get(type(e))
+    return () if below is None else below(e)
 
 
 def with_children(e: Expr, new: tuple[Expr, ...]) -> Expr:
     """Return `e` with its subexpressions replaced; the same object if none changed."""
-    if all(a is b for a, b in zip(children(e), new, strict=True)):
+    if len(new) != len(children(e)):
+        raise ValueError(f"{len(new)} subexpressions for {e!r}")
+    return _rebuilt(e, new)
+
+
+def _rebuilt(e: Expr, below: Sequence[Expr]) -> Expr:
+    if all(map(operator.is_, children(e), below)):
         return e
+    new = tuple(below)
     match e:
         case Pre() | Neg() | Not():
             return type(e)(new[0])
@@ -214,13 +223,23 @@ def walk(e: Expr) -> Iterator[tuple[Expr, bool]]:
     while stack:
         node, prior = stack.pop()
         yield node, prior
-        inside = prior or isinstance(node, Pre)
-        stack.extend((child, inside) for child in reversed(children(node)))
+        below = children(node)
+        if below:
+            inside = prior or type(node) is Pre
+            stack.extend([(child, inside) for child in reversed(below)])
 
 
 def names(e: Expr) -> set[str]:
     """Return the paths of all names, those inside `Pre` too."""
-    return {node.path for node, _ in walk(e) if isinstance(node, Name)}
+    found: set[str] = set()
+    stack = [e]
+    while stack:
+        node = stack.pop()
+        if type(node) is Name:
+            found.add(node.path)
+        else:
+            stack.extend(children(node))
+    return found
 
 
 def posterior_names(e: Expr) -> set[str]:
@@ -235,7 +254,13 @@ def prior_names(e: Expr) -> set[str]:
 
 def uses_pre(e: Expr) -> bool:
     """Say whether `e` reads an a priori value."""
-    return any(isinstance(node, Pre) for node, _ in walk(e))
+    stack = [e]
+    while stack:
+        node = stack.pop()
+        if type(node) is Pre:
+            return True
+        stack.extend(children(node))
+    return False
 
 
 def comparisons(e: Expr) -> list[Compare]:
@@ -249,20 +274,26 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
     `results` are those of the node's subexpressions, `prior` says whether the node stands inside
     `Pre`. There is no recursion: the derivative of a long chain is deeper than Python's stack.
     """
+    if not children(e):
+        return fn(e, False, [])
     done: list[T] = []
-    stack = [(e, False, False)]
+    # a number of subexpressions that is below zero: they are not done yet
+    stack = [(e, False, -1)]
     while stack:
-        node, prior, ready = stack.pop()
-        below = children(node)
-        if ready or not below:
-            first = len(done) - len(below)
-            results = done[first:]
-            del done[first:]
+        node, prior, count = stack.pop()
+        if count > 0:
+            results = done[-count:]
+            del done[-count:]
             done.append(fn(node, prior, results))
-        else:
-            stack.append((node, prior, True))
-            inside = prior or isinstance(node, Pre)
-            stack.extend((child, inside, False) for child in reversed(below))
+            continue
+        below_of = _BELOW.get(type(node))
+        below = () if below_of is None else below_of(node)
+        if not below:
+            done.append(fn(node, prior, []))
+            continue
+        stack.append((node, prior, len(below)))
+        inside = prior or type(node) is Pre
+        stack.extend([(child, inside, -1) for child in reversed(below)])
     return done[0]
 
 
@@ -284,7 +315,7 @@ def transform(e: Expr, fn: Callable[[Expr], Expr]) -> Expr:
     >>> str(transform(parse("a + 2*a"), lambda n: Name("b") if n == Name("a") else n))
     'b + 2*b'
     """
-    return fold(e, lambda node, _, below: fn(with_children(node, tuple(below))))
+    return fold(e, lambda node, _, below: fn(_rebuilt(node, below) if below else node))
 
 
 def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
@@ -296,4 +327,6 @@ def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
     >>> str(substitute(parse("a*b"), {"a": parse("b + 1"), "b": parse("a")}))
     '(b + 1)*a'
     """
+    if not mapping:
+        return e
     return transform(e, lambda n: mapping.get(n.path, n) if isinstance(n, Name) else n)

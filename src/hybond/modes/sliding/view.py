@@ -13,7 +13,7 @@ from hybond.equations.surfaces import Surface, moves
 from hybond.errors import NumericsError
 from hybond.model.expressions import Bool, Not
 from hybond.model.graph import FlatGraph, Mode, Rule
-from hybond.modes.guards import Followed, Guards
+from hybond.modes.guards import Given, Guards
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settled, Settler
 from hybond.modes.sliding.branches import BranchesBeside
@@ -123,7 +123,7 @@ class View:
                 margins.append(_margin_at(equations, j, upper))
         arrays = _over_columns(equations)
         beyond = [
-            Followed(rule, _beyond(f), (f,), (many,), _beyond_many(many), (_one,))
+            Given(rule, _beyond(f), (f,), (many,), _beyond_many(many), (_one,))
             for rule, f, many in zip(bounds, margins, arrays, strict=True)
         ]
         watched = Watched((*known.guards, *beyond), rounded=False)

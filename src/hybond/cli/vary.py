@@ -1,0 +1,94 @@
+"""``--vary path=values``: the values of a parameter, and the sets that several make."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from hybond.cli.lists import split
+from hybond.errors import UsageError
+from hybond.units import parse_unit, try_quantity
+
+_NUMBER = re.compile(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?")
+Values = tuple[str, list[str | float]]
+
+
+def values_of(text: str) -> Values:
+    """Return the path and the values of ``path=low..high:number`` or ``path=v,w,...``.
+
+    A range takes its unit from either end.
+
+    Raises
+    ------
+    UsageError
+        HB-X103.
+
+    Examples
+    --------
+    >>> values_of("m=1..2 kg:3")
+    ('m', ['1.0 kg', '1.5 kg', '2.0 kg'])
+    >>> values_of("k=2 N/m, 1e3")
+    ('k', ['2 N/m', '1e3'])
+    """
+    path, _, given = (word.strip() for word in text.partition("="))
+    if ".." not in given:
+        words: list[str | float] = list(split([given]))
+        if not path or not words:
+            raise _refusal(f"{text!r} varies nothing")
+        return path, words
+    span, _, count = (word.strip() for word in given.rpartition(":"))
+    low, _, high = (word.strip() for word in span.partition(".."))
+    ends = [try_quantity(low), try_quantity(high)]
+    if not path or not count.isdecimal() or int(count) < 2 or None in ends:
+        raise _refusal(f"{text!r} is not PATH=LOW..HIGH:NUMBER")
+    a, b = (end for end in ends if end is not None)
+    none = parse_unit("1")[1]
+    # "1..5 mm" is a range in mm
+    unit = _unit(high) or _unit(low)
+    if a.dimension == none and not _unit(low):
+        a = try_quantity(f"{low} {unit}") or a
+    if b.dimension == none and not _unit(high):
+        b = try_quantity(f"{high} {unit}") or b
+    if a.dimension != b.dimension:
+        raise _refusal(f"{low!r} and {high!r} are not of one kind")
+    values = np.linspace(a.value, b.value, int(count)).tolist()
+    name = "" if a.dimension == none else f" {a.dimension}"
+    return path, [f"{value!r}{name}" if name else value for value in values]
+
+
+def columns(vary: Sequence[str], *, together: bool) -> dict[str, list[str | float]]:
+    """Return the columns of all combinations, the last option fastest; or of values `together`.
+
+    Raises
+    ------
+    UsageError
+        HB-X103.
+
+    Examples
+    --------
+    >>> columns(["m=1,2", "k=5,6"], together=False)
+    {'m': ['1', '1', '2', '2'], 'k': ['5', '6', '5', '6']}
+    >>> columns(["m=1,2", "k=5,6"], together=True)
+    {'m': ['1', '2'], 'k': ['5', '6']}
+    """
+    found = [values_of(text) for text in vary]
+    paths = [path for path, _ in found]
+    if not found:
+        raise _refusal("nothing is varied")
+    if len(set(paths)) < len(paths):
+        raise _refusal("one parameter is varied twice")
+    if together:
+        return dict(found)
+    rows = list(itertools.product(*(values for _, values in found)))
+    return {path: [row[k] for row in rows] for k, path in enumerate(paths)}
+
+
+def _unit(text: str) -> str:
+    return _NUMBER.sub("", text, count=1).strip()
+
+
+def _refusal(why: str) -> UsageError:
+    return UsageError(why, code="HB-X103", where="--vary", hint="--vary m=1..2kg:11 or m=1kg,2kg")

@@ -1,0 +1,1 @@
+"""Many runs of one model, each with other parameters."""
