@@ -68,7 +68,7 @@ static int differentiate(const hb_attempt *a)
     return 1;
 }
 
-/* The estimate (REAL/h - J)^-1 (f + ERROR z/h), its derivative f taken at y; returns its norm. */
+/* The error (REAL/h - J)^-1 (f + ERROR z/h), with a derivative f at the start; returns its norm. */
 static double filtered(hb_attempt *a, const double *f)
 {
     const double weight[] = {ERROR[0] / a->h, ERROR[1] / a->h, ERROR[2] / a->h};
@@ -129,8 +129,8 @@ static double rounds(const hb_attempt *a)
     return (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + a->iterations);
 }
 
-/* Try one size. 1: it is right; 0: not, and *shrink says what to try next; -1: it leads to where the laws
- * have no value, and the reference counts how often. */
+/* Try one size. 1: it is right; 0: not, and *shrink says what to try next; -1: it leads to where the
+ * laws have no value, and the reference counts how often. */
 static int attempted(hb_attempt *a, double origin, int rejected, double *shrink)
 {
     *shrink = 0.5;

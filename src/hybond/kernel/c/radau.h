@@ -32,7 +32,7 @@ typedef struct {
 int hb_finite(int n, const double *x);
 
 /* The weighted sum of three rows. */
-void hb_combine(int n, int stride, const double *weight, const double *rows, double *sum);
+void hb_combine(int n, int stride, const double *weight, const double *rows, double *restrict sum);
 
 /* The root mean square of rows in units of the tolerance, nothing in units of nothing being 0. */
 double hb_mean(const hb_attempt *a, int rows, const double *x, const double *tolerance);

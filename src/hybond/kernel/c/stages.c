@@ -32,8 +32,7 @@ int hb_finite(int n, const double *x)
     return 1;
 }
 
-void hb_combine(int n, int stride, const double *weight, const double *rows,
-                    double *restrict sum)
+void hb_combine(int n, int stride, const double *weight, const double *rows, double *restrict sum)
 {
     const double *x = rows, *y = rows + stride, *z = rows + 2 * stride;
     for (int i = 0; i < n; ++i)
