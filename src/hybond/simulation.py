@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.kernel.marcher import Marcher, marcher
+from hybond.kernel.marcher import ONLY, Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
@@ -193,7 +193,7 @@ def simulate(
         ignored = _ignored_impact(impact, experiment)
         if ignored is not None:
             executive.trace.warn(ignored)
-        executive.trace.kernel = "not used: the kernel has rk45 only"
+        executive.trace.kernel = f"not used: {ONLY}"
         return _finish(graph, program, executive, end, name, on_error)
     if theta is not None:
         raise UsageError(

@@ -17,6 +17,8 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 from agreement import agreement, arm, loaded  # noqa: E402
 from ladders import PERIOD, ladder  # noqa: E402
 
+pytestmark = pytest.mark.rounding  # diodes that carry nothing, all the time
+
 
 @pytest.mark.parametrize("diodes", [4, 20])
 def test_ladders_agree_to_rounding_where_steps_meet_the_peaks(diodes: int) -> None:

@@ -119,6 +119,7 @@ class TestThyristors:
         mean = np.diff(total) / (PERIOD / 2)
         assert mean == pytest.approx(2.0 * self.V / math.pi * math.cos(alpha), rel=1e-6)
 
+    @pytest.mark.rounding
     @pytest.mark.parametrize("alpha", [math.radians(100), math.radians(150)])
     def test_pulses_of_current_in_discontinuous_conduction(self, alpha, simulate, solver):
         run = simulate("thyristor_rectifier", parameters={"alpha": alpha}, solver=solver)
@@ -283,6 +284,7 @@ def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(orde
         assert shares == pytest.approx([near, far, far, near], rel=1e-9)
 
 
+@pytest.mark.rounding
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("rate", [300, 310, 320])
 def test_a_bridge_with_resistance_and_inductance_goes_on(rate: int, kernel: bool) -> None:

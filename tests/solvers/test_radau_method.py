@@ -435,3 +435,23 @@ def test_a_state_that_leaves_zero_without_an_absolute_tolerance():
                  t_bound=1.0, jumped=True)  # fmt: skip
     y1 = run(solver, 1.0)[-1].y1
     assert y1 == pytest.approx([math.exp(-1.0), math.exp(-1.0)], rel=1e-5)
+
+
+def test_another_goes_on_where_one_stands():
+    field, solution = linear_circuit()
+    one, other = (started(field, [1.0], 2.0, rtol=1e-7, atol=1e-7) for _ in range(2))
+    while one._t < 0.5:
+        one.step(2.0)
+    other.resume(one.state())
+    stands = one.state()
+    assert (other.h, other.state().h_before, other.state().error_before) == (
+        one.h,
+        stands.h_before,
+        stands.error_before,
+    )
+    step = other.step(2.0)
+    # a Jacobian and what it takes to iterate without foresight, but no first step and no rejection
+    assert (step.t0, step.rejected) == (one._t, 0)
+    assert step.t1 == pytest.approx(one.step(2.0).t1, rel=1e-2)
+    y1 = run(other, 2.0)[-1].y1
+    assert y1[0] == pytest.approx(solution(2.0), abs=1e-6)

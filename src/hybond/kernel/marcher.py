@@ -14,7 +14,7 @@ from hybond.kernel.bytecode import Declined
 from hybond.kernel.common import Common
 from hybond.kernel.crossing import KEPT, ROWS, Ahead, Modes, log_for, mode_of
 from hybond.kernel.library import library
-from hybond.kernel.plan import plan
+from hybond.kernel.plan import LARGEST, plan
 from hybond.kernel.settling import Shared, drifting, simple
 from hybond.kernel.structs import Filled, Motion, Sampling, Trail
 from hybond.model.expressions import Expr
@@ -27,7 +27,7 @@ from hybond.modes.marching import Course, Marched, Passage, Scale
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
-from hybond.solvers.dopri import DormandPrince, State
+from hybond.solvers.base import State, Twinned
 
 Vector = NDArray[np.float64]
 ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY, UNKNOWN = range(7)
@@ -37,6 +37,9 @@ REPORTED = 16
 """Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
+METHODS = ("rk45", "radau")
+"""Solvers that the kernel has, in the order of `METHODS` in `c/method.c`."""
+ONLY = f"the kernel has {' and '.join(METHODS)} only"
 TIMES = {0: "", 1: " (once)"}
 ROOM = 6.4e7
 """Bytes of the steps of one passage."""
@@ -50,7 +53,8 @@ class Marcher:
     Parameters
     ----------
     program : Program
-    solver : DormandPrince
+    solver : Twinned
+        One of `METHODS`.
     scale : ErrorScale
     most : int
         Steps of one call.
@@ -60,7 +64,7 @@ class Marcher:
         self,
         kernel: ctypes.CDLL,
         program: Program,
-        solver: DormandPrince,
+        solver: Twinned,
         scale: Scale,
         *,
         most: int = MOST,
@@ -74,7 +78,9 @@ class Marcher:
         """Why modes were left to the reference, and how many."""
         self._plans: dict[tuple[object, ...], tuple[object, object, Filled | None]] = {}
         self._sampling = _sampling()
-        self._motion = Filled(Motion())
+        self._motion = self._fresh()
+        self._left: Vector | None = None
+        """The state that the kernel left the solver at, if it remembers the way there."""
         self._trail = Filled(Trail())
         self._size = (0, 0, 0)
         self._shared = Shared()
@@ -108,7 +114,7 @@ class Marcher:
             return None
         state = self.solver.state()
         if start is not None:
-            state = State(start[0], start[1], np.zeros(len(start[1])), 0.0, 0.0, 0)
+            state = State(start[0], start[1], np.zeros(len(start[1])))
         motion = self._prepare(state, equations, interval)
         motion.structure.run_energy, motion.structure.instant = settler.trace.energy, instant
         most = max(1, min(self.most, int(BUDGET / mode.structure.cost)))
@@ -157,7 +163,7 @@ class Marcher:
         equations = self.program.equations(mode, interval, t)
         modes.look()
         intervals = ahead.look(t, interval)
-        motion = self._prepare(State(t, y, np.zeros(len(y)), 0.0, 0.0, 0), equations, interval)
+        motion = self._prepare(State(t, y, np.zeros(len(y))), equations, interval)
         motion.structure.run_energy = course.settler.trace.energy
         most = max(1, min(self.most, int(ROOM / (6 * 8 * len(y)))))
         trail = self._room(most, len(y), 0)
@@ -285,8 +291,16 @@ class Marcher:
             try:
                 if self._common is None:
                     self._common = Common(self.program)
-                common = self._common
-                found = plan(self.program, equations, watched, gaps, shared, common, lawful=lawful)
+                found = plan(
+                    self.program,
+                    equations,
+                    watched,
+                    gaps,
+                    shared,
+                    self._common,
+                    lawful=lawful,
+                    implicit=self.solver.implicit,
+                )
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
             if len(self._plans) >= KEPT:
@@ -294,10 +308,33 @@ class Marcher:
             known = self._plans[key] = equations, watched, found
         return known[2]
 
+    def _fresh(self) -> Filled:
+        """Return a motion, with room for what its method keeps from step to step."""
+        motion = Filled(Motion())
+        motion.structure.method = METHODS.index(self.solver.name)
+        n = self.program.nx + self.program.ns
+        if self.solver.implicit and n <= LARGEST:
+            for name in ("jacobian", "real", "re", "im"):
+                motion.put(name, np.zeros((n, n)), part="memory")
+            for name in ("real_row", "pair_row"):
+                motion.put(name, np.zeros(n), part="memory")
+            motion.put("polynomial", np.zeros((3, n + 2)), part="memory")
+        return motion
+
+    def _forget(self) -> None:
+        """Let a motion go on without what its method keeps: something else made steps since."""
+        memory = self._motion.structure.memory
+        memory.left, memory.span, memory.served = 1.0, 0.0, 0.0
+        memory.matrix = memory.slow = 0
+
     def _prepare(self, state: State, equations: ModeEquations, interval: Interval) -> Filled:
         motion, solver, scale, program = self._motion, self.solver, self.scale, self.program
         m = motion.structure
-        m.t, m.h, m.error_before = state.t, state.h, state.error_before
+        if state.y is not self._left:
+            self._forget()
+        self._left = None
+        m.t, m.h = state.t, state.h
+        m.error_before, m.h_before = state.error_before, state.h_before
         m.controlled, m.max_step = state.controlled, solver.max_step
         m.energy, m.rtol, m.atol = scale.energy, scale.rtol, scale.atol_or_nan
         m.negligible, m.idle = scale.negligible, scale.idle
@@ -346,8 +383,10 @@ class Marcher:
         sizes = np.abs(trail.arrays["outputs"][:count]).max(axis=0, initial=0.0)
         taken = self._made(trail, count, dict(zip(gaps, sizes.tolist(), strict=True)), why)
         if count:
-            f = arrays["f"].copy()
-            self.solver.resume(State(m.t, taken.y[-1], f, m.h, m.error_before, m.controlled))
+            y, f = taken.y[-1], arrays["f"].copy()
+            state = State(m.t, y, f, m.h, m.error_before, m.h_before, m.controlled)
+            self.solver.resume(state)
+            self._left = y if why == FULL else None
         return taken
 
     def _made(self, trail: Filled, count: int, gaps: dict[int, float], why: int = FULL) -> Marched:
@@ -382,8 +421,10 @@ def marcher(
     kernel = library()
     if isinstance(kernel, str):
         return kernel
-    if not isinstance(solver, DormandPrince):
-        return "the kernel has rk45 only"
+    if not isinstance(solver, Twinned) or solver.name not in METHODS:
+        return ONLY
+    if solver.own:
+        return "a function gives the Jacobian"
     return Marcher(kernel, program, solver, scale, most=REPORTED if reporting else MOST)
 
 

@@ -24,6 +24,10 @@ from hybond.programs.program import Program
 Matrix = NDArray[np.float64]
 LOOKS = 50.0
 """Evaluations of a step, those of its guards included, about."""
+LARGEST = 400
+"""States of an implicit step at the most: its matrices are dense."""
+FACTORS, SOLVES = 3.3, 80.0
+"""Operations of an implicit step: of its factors, and of the systems solved with them."""
 
 
 def plan(
@@ -35,12 +39,13 @@ def plan(
     common: Common,
     *,
     lawful: bool,
+    implicit: bool,
 ) -> Filled:
     """Return a mode with the guards that may leave it.
 
     `outputs` are expressions whose values are wanted at the end of each step; `shared` is what
     settling asks of all modes; `lawful` says whether junctions have laws, which count rounding of
-    what is stored as zero.
+    what is stored as zero; `implicit`, whether steps solve systems of the size of the state.
 
     Raises
     ------
@@ -48,6 +53,8 @@ def plan(
         For what the kernel was not made for.
     """
     _check(program, equations, lawful=lawful)
+    if implicit and program.nx + program.ns > LARGEST:
+        raise Declined(f"an implicit step of more than {LARGEST} states")
     if not watched.rounded:
         raise Declined("guards that are asked without rounding")
     mode = Filled(Mode())
@@ -66,7 +73,7 @@ def plan(
     code, constants = book.arrays()
     mode.put("code", code)
     mode.put("constants", constants)
-    mode.structure.cost = _cost(mode)
+    mode.structure.cost = _cost(mode, implicit=implicit)
     mode.check()
     return mode
 
@@ -230,11 +237,16 @@ def _constraints(mode: Filled, equations: ModeEquations) -> Ways | None:
     return ways
 
 
-def _cost(mode: Filled) -> float:
-    """Return about how many operations a step takes: its evaluations, and those for its guards."""
+def _cost(mode: Filled, *, implicit: bool) -> float:
+    """Return about how many operations a step takes: its evaluations, and those for its guards.
+
+    An implicit step may need a Jacobian, by an evaluation for each state, and factors of a real
+    and a complex matrix of their number.
+    """
     m, arrays = mode.structure, mode.arrays
     once = len(arrays["solved.value"]) + len(arrays["code"]) + m.free**3 + m.rows * m.free
-    return float(1.0 + LOOKS * once)
+    states = m.storages + m.signals if implicit else 0
+    return float(1.0 + (LOOKS + states) * once + FACTORS * states**3 + SOLVES * states**2)
 
 
 def _of_knowns(tableau: Tableau, given: Sequence[Row]) -> Matrix:

@@ -110,12 +110,25 @@ class Mode(ctypes.Structure):
     )
 
 
+class Memory(ctypes.Structure):
+    """`hb_memory`."""
+
+    __slots__ = ()
+    _fields_ = (
+        *((name, REAL) for name in ("left", "span", "served")),
+        *((name, INTEGER) for name in ("matrix", "slow", "first")),
+        *((name, REALS) for name in ("jacobian", "real", "re", "im")),
+        *((name, INTEGERS) for name in ("real_row", "pair_row")),
+        ("polynomial", REALS),
+    )
+
+
 class Motion(ctypes.Structure):
     """`hb_motion`."""
 
     __slots__ = ()
     _fields_ = (
-        *((name, REAL) for name in ("t", "h", "error_before", "energy")),
+        *((name, REAL) for name in ("t", "h", "energy", "error_before", "h_before")),
         *((name, REAL) for name in ("max_step", "rtol", "atol", "negligible", "idle")),
         ("run_energy", REAL),
         ("instant", REAL),
@@ -124,6 +137,7 @@ class Motion(ctypes.Structure):
         ("method", INTEGER),
         *((name, REALS) for name in ("y", "f", "largest", "free", "rounding")),
         *((name, REALS) for name in ("input", "input_rate", "input_time", "v")),
+        ("memory", Memory),
     )
 
 
@@ -197,7 +211,7 @@ class Log(ctypes.Structure):
 
 _KINDS: dict[Any, dict[str, Any]] = {
     structure: {f[0]: f[1] for f in structure._fields_}
-    for structure in (Sampling, Rows, Mode, Motion, Trail, Atlas, Schedule, Log)
+    for structure in (Sampling, Rows, Mode, Memory, Motion, Trail, Atlas, Schedule, Log)
 }
 
 

@@ -68,6 +68,33 @@ class Step:
     rejected: int
 
 
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where a solver stands.
+
+    Parameters
+    ----------
+    t : float
+    y, f : array, shape (n,)
+        State and derivative.
+    h : float
+        Size of the next step to try.
+    error_before, h_before : float
+        Norm of the error, and size, of the last step that tells of the next one; whatever of that
+        the method makes use of.
+    controlled : int
+        Components whose error counts.
+    """
+
+    t: float
+    y: FloatArray
+    f: FloatArray
+    h: float = 0.0
+    error_before: float = 0.0
+    h_before: float = 0.0
+    controlled: int = 0
+
+
 class StepFailure(NumericsError):
     """A step that cannot be made.
 
@@ -278,3 +305,56 @@ class Solver(ABC):
         if not t_end > self._retryable[0]:
             raise ValueError(f"retry to {t_end} from {self._retryable[0]}: must be later")
         return self._retryable
+
+
+class Twinned(Solver):
+    """A solver whose method can also be followed elsewhere, by turns.
+
+    Parameters
+    ----------
+    scale : callable
+        ``scale(y0, y1)``: the error a step may make, per component, shape (n,); ``inf`` for a
+        quadrature.
+    max_step : float
+        Largest step.
+
+    Attributes
+    ----------
+    implicit : bool
+        Whether a step solves systems of the size of the state.
+    """
+
+    implicit: ClassVar[bool]
+
+    def __init__(self, scale: Scale, max_step: float) -> None:
+        super().__init__()
+        if not max_step > 0.0:
+            raise ValueError(f"max_step must be positive, not {max_step}")
+        self._scale = scale
+        self._max_step = float(max_step)
+        self._f: FloatArray = np.empty(0)
+
+    @property
+    def max_step(self) -> float:
+        """Largest step."""
+        return self._max_step
+
+    @property
+    def own(self) -> bool:
+        """Whether it does what only it can do, such as to ask a function for its Jacobian."""
+        return False
+
+    @abstractmethod
+    def state(self) -> State:
+        """Return where the solver stands and what it has learnt."""
+
+    def resume(self, state: State) -> None:
+        """Go on from a state that the same method reached elsewhere, once it is started there."""
+        self._field = self._field or _nowhere
+        self._t, self._y, self._f, self._h = state.t, state.y, state.f, state.h
+        self._retryable = None
+
+
+def _nowhere(t: float, y: FloatArray) -> FloatArray:
+    """Stand for the field until a start gives one."""
+    raise RuntimeError("step() before start()")

@@ -105,7 +105,8 @@ def first_step(
     if not math.isfinite(d2):
         return 0.01 * h0
     h1 = math.inf
-    if d2 > 0.0:
+    # a state that leaves 0 has no size to compare its derivative with
+    if d2 > 0.0 and d1 < math.inf:
         if d1 > 0.0:
             h1 = d1 / d2 * (0.01 / d1 * (d2 / d1)) ** (1.0 / (order + 1))
         # Curvature within one tolerance is no error at all, whatever the derivatives say.

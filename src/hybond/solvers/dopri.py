@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from hybond.solvers.base import FloatArray, Scale, Solver, Step, StepFailure, first_not_finite
+from hybond.solvers.base import (
+    FloatArray,
+    Scale,
+    State,
+    Step,
+    StepFailure,
+    Twinned,
+    first_not_finite,
+)
 from hybond.solvers.control import error_norm, first_step, worst_component
 from hybond.solvers.dense import Polynomial
 
@@ -63,37 +70,7 @@ _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 10.0
 _SMALLEST_ERROR = 1e-4
 
 
-@dataclass(frozen=True, slots=True)
-class State:
-    """Where a solver stands.
-
-    Parameters
-    ----------
-    t : float
-    y, f : array, shape (n,)
-        State and derivative.
-    h : float
-        Size of the next step to try.
-    error_before : float
-        Norm of the error of the step before.
-    controlled : int
-        Components whose error counts.
-    """
-
-    t: float
-    y: FloatArray
-    f: FloatArray
-    h: float
-    error_before: float
-    controlled: int
-
-
-def _nowhere(t: float, y: FloatArray) -> FloatArray:
-    """Stand for the field until a start gives one."""
-    raise RuntimeError("step() before start()")
-
-
-class DormandPrince(Solver):
+class DormandPrince(Twinned):
     """Explicit Runge-Kutta 5(4), adaptive, with Shampine's dense output of order 4.
 
     The first derivative of a step is the last of the step before (FSAL): six evaluations per
@@ -130,16 +107,12 @@ class DormandPrince(Solver):
     name = "rk45"
     order = 5
     adaptive = True
+    implicit = False
 
     def __init__(self, scale: Scale, *, max_step: float = math.inf) -> None:
-        super().__init__()
-        if not max_step > 0.0:
-            raise ValueError(f"max_step must be positive, not {max_step}")
-        self._scale = scale
-        self._max_step = float(max_step)
+        super().__init__(scale, max_step)
         self._controlled = 1
         self._error_before = _SMALLEST_ERROR
-        self._f: FloatArray = np.empty(0)
         self._ht = np.empty_like(_TABLE)
         self._allocate(0)
 
@@ -202,22 +175,15 @@ class DormandPrince(Solver):
                 self._error_before = max(error, _SMALLEST_ERROR)
             return self._accept(t0, t1, y0, y1, f0, error, rejected)
 
-    @property
-    def max_step(self) -> float:
-        """Largest step."""
-        return self._max_step
-
     def state(self) -> State:
         """Return where the solver stands and what it has learnt."""
-        return State(self._t, self._y, self._f, self._h, self._error_before, self._controlled)
+        before, count = self._error_before, self._controlled
+        return State(self._t, self._y, self._f, self._h, before, controlled=count)
 
     def resume(self, state: State) -> None:
         """Go on from a state that the same method reached elsewhere, once it is started there."""
-        self._field = self._field or _nowhere
-        self._t, self._y, self._f = state.t, state.y, state.f
-        self._h, self._error_before = state.h, state.error_before
-        self._controlled = state.controlled
-        self._retryable = None
+        super().resume(state)
+        self._error_before, self._controlled = state.error_before, state.controlled
 
     def retry(self, t_end: float) -> Step:
         """Repeat the last step with the size that ends it at `t_end`; six evaluations."""

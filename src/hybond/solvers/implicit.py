@@ -8,7 +8,15 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from hybond.solvers.base import FloatArray, Scale, Solver, Step, StepFailure, first_not_finite
+from hybond.solvers.base import (
+    FloatArray,
+    Scale,
+    State,
+    Step,
+    StepFailure,
+    Twinned,
+    first_not_finite,
+)
 from hybond.solvers.collocation import C1, C2, collocation, continued
 from hybond.solvers.control import first_step, worst_component
 from hybond.solvers.dense import Joined, Polynomial
@@ -52,7 +60,7 @@ class _Memory(NamedTuple):
     error: float = 0.0
 
 
-class RadauIIA(Solver):
+class RadauIIA(Twinned):
     """Implicit Runge-Kutta, order 5, L-stable, adaptive; dense output of order 3.
 
     The dense output is the collocation polynomial. Jacobian and factors of the linear systems
@@ -99,6 +107,7 @@ class RadauIIA(Solver):
     name = "radau"
     order = 5
     adaptive = True
+    implicit = True
 
     def __init__(
         self,
@@ -108,16 +117,11 @@ class RadauIIA(Solver):
         max_step: float = math.inf,
         jacobian: Jacobian | None = None,
     ) -> None:
-        super().__init__()
-        if not max_step > 0.0:
-            raise ValueError(f"max_step must be positive, not {max_step}")
+        super().__init__(scale, max_step)
         self.jacobian = jacobian
-        self._scale = scale
         self._rtol = float(rtol)
-        self._max_step = float(max_step)
         # Below ten units of rounding of the state itself no iteration can come.
         self._enough = max(_ENOUGH, 10.0 * _EPS / self._rtol) if rtol > 0.0 else _ENOUGH
-        self._f: FloatArray = np.empty(0)
         self._chosen: Choice = slice(0, 0)
         self._indices = np.empty(0, dtype=np.intp)
         self._quadratures = np.empty(0, dtype=np.intp)
@@ -132,18 +136,42 @@ class RadauIIA(Solver):
             self._f = self._finite_derivative(t, y)
             self._memory = self._memory._replace(current=False)
         scale = self._scale(y, y)
-        controlled = scale < np.inf
-        indices = np.flatnonzero(controlled)
-        if forget or not np.array_equal(indices, self._indices):
-            self._memory = _Memory()
-            self._factors = None
-            m = indices.size
-            self._indices = indices
-            self._chosen = slice(0, m) if m == 0 or indices[-1] == m - 1 else indices
-            self._quadratures = np.flatnonzero(~controlled)
+        if forget or not np.array_equal(np.flatnonzero(scale < np.inf), self._indices):
+            self._choose(scale)
         if forget:
             limit = min(self._max_step, t_bound - t) if t_bound > t else self._max_step
             self._h = first_step(self._derivative, t, y, self._f, scale=scale, order=3, limit=limit)
+
+    def _choose(self, scale: FloatArray) -> None:
+        """Learn which components are quadratures, and forget all else."""
+        controlled = scale < np.inf
+        indices = np.flatnonzero(controlled)
+        m = indices.size
+        self._memory = _Memory()
+        self._factors = None
+        self._indices = indices
+        self._chosen = slice(0, m) if m == 0 or indices[-1] == m - 1 else indices
+        self._quadratures = np.flatnonzero(~controlled)
+
+    @property
+    def own(self) -> bool:
+        """Whether a function gives its Jacobian."""
+        return self.jacobian is not None
+
+    def state(self) -> State:
+        """Return where the solver stands and what it has learnt of its steps.
+
+        Its Jacobian and its polynomial are not part of it: whoever goes on makes them anew.
+        """
+        memory, count = self._memory, max(self._indices.size, 1)
+        return State(self._t, self._y, self._f, self._h, memory.error, memory.h, count)
+
+    def resume(self, state: State) -> None:
+        """Go on from a state that the same method reached elsewhere, once it is started there."""
+        super().resume(state)
+        with np.errstate(all="ignore"):
+            self._choose(self._scale(state.y, state.y))
+        self._memory = _Memory(h=state.h_before, error=state.error_before)
 
     def step(self, t_end: float) -> Step:
         """Make one step that satisfies the tolerance."""

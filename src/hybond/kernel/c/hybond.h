@@ -97,10 +97,24 @@ typedef struct {
     hb_rows sense;                                  /* x storages: of co-energy variables */
 } hb_mode;
 
+/* What an implicit method keeps from one step to the next, of a mode with n states beside the energies.
+ * Matrices are kept column after column. */
+typedef struct {
+    double left;                                    /* error that the last iteration left */
+    double span;                                    /* the step of `polynomial`; 0: none */
+    double served;                                  /* the step that the factors are of; 0: none */
+    int32_t matrix, slow;                           /* the Jacobian, and whether it is outdated */
+    int32_t first;                                  /* no step before the last told of its error */
+    double *jacobian, *real, *re, *im;              /* n x n: itself, and factors for a step */
+    int32_t *real_row, *pair_row;                   /* n: of their pivots */
+    double *polynomial;                             /* 3 x states: of x, x^2, x^3 */
+} hb_memory;
+
 /* A motion under way: read and written. States are stored quantities, signals, energy supplied,
  * energy dissipated. */
 typedef struct {
-    double t, h, error_before, energy;
+    double t, h, energy;
+    double error_before, h_before;                  /* of the last step that tells of the next */
     double max_step, rtol, atol;                    /* atol: nan if none is given */
     double negligible, idle;
     double run_energy, instant;                     /* seen by the run; what is one instant, s */
@@ -110,6 +124,7 @@ typedef struct {
     double *y, *f, *largest, *free, *rounding;
     const double *input, *input_rate, *input_time;  /* at which `input` holds */
     double *v;                                      /* 2 slots: flags written, the rest is work */
+    hb_memory memory;                               /* only with a method that needs it */
 } hb_motion;
 
 /* What a march leaves behind, one row a step. */
@@ -195,6 +210,7 @@ struct hb_work {
     double *kept, *residuals, *dense, *guess;        /* constraints; the step to an event; Newton */
     double *met;                                     /* residuals taken away so far */
     double *began;                                   /* where Newton began */
+    double *stages;                                  /* 13 x states: a step of radau */
     void *all;
 };
 
@@ -221,7 +237,7 @@ typedef struct {
     int (*retry)(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
     void (*dense)(const hb_mode *m, const hb_work *work, double h, double *dense);
 } hb_method;
-extern const hb_method hb_dopri;
+extern const hb_method hb_dopri, hb_radau;
 
 /* Those of the method of a motion. */
 int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);
@@ -243,6 +259,14 @@ double hb_norm(const hb_mode *m, const hb_motion *o, const double *vector,
 
 /* The first step of a method of an order. */
 double hb_first_step(const hb_mode *m, hb_motion *o, hb_work *work, double limit, double order);
+
+/* Factors of a matrix, in place, and a system solved with them, in place; column after column. A complex
+ * matrix has its real and imaginary parts apart. 0 if it is singular. */
+int hb_factor(int n, double *a, int32_t *row);
+void hb_unfactor(int n, const double *a, const int32_t *row, double *b);
+int hb_factor_pair(int n, double *re, double *im, int32_t *row);
+void hb_unfactor_pair(int n, const double *re, const double *im, const int32_t *row, double *br,
+                      double *bi);
 
 /* The size of the terms of a value of the last hb_solve. `reach` is what a unit of energy in one
  * storage weighs: 0 or the root of the energy of the run. */

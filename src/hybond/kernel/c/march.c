@@ -110,14 +110,15 @@ int32_t hb_pass(const hb_mode *m, hb_motion *o, hb_work *work, const hb_sampling
     a.n = (size_t)m->storages + (size_t)m->signals + 2;
     int32_t why = begins && !hb_begin(m, o, work, t_end) ? HB_DECLINED : HB_FULL;
     for (int32_t made = 0; why == HB_FULL && made < most && o->t < t_end; ++made) {
-        const double h = o->h, before = o->error_before;
+        const double h = o->h, error_before = o->error_before, h_before = o->h_before;
         memcpy(work->guess, o->free, sizeof(double) * (size_t)m->free);
         why = advance(&a, (size_t)*count);
         if (why == HB_FULL || why == HB_EVENT) {
             ++*count;
         } else {
             o->h = h;
-            o->error_before = before;
+            o->error_before = error_before;
+            o->h_before = h_before;
             memcpy(o->free, work->guess, sizeof(double) * (size_t)m->free);
         }
     }

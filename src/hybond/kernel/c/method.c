@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static const hb_method *const METHODS[] = {&hb_dopri};
+static const hb_method *const METHODS[] = {&hb_dopri, &hb_radau};
 
 int hb_states(const hb_mode *m)
 {
@@ -88,7 +88,7 @@ double hb_first_step(const hb_mode *m, hb_motion *o, hb_work *work, double limit
     if (!isfinite(d2))
         return 0.01 * h0;
     double h1 = INFINITY;
-    if (d2 > 0.0) {
+    if (d2 > 0.0 && d1 < INFINITY) {
         h1 = d1 > 0.0 ? d1 / d2 * pow(0.01 / d1 * (d2 / d1), 1.0 / order) : 0.0;
         h1 = fmax(h1, 1.0 / sqrt(d2));
     }

@@ -33,12 +33,12 @@ int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
     size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
                       slots, n, constraints, 4 * n, free_, constraints,
-                      free_};
+                      free_, 13 * n};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->magnitudes, &work->kept,
                         &work->residuals, &work->dense, &work->guess, &work->met,
-                        &work->began};
+                        &work->began, &work->stages};
     size_t total = 1, parts_count = sizeof sizes / sizeof *sizes;
     for (size_t i = 0; i < parts_count; ++i)
         total += sizes[i];
