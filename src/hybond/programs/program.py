@@ -20,6 +20,7 @@ from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.resolve import prior
 from hybond.programs.interval import Interval, discrete_names, discrete_values
+from hybond.programs.linear import LinearForms
 
 Vector = NDArray[np.float64]
 Field = Callable[[float, Vector], Vector]
@@ -79,6 +80,7 @@ class Program:
         self._vanishing: dict[Mode, tuple[int, ...]] = {}
         self.built = 0
         self.evaluations = 0
+        self.linear = LinearForms(self)
 
     @property
     def selective(self) -> bool:
