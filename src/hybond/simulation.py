@@ -78,8 +78,9 @@ def simulate(
     parameters : mapping
         Values by dotted path that replace the model's own.
     solver : str
-        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"``
-        to ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
+        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"exact"``, which propagates linear
+        modes and leaves others to ``"rk45"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"`` to
+        ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
         events, and takes contacts, diodes and friction as laws of each step. Default ``"rk45"``,
         or what the experiment says.
     rtol : float
@@ -200,7 +201,7 @@ def simulate(
         ignored = _ignored_impact(impact, experiment)
         if ignored is not None:
             executive.trace.warn(ignored)
-        executive.trace.kernel = "not used: the kernel has rk45 only"
+        executive.trace.kernel = "not used: the kernel has rk45 and exact only"
         return _finish(graph, program, executive, end, name, on_error)
     if theta is not None:
         raise UsageError(

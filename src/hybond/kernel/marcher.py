@@ -25,11 +25,14 @@ from hybond.modes.locate import Watched
 from hybond.modes.marching import Course, Marched, Passage, Scale
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
+from hybond.programs.linear import LinearForm
 from hybond.programs.program import Program
 from hybond.solvers.dopri import DormandPrince, State
 
 Vector = NDArray[np.float64]
 ARRIVED, FULL, EVENT, UNSURE, DECLINED, NO_MEMORY, UNKNOWN = range(7)
+METHODS = ("rk45", "exact")
+"""In the order of METHODS in `c/method.c`."""
 MOST = 1024
 """Steps of one call: between calls a run can be interrupted."""
 REPORTED = 16
@@ -101,7 +104,9 @@ class Marcher:
         """
         laws = settler.trials.laws
         gaps = laws.gaps
-        mode = self._plan(equations, watched, tuple(gaps.values()), lawful=bool(laws.laws))
+        mode = self._plan(
+            equations, watched, interval, tuple(gaps.values()), lawful=bool(laws.laws)
+        )
         if mode is None:
             return None
         state = self.solver.state()
@@ -209,7 +214,7 @@ class Marcher:
                     return None
                 self._drifting[base_mode(program.graph, mode)] = found
             equations = program.equations(mode, interval, t)
-            return self._plan(equations, course.watch(mode), (), lawful=lawful)
+            return self._plan(equations, course.watch(mode), interval, (), lawful=lawful)
 
         self._modes = Modes(program, course, make, rounded=self.scale.rounded)
 
@@ -270,6 +275,7 @@ class Marcher:
         self,
         equations: ModeEquations,
         watched: Watched,
+        interval: Interval,
         gaps: tuple[Expr, ...],
         *,
         lawful: bool,
@@ -281,7 +287,10 @@ class Marcher:
         if known is None or known[0] is not equations or known[1] is not watched:
             found: Filled | None = None
             try:
-                found = plan(self.program, equations, watched, gaps, shared, lawful=lawful)
+                form = self._form(equations, interval)
+                found = plan(
+                    self.program, equations, watched, gaps, shared, lawful=lawful, form=form
+                )
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
             if len(self._plans) >= KEPT:
@@ -289,11 +298,20 @@ class Marcher:
             known = self._plans[key] = equations, watched, found
         return known[2]
 
+    def _form(self, equations: ModeEquations, interval: Interval) -> LinearForm | None:
+        """Return the motion of a mode as a matrix, if the solver propagates by that."""
+        program = self.program
+        if not self.solver.propagates or program.fieldless(equations.mode):
+            return None
+        form = program.linear.of(equations, interval)
+        return form if isinstance(form, LinearForm) else None
+
     def _prepare(self, state: State, equations: ModeEquations, interval: Interval) -> Filled:
         motion, solver, scale, program = self._motion, self.solver, self.scale, self.program
         m = motion.structure
         m.t, m.h, m.error_before = state.t, state.h, state.error_before
         m.controlled, m.max_step = state.controlled, solver.max_step
+        m.method = METHODS.index(solver.name)
         m.energy, m.rtol, m.atol = scale.energy, scale.rtol, scale.atol_or_nan
         m.negligible, m.idle = scale.negligible, scale.idle
         m.evaluations = 0
@@ -378,7 +396,7 @@ def marcher(
     if isinstance(kernel, str):
         return kernel
     if not isinstance(solver, DormandPrince):
-        return "the kernel has rk45 only"
+        return f"the kernel has {' and '.join(METHODS)} only"
     return Marcher(kernel, program, solver, scale, most=REPORTED if reporting else MOST)
 
 
