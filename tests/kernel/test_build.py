@@ -16,8 +16,10 @@ RUNS = """
 import hybond as hb, pathlib, sys
 for name in ("rope_and_disc", "buck", "friction_oscillator", "bouncing_rod", "end_stops",
              "half_bridge", "cockcroft_walton", "bouncing_ball_air", "diode_bridge"):
-    run = hb.simulate(hb.load(pathlib.Path(sys.argv[1]) / f"{name}.toml"), on_error="return")
-    print(name, run.kernel)
+    model = hb.load(pathlib.Path(sys.argv[1]) / f"{name}.toml")
+    for solver in ("rk45", "exact"):
+        run = hb.simulate(model, solver=solver, on_error="return")
+        print(name, run.kernel)
 """
 
 
@@ -65,8 +67,8 @@ def test_runs_are_clean_under_sanitizers(checked):
     done = python(RUNS, env=env)
     assert done.returncode == 0, done.stderr[-3000:]
     assert "runtime error" not in done.stderr
-    assert done.stdout.count(" steps") == 9 and "not used" not in done.stdout
-    assert done.stdout.count(" events") >= 5
+    assert done.stdout.count(" steps") == 18 and "not used" not in done.stdout
+    assert done.stdout.count(" events") >= 10
 
 
 def test_the_sanitizers_would_have_seen_a_wrong_index(checked, tmp_path):

@@ -8,13 +8,28 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.kernel.library import library
 from hybond.model.expressions import compile_expression, parse
 from hybond.programs.generators import generators, of_name, terms_of
 from hybond.solvers.propagation import Propagator, balanced
 
-REFERENCE = {"solver": "exact", "kernel": False}
 ENDS = 1e-13
 """What the end of a step may be off by: rounding of a few dozen terms."""
+
+
+@pytest.fixture(params=["reference", "kernel"])
+def engine(request):
+    """The options of a run; with the kernel all of its steps must be taken there."""
+    if request.param == "kernel" and isinstance(library(), str):
+        pytest.skip(library())
+    return {"solver": "exact", "kernel": request.param == "kernel"}
+
+
+def simulated(model, until, engine, **options):
+    """Run a model; check who took its steps."""
+    run = hb.simulate(model, until, **engine, **options)
+    assert run.stats["marched"] == (run.stats["steps"] if engine["kernel"] else 0)
+    return run
 
 
 def ends(run, path):
@@ -154,11 +169,11 @@ def test_what_has_no_generators_says_why(text, reason):
 # -- closed forms
 
 
-def test_discharge():
+def test_discharge(engine):
     m = hb.Model("rc", domain="electrical")
     m.add(C=hb.C("1 mF", e="10 V"), R=hb.R("1 kohm"), n=hb.Zero())
     m.bond("n -> C", "n -> R")
-    run = hb.simulate(m, 5.0, **REFERENCE)
+    run = simulated(m, 5.0, engine=engine)
     assert_true(run, "C", lambda t: 0.01 * np.exp(-t))
     assert run.method == "1 mode propagated exactly"
     assert run.stats["propagated"] == 1
@@ -166,9 +181,9 @@ def test_discharge():
 
 
 @pytest.mark.parametrize("r", [0.0, 0.5, 4.0, 9.0])
-def test_ringing_critical_and_creeping(r):
+def test_ringing_critical_and_creeping(r, engine):
     """At r = 4 the matrix has one eigenvector only."""
-    run = hb.simulate(ringing(r), 6.0, **REFERENCE)
+    run = simulated(ringing(r), 6.0, engine=engine)
     a = np.array([[0.0, 1.0], [-4.0, -r]])
 
     def true(t):
@@ -189,30 +204,30 @@ def test_ringing_critical_and_creeping(r):
         ("exp(-1*time)*cos(5*time)", lambda t: np.real(np.exp((-1 + 5j) * t) / (3 + 5j))),
     ],
 )
-def test_driven_coils(source, particular):
-    run = hb.simulate(series(source), 4.0, **REFERENCE)
+def test_driven_coils(source, particular, engine):
+    run = simulated(series(source), 4.0, engine=engine)
     start = particular(np.zeros(1))[0]
     assert_true(run, "L", lambda t: particular(t) - start * np.exp(-4.0 * t))
     assert run.method == "1 mode propagated exactly"
     assert abs(run.audit().energy) < 1e-8
 
 
-def test_steps_do_not_miss_a_source_whose_periods_fit_the_run():
+def test_steps_do_not_miss_a_source_whose_periods_fit_the_run(engine):
     """States that hardly move leave the steps long; powers must still see the source."""
     m = hb.Model("lamp", domain="electrical")
     m.add(V=hb.Se("sin(2*pi*time)"), n=hb.Zero(), R=hb.R(1.0), slow=hb.R(1e9), C=hb.C(1.0, q=1.0))
     m.add(b=hb.One())
     m.bond("V -> n -> R", "n -> b -> slow", "b -> C")
-    run = hb.simulate(m, 100.0, **REFERENCE)
+    run = simulated(m, 100.0, engine=engine)
     supplied = run.segments[-1].y[-1][-2]
     assert supplied == pytest.approx(50.0, rel=1e-7)
 
 
-def test_ramps_of_a_table():
+def test_ramps_of_a_table(engine):
     given = hb.Input(
         table=[(0.0, 0.0), (1.0, 4.0), (1.5, 4.0), (1.5, -1.0), (3.0, 2.0)], linear=True
     )
-    run = hb.simulate(series("u", u=given), 3.0, **REFERENCE)
+    run = simulated(series("u", u=given), 3.0, engine=engine)
     a, y, slopes = -4.0, 0.0, [(1.0, 0.0, 4.0), (0.5, 4.0, 0.0), (1.5, -1.0, 2.0)]
     for h, u, s in slopes:
         m = np.array([[a, u, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
@@ -221,9 +236,9 @@ def test_ramps_of_a_table():
     assert run.final["L.p"] == pytest.approx(y, rel=1e-13)
 
 
-def test_pulses():
+def test_pulses(engine):
     given = hb.Input(pwm={"period": 0.1, "duty": 0.3, "high": 5.0})
-    run = hb.simulate(series("u", u=given), 2.0, **REFERENCE)
+    run = simulated(series("u", u=given), 2.0, engine=engine)
     y = 0.0
     for _ in range(20):
         y = 1.25 + (y - 1.25) * math.exp(-4.0 * 0.03)
@@ -231,7 +246,7 @@ def test_pulses():
     assert run.final["L.p"] == pytest.approx(y, rel=1e-12)
 
 
-def test_switched_sine():
+def test_switched_sine(engine):
     """A coil on a sine that a machine switches at a current: events and states are exact."""
     m = hb.Model("switched", domain="electrical")
     m.add(V=hb.Se("10*sin(7*time)"), n=hb.One(), R=hb.R(2.0), s=hb.One(), z=hb.Zero())
@@ -243,7 +258,7 @@ def test_switched_sine():
         start="on",
         rules=["on -> off when L.f > 0.8", "off -> on when L.f < 0.1"],
     )
-    run = hb.simulate(m, 3.0, **REFERENCE)
+    run = simulated(m, 3.0, engine=engine)
     t, p, on, times = 0.0, 0.0, True, []
 
     def moved(u):
@@ -267,30 +282,30 @@ def test_switched_sine():
     assert run.final["L.p"] == pytest.approx(moved(3.0), rel=1e-9)
 
 
-def test_free_flight_needs_one_step():
+def test_free_flight_needs_one_step(engine):
     m = hb.Model("ball", domain="translational")
     m.add(weight=hb.Se(-9.81), ball=hb.I(1.0), v=hb.One())
     m.bond("weight -> v -> ball")
     m.signal(height=hb.Integral("v.f", start=3.0))
-    run = hb.simulate(m, 2.0, **REFERENCE)
+    run = simulated(m, 2.0, engine=engine)
     assert run.stats["steps"] == 1
     assert run["height"].at(1.3) == pytest.approx(3.0 - 0.5 * 9.81 * 1.69, rel=1e-14)
 
 
-def test_an_oscillator_keeps_its_energy():
-    run = hb.simulate(ringing(0.0, c=1.0), 400.0 * math.pi, rtol=1e-5, **REFERENCE)
+def test_an_oscillator_keeps_its_energy(engine):
+    run = simulated(ringing(0.0, c=1.0), 400.0 * math.pi, rtol=1e-5, engine=engine)
     y = run.segments[0].y
     assert np.abs(y[:, 0] ** 2 + y[:, 1] ** 2 - 1.0).max() < 1e-12
     assert y[-1, :2] == pytest.approx([1.0, 0.0], abs=1e-12)
 
 
-def test_stiff_decays_limit_steps_only_while_they_last():
+def test_stiff_decays_limit_steps_only_while_they_last(engine):
     """Two capacitors: one in a nanosecond, one in a second."""
     m = hb.Model("stiff", domain="electrical")
     m.add(a=hb.C(1e-9, q=3e-9), b=hb.C(1.0, q=1.0), r=hb.R(1.0), i=hb.One(), za=hb.Zero())
     m.add(zb=hb.Zero(), load=hb.R(1.0))
     m.bond("za -> a", "za -> i -> zb", "i -> r", "zb -> b", "zb -> load")
-    run = hb.simulate(m, 5.0, **REFERENCE)
+    run = simulated(m, 5.0, engine=engine)
     assert run.stats["steps"] < 150
     fast = -(1e9 + 2.0 + math.sqrt((1e9 + 2.0) ** 2 - 4e9)) / 2.0
     slow = 1e9 / fast
@@ -300,12 +315,12 @@ def test_stiff_decays_limit_steps_only_while_they_last():
     assert run.final["a.q"] == pytest.approx(a, rel=1e-8)
 
 
-def test_dependent_storage_and_a_source_rate():
+def test_dependent_storage_and_a_source_rate(engine):
     """A capacitor across a source takes the rate of the source."""
     m = hb.Model("dependent", domain="electrical")
     m.add(V=hb.Se("sin(3*time)"), z=hb.Zero(), C=hb.C(2.0), n=hb.One(), R=hb.R(1.0), L=hb.I(1.0))
     m.bond("V -> z -> C", "z -> n -> R", "n -> L")
-    run = hb.simulate(m, 3.0, **REFERENCE)
+    run = simulated(m, 3.0, engine=engine)
     assert run.method == "1 mode propagated exactly"
     t, q = ends(run, "C")
     assert q == pytest.approx(2.0 * np.sin(3.0 * t), abs=1e-13)
@@ -313,11 +328,11 @@ def test_dependent_storage_and_a_source_rate():
     assert ends(run, "L")[1] == pytest.approx(true, abs=1e-13)
 
 
-def test_integrals_that_are_not_linear_are_taken_along():
+def test_integrals_that_are_not_linear_are_taken_along(engine):
     m = ringing(0.5)
     m.signal(heat=hb.Integral("0.5*L.f^2", start=0.0), way=hb.Integral("abs(L.f)", start=0.0))
     m.signal(charge=hb.Integral("L.f", start=1.0))
-    a = hb.simulate(m, 6.0, rtol=1e-9, **REFERENCE)
+    a = simulated(m, 6.0, rtol=1e-9, engine=engine)
     b = hb.simulate(m, 6.0, rtol=1e-12, kernel=False)
     assert a.method == "1 mode propagated exactly"
     for name in ("heat", "way", "charge"):
@@ -342,7 +357,7 @@ def test_integrals_that_are_not_linear_are_taken_along():
     ],
 )
 def test_what_is_not_linear_is_left_to_rk45(make, reason):
-    a = hb.simulate(make(), 2.0, **REFERENCE)
+    a = hb.simulate(make(), 2.0, solver="exact", kernel=False)
     b = hb.simulate(make(), 2.0, kernel=False)
     assert a.method.startswith("0 modes propagated exactly; 1 mode left to rk45: ")
     assert reason in a.method

@@ -383,6 +383,8 @@ class Executive:
         field = (view.program if view else self.program).field(equations, interval)
         if self.solver.propagates:
             self.solver.linear = None if view else self._linear.of(equations, interval)
+            if view:
+                self.program.linear.slid(view.number)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=jumped))
         return field
 

@@ -71,6 +71,7 @@ class LinearForms:
         self._known: OrderedDict[object, tuple[ModeEquations, LinearForm | str]] = OrderedDict()
         self.found: Counter[str] = Counter()
         """Modes that have none, by reason; those that have one by no text."""
+        self._slid: set[int] = set()
 
     def of(self, equations: ModeEquations, interval: Interval) -> LinearForm | str:
         """Return the form of a mode in an interval, or why there is none."""
@@ -84,6 +85,11 @@ class LinearForms:
                 self._known.popitem(last=False)
         self._known.move_to_end(key)
         return known[1]
+
+    def slid(self, which: int) -> None:
+        """Note a motion along a surface, which has no form here."""
+        self._slid.add(which)
+        self.found["motion along a surface"] = len(self._slid)
 
     def generated(self, form: LinearForm, interval: Interval) -> Callable[[float], Vector]:
         """Return the generators as a function of time within an interval."""
