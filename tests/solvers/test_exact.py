@@ -340,6 +340,38 @@ def test_integrals_that_are_not_linear_are_taken_along(engine):
     assert a["charge"].at(6.0) == pytest.approx(a["C.q"].at(6.0), rel=1e-13)
 
 
+def test_controlled_sources_are_solved_for(engine):
+    """A source that follows a current, with a ramp: a row that is evaluated, but linear."""
+    m = series("1*sin(3*time)")
+    m.add(F=hb.Se("-3*L.f + 2*time"), S=hb.Sf("0.5*L.p"), z=hb.Zero(), C=hb.C(2.0), G=hb.R(1.0))
+    m.bond("F -> n", "S -> z -> C", "z -> G")
+    run = simulated(m, 3.0, engine=engine)
+    assert run.method == "1 mode propagated exactly"
+    # p' = sin 3t + 2t - 10 p, q' = p/2 - q/2
+    a = np.zeros((6, 6))
+    a[0, [0, 2, 4]] = -10.0, 1.0, 2.0
+    a[1, [0, 1]] = 0.5, -0.5
+    a[2, 3], a[3, 2], a[4, 5] = 3.0, -3.0, 1.0
+    true = expm(3.0 * a) @ [0.0, 0.0, 0.0, 1.0, 0.0, 1.0]
+    assert run.final["L.p"] == pytest.approx(true[0], rel=1e-12)
+    assert run.final["C.q"] == pytest.approx(true[1], rel=1e-12)
+
+
+def test_a_law_that_is_switched_off_may_be_anything(engine):
+    m = ringing(0.5)
+    m.add(s=hb.One(), D=hb.R({"e": "2*f + 3*f^3"}), z=hb.Zero(), G=hb.R(2.0))
+    m.bond("n -> z -> G", "z -> s -> D")
+    m.machine("M", states={"off": [], "on": ["s"]}, start="off", rules=["off -> on when time > 1"])
+    run = simulated(m, 2.0, engine=engine)
+    assert run.method == "1 mode propagated exactly; 1 mode left to rk45: laws that are not linear"
+    true = hb.simulate(m, 2.0, rtol=1e-12)
+    assert run.final["C.q"] == pytest.approx(true.final["C.q"], rel=1e-7)
+    first = run.segments[0]
+    matrix = np.array([[0.0, 1.0], [-4.0, -2.5]])
+    assert first.t[-1] == 1.0
+    assert first.y[-1][:2] == pytest.approx(expm(matrix) @ [1.0, 0.0], rel=1e-12)
+
+
 # -- what is left to rk45
 
 

@@ -28,6 +28,7 @@ from hybond.programs.generators import (
     terms_of,
 )
 from hybond.programs.interval import Interval
+from hybond.programs.solved_rows import is_open, solve_rows
 
 if TYPE_CHECKING:
     from hybond.programs.program import Program
@@ -118,8 +119,6 @@ def _modes(n: int) -> str:
 
 def linear_form(program: Program, equations: ModeEquations, interval: Interval) -> LinearForm | str:
     """Return the motion of a mode as a matrix, or why it is none."""
-    if not equations.linear:
-        return "laws that are not linear"
     if not equations.storage.linear:
         return "nonlinear storage"
     return _Making(program, equations, interval).form()
@@ -140,11 +139,8 @@ class _Making:
             for name, k in slots.index.items()
             if slots.on.start <= k < slots.states.stop
         }
-        solved = equations.finite
-        self.known = (
-            solved.known if equations.project is None else equations.project @ solved.spread()
-        )
-        self.row = solved.row if equations.project is None else np.arange(len(self.known))
+        self.rows = solve_rows(equations, self._name)
+        self.known, self.row = self.rows.known, self.rows.row
         self.xi: list[Found] = []
 
     def form(self) -> LinearForm | str:
@@ -155,13 +151,31 @@ class _Making:
             for row in matrix
         ]
         found += self._sources()
+        found += self.rows.rests
+        if self._open():
+            return "laws that are not linear"
         used = self._used()
         for k in used:
-            if isinstance(reason := found[k], str):
+            reason = found[k]
+            if k >= nx + 2 * len(self.equations.tableau.sources):
+                assert isinstance(reason, dict)
+                if not all(map(_straight, reason)):
+                    return "a product with what is stored in a law"
+            if isinstance(reason, str):
                 return f"{reason} in the source {self._source_name(k - nx)}"
         self.xi = found
         rates = self._signals(used)
         return rates if isinstance(rates, str) else self._assembled(used, rates)
+
+    def _open(self) -> bool:
+        """Whether rates or powers depend on more than knowns."""
+        meter = self.program.meter
+        pairs = [
+            (int(e), int(f))
+            for ends in (meter.supplied, meter.dissipated)
+            for e, f in zip(ends[0], ends[1], strict=True)
+        ]
+        return bool(self.rows.open[self.equations.storage.bond].any()) or is_open(self.rows, pairs)
 
     def _used(self) -> list[int]:
         """Return the knowns that rates or powers depend on."""
@@ -202,6 +216,8 @@ class _Making:
         if not path.startswith(("e:", "f:")):
             return self._name(path)
         k = self.program.slots.index[path] - self.program.slots.w.start
+        if self.rows.open[k]:
+            return "a law that is not linear"
         row = self.known[self.row[k]]
         parts: list[tuple[complex, Terms]] = []
         for c in np.flatnonzero(row).tolist():
