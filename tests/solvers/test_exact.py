@@ -315,6 +315,20 @@ def test_stiff_decays_limit_steps_only_while_they_last(engine):
     assert run.final["a.q"] == pytest.approx(a, rel=1e-8)
 
 
+def test_rounding_of_a_fast_rate_limits_no_steps(engine):
+    """A rate of 1e13 per second times a tenth of a second: all digits of its rate are rounding."""
+    m = hb.Model("stiffer", domain="electrical")
+    m.add(a=hb.C(1e-13), b=hb.C(1.0, q=1.0), r=hb.R(1.0), i=hb.One(), za=hb.Zero())
+    m.add(zb=hb.Zero(), load=hb.R(1.0))
+    m.bond("za -> a", "za -> i -> zb", "i -> r", "zb -> b", "zb -> load")
+    run = simulated(m, 5.0, engine=engine)
+    assert run.stats["steps"] < 250
+    assert run.final["b.q"] == pytest.approx(math.exp(-5.0), rel=1e-11)
+    points = np.linspace(1.0, 5.0, 99)
+    seen = np.asarray(run["a.e"].at(points.tolist()))
+    assert seen == pytest.approx(np.exp(-points), rel=1e-6)
+
+
 def test_dependent_storage_and_a_source_rate(engine):
     """A capacitor across a source takes the rate of the source."""
     m = hb.Model("dependent", domain="electrical")
