@@ -400,6 +400,8 @@ def test_a_law_that_is_switched_off_may_be_anything(engine):
         (lambda: nonlinear(R=hb.R({"e": "2*f^3"})), "laws that are not linear"),
         (lambda: nonlinear(C=hb.C({"e": "2*q^3"}, q=1.0)), "nonlinear storage"),
         (lambda: modulated("2*L.p*sin(1*time)"), "a product with what is stored in the source V"),
+        (lambda: modulated("2*way"), "a source follows way, which does not move linearly"),
+        (lambda: modulated("2", on="3*way"), "on follows way, which does not move linearly"),
     ],
 )
 def test_what_is_not_linear_is_left_to_rk45(make, reason):
@@ -419,8 +421,9 @@ def nonlinear(**parts):
     return m
 
 
-def modulated(source):
+def modulated(source, on="0"):
     m = ringing(1.0)
+    m.signal(way=hb.Integral("2*abs(L.f)", start=0.0), on=hb.Integral(on, start=0.0))
     m.add(V=hb.Se(source))
     m.bond("V -> n")
     return m
