@@ -87,9 +87,11 @@ def problem(full: bool) -> Problem:
     """Return the problem; output points are as dense as in the longest run."""
     longest = (FULL if full else LENGTHS)[1]
 
-    def ours(n: float) -> Outcome:
+    def ours(n: float, solver: str = "rk45") -> Outcome:
         count = points(n, longest)
-        return in_hybond(model(), until(n), count, ["height", "v.f"], last, rtol=RTOL)
+        return in_hybond(
+            model(), until(n), count, ["height", "v.f"], last, rtol=RTOL, solver=solver
+        )
 
     def scipy(n: float) -> Outcome:
         count = points(n, longest)
@@ -112,6 +114,7 @@ def problem(full: bool) -> Problem:
         {
             C: lambda n: in_c("ball", until(n), RESTITUTION, DROP, RTOL, points(n, longest)),
             "hybond": ours,
+            "hybond exact": lambda n: ours(n, "exact"),
             "SciPy": scipy,
             "rumoca": lambda n: in_rumoca(
                 MODELICA,

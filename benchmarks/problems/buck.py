@@ -113,7 +113,7 @@ def problem(full: bool) -> Problem:
         run = in_c("buck", n, RTOL, points(n, longest))
         return run and Outcome(run.seconds, run.found[1:])
 
-    def ours(n: float) -> Outcome:
+    def ours(n: float, solver: str = "rk45") -> Outcome:
         return in_hybond(
             model(),
             n * PERIOD,
@@ -121,6 +121,7 @@ def problem(full: bool) -> Problem:
             ["L.f", "C.e"],
             lambda run: (run.final["L.f"], run.final["C.e"]),
             rtol=RTOL,
+            solver=solver,
         )
 
     def scipy(n: float) -> Outcome:
@@ -144,6 +145,7 @@ def problem(full: bool) -> Problem:
         {
             C: limit,
             "hybond": ours,
+            "hybond exact": lambda n: ours(n, "exact"),
             "SciPy": scipy,
             "rumoca": lambda n: in_rumoca(
                 MODELICA,

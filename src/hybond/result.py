@@ -83,9 +83,11 @@ class Result:
     warnings : tuple of str
     stats : dict
         Steps (``marched``: those that the kernel took), events (``crossed``: those that it
-        settled), evaluations, modes built.
+        settled), evaluations, modes built (``propagated``: those that solver ``"exact"`` took).
     kernel : str
         How many of the steps and events the compiled kernel took, and why not more.
+    method : str
+        With solver ``"exact"``: how many modes were propagated exactly, and why not more.
 
     Examples
     --------
@@ -121,6 +123,7 @@ class Result:
         self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
         self.kernel = trace.kernel
+        self.method = trace.method
         self._expressions: dict[str, Expr] = {}
         self._grids: dict[tuple[int, bytes], tuple[Vector, list[Vector]]] = {}
         self._kept = 0

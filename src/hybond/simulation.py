@@ -78,8 +78,9 @@ def simulate(
     parameters : mapping
         Values by dotted path that replace the model's own.
     solver : str
-        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"``
-        to ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
+        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"exact"``, which propagates linear
+        modes and leaves others to ``"rk45"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"`` to
+        ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
         events, and takes contacts, diodes and friction as laws of each step. Default ``"rk45"``,
         or what the experiment says.
     rtol : float

@@ -229,6 +229,8 @@ class Trace:
     warnings: list[str] = field(default_factory=list)
     kernel: str = ""
     """How many of the steps the compiled kernel took, and why not more."""
+    method: str = ""
+    """How many of the modes a solver took that is not for all, and why not more."""
     stats: dict[str, float] = field(default_factory=dict)
     energy: float = 0.0
     """The largest energy seen, J: what rounding of stored quantities is measured by."""

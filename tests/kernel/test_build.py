@@ -16,7 +16,7 @@ RUNS = """
 import hybond as hb, pathlib, sys
 for name in ("rope_and_disc", "buck", "friction_oscillator", "bouncing_rod", "end_stops",
              "half_bridge", "cockcroft_walton", "bouncing_ball_air", "diode_bridge"):
-    for solver in ("rk45", "radau"):
+    for solver in ("rk45", "radau", "exact"):
         file = pathlib.Path(sys.argv[1]) / f"{name}.toml"
         run = hb.simulate(hb.load(file), on_error="return", solver=solver)
         print(name, run.kernel)
@@ -67,7 +67,7 @@ def test_runs_are_clean_under_sanitizers(checked):
     done = python(RUNS, env=env)
     assert done.returncode == 0, done.stderr[-3000:]
     assert "runtime error" not in done.stderr
-    assert done.stdout.count(" steps") == 18 and "not used" not in done.stdout
+    assert done.stdout.count(" steps") == 27 and "not used" not in done.stdout
     assert done.stdout.count(" events") >= 10
 
 

@@ -82,7 +82,7 @@ def test_reasons_and_sizes_are_the_same():
         range(len(listed))
     )
     methods = re.search(r"METHODS\[\] = \{(.*?)\}", (SOURCES / "method.c").read_text()).group(1)
-    twins = {"hb_dopri": "rk45", "hb_radau": "radau"}
+    twins = {"hb_dopri": "rk45", "hb_radau": "radau", "hb_exact": "exact"}
     assert tuple(twins[name.strip(" &")] for name in methods.split(",")) == marcher.METHODS
     assert numbers("hybond.h", "HB_SAMPLES") == [len(locate.FRACTIONS)]
     assert numbers("hybond.h", "HB_GRID") == [len(locate.GRID)]

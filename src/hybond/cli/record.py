@@ -78,6 +78,7 @@ def run_record(
         "warnings": notes,
         "stats": {k: int(v) if float(v).is_integer() else v for k, v in run.stats.items()},
         "kernel": run.kernel,
+        **({"method": run.method} if run.method else {}),
     }
     if run.error is not None:
         record["error"] = run.error.to_dict()

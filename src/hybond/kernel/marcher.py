@@ -26,6 +26,7 @@ from hybond.modes.locate import Watched
 from hybond.modes.marching import Course, Marched, Passage, Scale
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
+from hybond.programs.linear import LinearForm
 from hybond.programs.program import Program
 from hybond.solvers.base import State, Twinned
 
@@ -37,9 +38,9 @@ REPORTED = 16
 """Steps of one call where someone wants to be told how far a run is."""
 BUDGET = 2e7
 """Operations of one call, about: some hundredths of a second."""
-METHODS = ("rk45", "radau")
+METHODS = ("rk45", "radau", "exact")
 """Solvers that the kernel has, in the order of `METHODS` in `c/method.c`."""
-ONLY = f"the kernel has {' and '.join(METHODS)} only"
+ONLY = f"the kernel has {', '.join(METHODS[:-1])} and {METHODS[-1]} only"
 TIMES = {0: "", 1: " (once)"}
 ROOM = 6.4e7
 """Bytes of the steps of one passage."""
@@ -109,7 +110,9 @@ class Marcher:
         """
         laws = settler.trials.laws
         gaps = laws.gaps
-        mode = self._plan(equations, watched, tuple(gaps.values()), lawful=bool(laws.laws))
+        mode = self._plan(
+            equations, watched, interval, tuple(gaps.values()), lawful=bool(laws.laws)
+        )
         if mode is None:
             return None
         state = self.solver.state()
@@ -217,7 +220,7 @@ class Marcher:
                     return None
                 self._drifting[base_mode(program.graph, mode)] = found
             equations = program.equations(mode, interval, t)
-            return self._plan(equations, course.watch(mode), (), lawful=lawful)
+            return self._plan(equations, course.watch(mode), interval, (), lawful=lawful)
 
         self._modes = Modes(program, course, make, rounded=self.scale.rounded)
 
@@ -278,6 +281,7 @@ class Marcher:
         self,
         equations: ModeEquations,
         watched: Watched,
+        interval: Interval,
         gaps: tuple[Expr, ...],
         *,
         lawful: bool,
@@ -300,6 +304,7 @@ class Marcher:
                     self._common,
                     lawful=lawful,
                     implicit=self.solver.implicit,
+                    form=self._form(equations, interval),
                 )
             except Declined as reason:
                 self.declined[str(reason)] = self.declined.get(str(reason), 0) + 1
@@ -326,6 +331,14 @@ class Marcher:
         memory = self._motion.structure.memory
         memory.left, memory.span, memory.served = 1.0, 0.0, 0.0
         memory.matrix = memory.slow = 0
+
+    def _form(self, equations: ModeEquations, interval: Interval) -> LinearForm | None:
+        """Return the motion of a mode as a matrix, if the solver propagates by that."""
+        program = self.program
+        if not self.solver.propagates or program.fieldless(equations.mode):
+            return None
+        form = program.linear.of(equations, interval)
+        return form if isinstance(form, LinearForm) else None
 
     def _prepare(self, state: State, equations: ModeEquations, interval: Interval) -> Filled:
         motion, solver, scale, program = self._motion, self.solver, self.scale, self.program

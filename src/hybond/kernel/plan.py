@@ -12,6 +12,7 @@ from hybond.equations.mode import ModeEquations
 from hybond.equations.tableau import Tableau
 from hybond.kernel.bytecode import Book, Declined
 from hybond.kernel.common import Common
+from hybond.kernel.flow import put_flow
 from hybond.kernel.settling import Shared, put_settling
 from hybond.kernel.structs import Filled, Mode
 from hybond.model.expressions import Expr, Number
@@ -19,6 +20,7 @@ from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.modes.jump import Ways, impulse_directions, reach_of, reach_of_bonds, ways_of
 from hybond.modes.locate import Watched
 from hybond.programs.combined import Combined
+from hybond.programs.linear import LinearForm
 from hybond.programs.program import Program
 
 Matrix = NDArray[np.float64]
@@ -40,12 +42,14 @@ def plan(
     *,
     lawful: bool,
     implicit: bool,
+    form: LinearForm | None = None,
 ) -> Filled:
     """Return a mode with the guards that may leave it.
 
     `outputs` are expressions whose values are wanted at the end of each step; `shared` is what
     settling asks of all modes; `lawful` says whether junctions have laws, which count rounding of
-    what is stored as zero; `implicit`, whether steps solve systems of the size of the state.
+    what is stored as zero; `implicit`, whether steps solve systems of the size of the state; `form`
+    is its motion as a matrix, if it is to be propagated by that.
 
     Raises
     ------
@@ -68,6 +72,7 @@ def plan(
     _put_codes(mode, book, "output_code", outputs, count="outputs")
     ways = _constraints(mode, equations)
     put_settling(mode, book, common, equations, shared, ways)
+    put_flow(mode, book, form, program.nx + program.ns + 2)
     book.read |= shared.read
     _rows(mode, book, program, equations, lawful=lawful)
     code, constants = book.arrays()

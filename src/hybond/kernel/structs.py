@@ -40,6 +40,7 @@ _SIZES = """
     constraints agreements loose
     bonds bond_slot machines rules flag_count flag_slot
     fieldless enterable ports points
+    flow moved watched
 """
 
 
@@ -49,7 +50,7 @@ class Mode(ctypes.Structure):
     __slots__ = ()
     _fields_ = (
         *((name, INTEGER) for name in _SIZES.split()),
-        ("cost", REAL),
+        *((name, REAL) for name in ("cost", "flow_norm", "flow_unit")),
         ("code", INTEGERS),
         ("constants", REALS),
         ("co_energy", Rows),
@@ -107,6 +108,11 @@ class Mode(ctypes.Structure):
         ("port_drifts", INTEGERS),
         *((name, INTEGERS) for name in ("sense_code", "sense_push")),
         ("sense", Rows),
+        ("flow_matrix", Rows),
+        ("flow_scale", REALS),
+        *((name, INTEGERS) for name in ("moved_at", "along", "generator_code", "watched_at")),
+        ("levels", REALS),
+        ("levels_known", INTEGERS),
     )
 
 

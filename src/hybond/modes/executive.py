@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
+from hybond.modes.flows import Flows
 from hybond.modes.journal import Journal
 from hybond.modes.jump import on_constraints
 from hybond.modes.landing.landing import MOMENT, Landings
@@ -146,6 +147,7 @@ class Executive:
         self.slider = Slider(program, self.trace, max_writes=max_writes) if sliding else None
         self.settler.trials.impact_law, self.settler.trials.impact_exponent = impact
         step = solver.h if isinstance(solver, FixedStep) else None
+        self._linear = Flows(program.linear)
         self.stops = Stops(
             program, self.settler.trials.laws.kept, limits.until, step=step, rtol=rtol
         )
@@ -219,6 +221,9 @@ class Executive:
                 done = f"{self._marched} of {self._steps} steps"
                 done += f", {self._crossed} of {self.trace.events.total} events"
                 self.trace.kernel = "; ".join([done, *self.march.reasons()])
+            if self.solver.propagates:
+                self.trace.method = program.linear.report("rk45")
+                self.trace.stats["propagated"] = float(program.linear.found[""])
         return "ok"
 
     def _passed(self, y: Vector, interval: Interval) -> tuple[Vector, Interval]:
@@ -378,6 +383,10 @@ class Executive:
         """Tell the solver where it starts, and return the field that it was given."""
         view = None if self.slider is None else self.slider.view
         field = (view.program if view else self.program).field(equations, interval)
+        if self.solver.propagates:
+            self.solver.linear = None if view else self._linear.of(equations, interval)
+            if view:
+                self.program.linear.slid(view.number)
         self._guarded(lambda: self.solver.start(field, self.t, y, t_bound=end, jumped=jumped))
         return field
 

@@ -20,6 +20,7 @@ from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.resolve import prior
 from hybond.programs.interval import Interval, discrete_names, discrete_values
+from hybond.programs.linear import LinearForms
 from hybond.uncollected import uncollected
 
 Vector = NDArray[np.float64]
@@ -83,6 +84,7 @@ class Program:
         self._vanishing: dict[Mode, tuple[int, ...]] = {}
         self.built = 0
         self.evaluations = 0
+        self.linear = LinearForms(self)
 
     @property
     def selective(self) -> bool:

@@ -12,12 +12,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import NumericsError
+
+if TYPE_CHECKING:
+    from hybond.solvers.exact import Linear
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -184,6 +187,9 @@ class Solver(ABC):
     name: ClassVar[str]
     order: ClassVar[int]
     adaptive: ClassVar[bool]
+    propagates: ClassVar[bool] = False
+    """Whether it wants to know, before each start, what the field is where that is linear."""
+    linear: Linear | None = None
 
     def __init__(self) -> None:
         self._field: Field | None = None

@@ -11,6 +11,7 @@ from hybond.solvers.base import Scale, Solver
 SOLVERS: dict[str, str] = {
     "rk45": "explicit Runge-Kutta 5(4) of Dormand and Prince, adaptive; the default choice",
     "radau": "implicit Runge-Kutta of order 5 (Radau IIA), adaptive; for stiff models",
+    "exact": "exact propagation of linear modes by the exponential of a matrix; rk45 elsewhere",
     "rk4": "classical Runge-Kutta of order 4, fixed step",
     "euler": "forward Euler, fixed step; to reproduce published results",
     "qss1": "quantised states of order 1: constant between their events; for coarse tolerances",
@@ -115,6 +116,10 @@ def make_solver(
         from hybond.solvers.implicit import RadauIIA
 
         return RadauIIA(scale, rtol=rtol, max_step=max_step)
+    if name == "exact":
+        from hybond.solvers.exact import Exact
+
+        return Exact(scale, rtol=rtol, max_step=max_step)
     if "qss" in name:
         from hybond.solvers.qss import METHODS
 

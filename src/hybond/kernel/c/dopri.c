@@ -70,8 +70,8 @@ static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
     return hb_norm(m, o, work->error, work->tolerance);
 }
 
-static int step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
-                int32_t *rejected)
+int hb_steered(hb_trial *attempt, const hb_mode *m, hb_motion *o, hb_work *work, double t_end,
+               double *t1, int32_t *rejected)
 {
     const double remaining = t_end - o->t, t0 = o->t, exponent = 0.2 - 0.75 * BETA;
     const double smallest = 10.0 * (nextafter(fabs(t0), INFINITY) - fabs(t0));
@@ -105,6 +105,12 @@ static int step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, dou
         o->error_before = fmax(error, SMALLEST);
     }
     return 1;
+}
+
+static int step(const hb_mode *m, hb_motion *o, hb_work *work, double t_end, double *t1,
+                int32_t *rejected)
+{
+    return hb_steered(attempt, m, o, work, t_end, t1, rejected);
 }
 
 static int retry(const hb_mode *m, hb_motion *o, hb_work *work, double t1)

@@ -7,6 +7,7 @@
 #ifndef HYBOND_H
 #define HYBOND_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* Instructions of expressions, those of one value from HB_SIN to HB_CEIL; kernel/bytecode.py has the
@@ -46,7 +47,9 @@ typedef struct {
     int32_t constraints, agreements, loose;
     int32_t bonds, bond_slot, machines, rules, flag_count, flag_slot;
     int32_t fieldless, enterable, ports, points;
+    int32_t flow, moved, watched;                   /* flow: size of z in z' = M z; 0: none */
     double cost;                                    /* of a step, in operations, about */
+    double flow_norm, flow_unit;                    /* of M, balanced; about its inverse, s */
     const int32_t *code;
     const double *constants;
     hb_rows co_energy;                              /* storages x storages */
@@ -95,7 +98,15 @@ typedef struct {
     /* what must be positive in these branches, then what is zero on surfaces, and their rates */
     const int32_t *sense_code, *sense_push;         /* push: what sources add; -1: not known */
     hb_rows sense;                                  /* x storages: of co-energy variables */
+    /* exact propagation: z are components of the state, then generators */
+    hb_rows flow_matrix;                            /* of z / flow_scale */
+    const double *flow_scale;
+    const int32_t *moved_at, *along;                /* components that z begins with; all others */
+    const int32_t *generator_code, *watched_at;     /* watched: of z, those that powers read */
+    double *levels;                                 /* exponentials less I for 2^k units, written */
+    int32_t *levels_known;
 } hb_mode;
+enum { HB_LEVELS = 60 };
 
 /* What an implicit method keeps from one step to the next, of a mode with n states beside the energies.
  * Matrices are kept column after column. */
@@ -211,6 +222,7 @@ struct hb_work {
     double *met;                                     /* residuals taken away so far */
     double *began;                                   /* where Newton began */
     double *stages;                                  /* 13 x states: a step of radau */
+    double *flow;                                    /* exact propagation */
     void *all;
 };
 
@@ -237,7 +249,16 @@ typedef struct {
     int (*retry)(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
     void (*dense)(const hb_mode *m, const hb_work *work, double h, double *dense);
 } hb_method;
-extern const hb_method hb_dopri, hb_radau;
+extern const hb_method hb_dopri, hb_radau, hb_exact;
+
+/* One step under the control of solvers/dopri.py. An attempt returns the norm of the error of a step to
+ * t1, nan if something is not finite. */
+typedef double hb_trial(const hb_mode *m, hb_motion *o, hb_work *work, double t1);
+int hb_steered(hb_trial *attempt, const hb_mode *m, hb_motion *o, hb_work *work, double t_end,
+               double *t1, int32_t *rejected);
+
+/* What exact propagation works with in a mode: numbers in work->flow. */
+size_t hb_exact_room(const hb_mode *m);
 
 /* Those of the method of a motion. */
 int hb_begin(const hb_mode *m, hb_motion *o, hb_work *work, double t_bound);

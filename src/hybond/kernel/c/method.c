@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static const hb_method *const METHODS[] = {&hb_dopri, &hb_radau};
+static const hb_method *const METHODS[] = {&hb_dopri, &hb_radau, &hb_exact};
 
 int hb_states(const hb_mode *m)
 {

@@ -16,7 +16,7 @@ static size_t most(size_t a, int32_t b)
 int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
 {
     size_t n = 0, atoms = 0, free_ = 0, guards = 0, slots = 0, rows = 0, knowns = 0;
-    size_t constraints = 0;
+    size_t constraints = 0, flow = 0;
     for (int k = 0; k < count; ++k) {
         const hb_mode *m = modes[k];
         if (!m)
@@ -29,16 +29,17 @@ int hb_reserve(hb_work *work, const hb_mode *const *modes, int count)
         rows = most(rows, m->rows);
         knowns = most(knowns, m->knowns);
         constraints = most(constraints, m->constraints);
+        flow = hb_exact_room(m) > flow ? hb_exact_room(m) : flow;
     }
     size_t sizes[] = {knowns, 2 * rows, free_ * free_, free_,
                       7 * n, n, n, n, n, n, (HB_SAMPLES + 1) * atoms + (HB_SAMPLES + 2) * guards,
                       slots, n, constraints, 4 * n, free_, constraints,
-                      free_, 13 * n};
+                      free_, 13 * n, flow};
     double **parts[] = {&work->known, &work->w, &work->jacobian, &work->step,
                         &work->k, &work->y1, &work->trial, &work->tolerance, &work->error,
                         &work->sampled, &work->atoms, &work->magnitudes, &work->kept,
                         &work->residuals, &work->dense, &work->guess, &work->met,
-                        &work->began, &work->stages};
+                        &work->began, &work->stages, &work->flow};
     size_t total = 1, parts_count = sizeof sizes / sizeof *sizes;
     for (size_t i = 0; i < parts_count; ++i)
         total += sizes[i];

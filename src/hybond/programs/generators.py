@@ -1,0 +1,338 @@
+"""Functions of time that solve linear equations of their own, as what they drive then does.
+
+A *term* is ``c m exp(rate t + shift)``: a complex factor, a monomial of names, an exponential.
+Names are time and inputs, each a straight line between two timed events, or what is stored. Sums of
+terms contain constants, ramps, polynomials, sines and exponentials of time, and their products;
+what moves with time alone is closed under derivatives, all that the exponential of a matrix needs.
+"""
+
+from __future__ import annotations
+
+import cmath
+import operator
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.model.expressions import (
+    FLOATS,
+    And,
+    Binary,
+    Bool,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Neg,
+    Not,
+    Number,
+    Or,
+    Pre,
+    Table,
+)
+from hybond.model.expressions.tree import fold
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Key: TypeAlias = tuple[complex, float, tuple[str, ...]]
+"""Rate and shift of the exponential, and the names of the monomial, sorted."""
+Terms: TypeAlias = dict[Key, complex]
+Found: TypeAlias = "Terms | str"
+"""Terms, or the reason why there are none."""
+
+CONSTANT: Key = (0j, 0.0, ())
+TIME: Key = (0j, 0.0, ("time",))
+HIGHEST = 8
+"""Degree of a monomial."""
+_COMPARE = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+
+
+def constant(value: float) -> Terms:
+    """Return a constant as terms."""
+    return {CONSTANT: complex(value)} if value else {}
+
+
+def of_name(path: str) -> Terms:
+    """Return a name as terms."""
+    return {(0j, 0.0, (path,)): 1.0 + 0j}
+
+
+def value_of(terms: Terms) -> float | None:
+    """Return the value of terms that are constant, else None."""
+    return terms.get(CONSTANT, 0j).real if terms.keys() <= {CONSTANT} else None
+
+
+def combined(parts: Iterable[tuple[complex, Terms]]) -> Terms:
+    """Return a sum of terms with factors."""
+    total: Terms = {}
+    for factor, terms in parts:
+        for key, c in terms.items():
+            total[key] = total.get(key, 0j) + factor * c
+    return {key: c for key, c in total.items() if c}
+
+
+def terms_of(e: Expr, known: Callable[[str], Found]) -> Found:
+    """Return an expression as terms, or why it is none.
+
+    Parameters
+    ----------
+    e : Expr
+    known : callable
+        The terms of a name, or why it has none.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> terms_of(parse("2*time + 1"), of_name)
+    {(0j, 0.0, ('time',)): (2+0j), (0j, 0.0, ()): (1+0j)}
+    >>> sorted(key[0].imag for key in terms_of(parse("sin(3*time)^2"), of_name))
+    [-6.0, 0.0, 6.0]
+    >>> terms_of(parse("sqrt(time)"), of_name)
+    'sqrt of what varies'
+    """
+
+    def of(node: Expr, prior: bool, below: list[Found]) -> Found:
+        if isinstance(node, Name):
+            return "an a priori value" if prior else known(node.path)
+        if isinstance(node, Number | Bool):
+            return constant(float(node.value))
+        if isinstance(node, If):
+            return _chosen(below)
+        reason = next((b for b in below if isinstance(b, str)), None)
+        return reason or _of_node(node, [b for b in below if not isinstance(b, str)])
+
+    found = fold(e, of)
+    if isinstance(found, dict) and not all(map(cmath.isfinite, found.values())):
+        return "a value that overflows"
+    return found
+
+
+def _chosen(below: list[Found]) -> Found:
+    """Return the branch that is taken, if that never changes."""
+    condition, then, orelse = below
+    truth = value_of(condition) if isinstance(condition, dict) else None
+    return "a condition that varies" if truth is None else then if truth else orelse
+
+
+def _of_node(node: Expr, below: list[Terms]) -> Found:
+    values = [value_of(b) for b in below]
+    numbers = [v for v in values if v is not None]
+    match node:
+        case Pre():
+            return below[0]
+        case Neg():
+            return combined([(-1.0, below[0])])
+        case Binary("+"):
+            return combined([(1.0, below[0]), (1.0, below[1])])
+        case Binary("-"):
+            return combined([(1.0, below[0]), (-1.0, below[1])])
+        case Binary("*"):
+            return _product(below[0], below[1])
+        case Binary("/"):
+            if values[1] is None or values[1] == 0.0:
+                return "a division by what varies"
+            return combined([(1.0 / values[1], below[0])])
+        case Binary("^") if values[1] is not None and len(numbers) < len(below):
+            return _power(below[0], values[1])
+        case Call(function, _) if len(numbers) < len(below):
+            return _wave(function, below[0]) if len(below) == 1 else f"{function} of what varies"
+    if len(numbers) < len(below):
+        return f"{_NAMES.get(type(node), 'an operation')} of what varies"
+    return _constant_node(node, numbers)
+
+
+_NAMES: dict[type[Expr], str] = {
+    Binary: "a power",
+    Compare: "a comparison",
+    And: "a condition",
+    Or: "a condition",
+    Not: "a condition",
+    Table: "a table",
+}
+
+
+def _constant_node(node: Expr, values: list[float]) -> Found:
+    """Return a node all of whose arguments are constants."""
+    match node:
+        case Binary("^"):
+            return constant(float(FLOATS.pow(*values)))
+        case Call(function, _):
+            return constant(float(FLOATS.call[function](*values)))
+        case Compare(op):
+            return constant(float(_COMPARE[op](*values)))
+        case Not():
+            return constant(float(not values[0]))
+        case And():
+            return constant(float(all(values)))
+        case Or():
+            return constant(float(any(values)))
+        case Table(_, x, y, extrapolate, slope):
+            read = (FLOATS.slope if slope else FLOATS.table)(x, y, extrapolate)
+            return constant(float(read(values[0])))
+    return f"a {type(node).__name__}"
+
+
+def _product(a: Terms, b: Terms) -> Found:
+    found: Terms = {}
+    for (rate, shift, one), c in a.items():
+        for (other_rate, other_shift, other), d in b.items():
+            if len(one) + len(other) > HIGHEST:
+                return "a product of too many factors that vary"
+            key = (rate + other_rate, shift + other_shift, tuple(sorted(one + other)))
+            found[key] = found.get(key, 0j) + c * d
+    return {key: c for key, c in found.items() if c}
+
+
+def _power(base: Terms, exponent: float) -> Found:
+    if exponent not in range(HIGHEST + 1):
+        return "a power that is no small whole number"
+    found: Found = constant(1.0)
+    for _ in range(int(exponent)):
+        if isinstance(found, str):
+            break
+        found = _product(found, base)
+    return found
+
+
+def _wave(function: str, argument: Terms) -> Found:
+    """Return sine, cosine or exponential of a straight line in time."""
+    if function not in ("sin", "cos", "exp", "sinh", "cosh"):
+        return f"{function} of what varies"
+    if not argument.keys() <= {CONSTANT, TIME}:
+        return f"{function} of what is no line in time"
+    a, b = argument[TIME].real, argument.get(CONSTANT, 0j).real
+    if function in ("sin", "cos"):
+        turned = cmath.exp(1j * b) / (2j if function == "sin" else 2.0)
+        return {(a * 1j, 0.0, ()): turned, (-a * 1j, 0.0, ()): turned.conjugate()}
+    if function == "exp":
+        return {(complex(a), b, ()): 1.0 + 0j}
+    falling = 0.5 if function == "cosh" else -0.5
+    return {(complex(a), b, ()): 0.5 + 0j, (complex(-a), -b, ()): complex(falling)}
+
+
+@dataclass(frozen=True, slots=True)
+class Generators:
+    """What drives a motion: ``g' = matrix g``, each a real function of time and inputs.
+
+    A key with a rate off the real axis has two, the parts with cosine and sine.
+
+    Parameters
+    ----------
+    place : dict
+        Keys to the (first) place of each.
+    expressions : tuple of Expr
+        What each is at any time.
+    matrix : array, shape (n, n)
+    moving : array of bool, shape (n,)
+        Which of them are no polynomials of time.
+    """
+
+    place: dict[Key, int]
+    expressions: tuple[Expr, ...]
+    matrix: Matrix
+    moving: NDArray[np.bool_]
+
+    def row(self, terms: Terms) -> Vector:
+        """Return what terms are by generators."""
+        row = np.zeros(len(self.expressions))
+        for key, c in terms.items():
+            k = self.place.get(key)
+            if k is None:
+                continue  # below the real axis: the other half of its pair stands for both
+            if key[0].imag:
+                row[k], row[k + 1] = 2.0 * c.real, -2.0 * c.imag
+            else:
+                row[k] = c.real
+        return row
+
+
+def generators(wanted: Iterable[Key], rate_of: Callable[[str], str | None]) -> Generators:
+    """Return all that some keys need.
+
+    Parameters
+    ----------
+    wanted : iterable of Key
+        None with what is stored.
+    rate_of : callable
+        The name of the slope of an input; None if it is constant.
+
+    Examples
+    --------
+    >>> found = generators([(0j, 0.0, ("time", "time"))], lambda name: None)
+    >>> [str(e) for e in found.expressions]
+    ['1', 'time', 'time*time']
+    >>> found.matrix.tolist()
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]
+    """
+    lower: dict[Key, list[Key]] = {}
+    open_ = [key for key in wanted if key[0].imag >= 0.0]
+    while open_:
+        key = open_.pop()
+        if key not in lower:
+            lower[key] = _lower(key, rate_of)
+            open_ += lower[key]
+    keys = sorted(lower, key=lambda k: (k[0].real, k[0].imag, k[1], len(k[2]), k[2]))
+    place: dict[Key, int] = {}
+    expressions: list[Expr] = []
+    moving: list[bool] = []
+    for key in keys:
+        place[key] = len(expressions)
+        made = _expressions(key)
+        expressions += made
+        moving += [key[0] != 0.0] * len(made)
+    matrix = np.zeros((len(expressions), len(expressions)))
+    for key, k in place.items():
+        rate = key[0]
+        for part in range(2 if rate.imag else 1):
+            matrix[k + part, k + part] += rate.real
+            for other in lower[key]:
+                matrix[k + part, place[other] + part] += 1.0
+        if rate.imag:
+            matrix[k, k + 1], matrix[k + 1, k] = -rate.imag, rate.imag
+    return Generators(place, tuple(expressions), matrix, np.array(moving, dtype=bool))
+
+
+def _lower(key: Key, rate_of: Callable[[str], str | None]) -> list[Key]:
+    """Return the keys that the derivative of a monomial adds, one for each of its factors."""
+    rate, shift, names = key
+    found: list[Key] = []
+    for k, name in enumerate(names):
+        others = names[:k] + names[k + 1 :]
+        if name == "time":
+            found.append((rate, shift, others))
+        elif (slope := rate_of(name)) is not None:
+            found.append((rate, shift, tuple(sorted((*others, slope)))))
+    return found
+
+
+def _expressions(key: Key) -> list[Expr]:
+    rate, shift, names = key
+    factors: list[Expr] = [Name(name) for name in names]
+    time = Name("time")
+    if rate.real or shift:
+        grows = Binary("+", Binary("*", Number(rate.real), time), Number(shift))
+        factors.append(Call("exp", (grows,)))
+    if not rate.imag:
+        return [_times(factors)]
+    turned = Binary("*", Number(rate.imag), time)
+    return [_times([*factors, Call(f, (turned,))]) for f in ("cos", "sin")]
+
+
+def _times(factors: list[Expr]) -> Expr:
+    if not factors:
+        return Number(1.0)
+    product = factors[0]
+    for factor in factors[1:]:
+        product = Binary("*", product, factor)
+    return product
