@@ -16,6 +16,7 @@ from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive, Limits
+from hybond.modes.fitting import fitting
 from hybond.modes.impacts.laws import IMPACT_LAWS
 from hybond.modes.journal import Journal
 from hybond.modes.sliding.bands import CHOICES, Choice, banded
@@ -24,7 +25,7 @@ from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 from hybond.result import Result, Status
 from hybond.solvers import make_solver
-from hybond.solvers.choose import STEPPING
+from hybond.solvers.choose import AUTO, STEPPING
 from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ def simulate(
     parameters : mapping
         Values by dotted path that replace the model's own.
     solver : str
+        ``"auto"``, which looks at the model and says in `Result.method` what it took and why;
         ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"exact"``, which propagates linear
         modes and leaves others to ``"rk45"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"`` to
         ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
@@ -161,6 +163,11 @@ def simulate(
     choice, band = _sliding(sliding, hysteresis, experiment)
     if band is not None:
         graph = banded(graph, band)
+    chosen = ""
+    if name == AUTO:
+        looking = Program(graph)
+        fit = fitting(looking, end, start_of(looking))
+        name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
     limits = Limits(end, float(experiment.get("event_tol", 1e-12)))
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
@@ -231,7 +238,7 @@ def simulate(
     )
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
-        return _finish(graph, program, executive, end, name, on_error)
+        return _finish(graph, program, executive, end, name, on_error, chosen)
     finally:
         if executive.journal is not None:
             executive.journal.close()
@@ -280,8 +287,9 @@ def _finish(
     end: float,
     name: str,
     on_error: str,
+    chosen: str = "",
 ) -> Result:
-    """Run; return the result, also that of a run that stopped."""
+    """Run; return the result, also that of a run that stopped; `chosen` says why this solver."""
     status: Status = "error"
     failure: HybondError | None = None
     try:
@@ -292,6 +300,7 @@ def _finish(
         failure = error
     for warning in graph.warnings:
         executive.trace.warn(warning)
+    executive.trace.method = "; ".join(t for t in (chosen, executive.trace.method) if t)
     result = Result(program, executive.trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result

@@ -283,7 +283,7 @@ def _settings(parser: ArgumentParser) -> None:
 
 def _solver(parser: ArgumentParser) -> None:
     parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
-    names = "rk45, radau, rk4, euler, qss1-3, liqss1-3, moreau-jean"
+    names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
     parser.add_argument("--solver", metavar="NAME", help=names)
     parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
     parser.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")

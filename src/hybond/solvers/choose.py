@@ -23,6 +23,9 @@ SOLVERS: dict[str, str] = {
 }
 """Names of the solvers, each with a line that says what it is."""
 
+AUTO = "auto"
+"""Not a solver: one is chosen for the model."""
+
 STEPPING: dict[str, str] = {
     "moreau-jean": "time-stepping of Moreau and Jean: fixed steps, contacts and diodes within them",
 }
@@ -78,7 +81,7 @@ def make_solver(
     """
     name = ALIASES.get(name, name)
     if name not in SOLVERS:
-        known = (*SOLVERS, *STEPPING)
+        known = (AUTO, *SOLVERS, *STEPPING)
         raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
     if name in ("euler", "rk4"):
         if step is None:
