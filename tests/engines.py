@@ -42,4 +42,4 @@ def assert_same_states(a, b, rel):
     for path, x in runs[0].items():
         size = max(float(np.abs(x).max()), 1e-4 * largest[kind[path]])
         off = np.abs(x - runs[1][path])[clear].max(initial=0.0)
-        assert off <= rel * size, path
+        assert off <= rel * size, (path, off, size)
