@@ -6,6 +6,10 @@ import html
 from collections.abc import Collection, Iterator, Sequence
 from typing import overload
 
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.chronicle import Chronicle
 from hybond.model.graph import FlatGraph
 from hybond.trace import Event, Fired, Step
 from hybond.units import format_quantity
@@ -43,6 +47,12 @@ class EventTable(Sequence[Event]):
 
     def __iter__(self) -> Iterator[Event]:
         return iter(self.events)
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Their times, s, shape (events,), without making the records of any."""
+        times = self.events.times if isinstance(self.events, Chronicle) else [e.t for e in self]
+        return np.array(times, dtype=np.float64)
 
     def rows(self) -> list[tuple[str, str, str, str, str]]:
         """Return time, cause, what, kind and details, one row per transition and mode."""

@@ -269,6 +269,14 @@ def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
+    if not isinstance(journal, str | Path) or Path(journal).suffix.lower() != ".csv":
+        # a file that is there is replaced: let it not be a model
+        raise UsageError(
+            f"the journal cannot be {str(journal)!r}",
+            code="HB-S113",
+            where="journal",
+            hint='name a CSV file, such as journal="events.csv"',
+        )
     try:
         return Journal(Path(journal), graph)
     except OSError as error:

@@ -106,11 +106,12 @@ def test_constants_are_the_same():
     ]
     assert numbers("constraints.c", "STEPS") == [jump.JUMP_STEPS]
     assert numbers("hybond.h", "HB_WRITES") == [crossing.WRITES]
-    assert numbers("constraints.c", "MET", "AGREE", "CANCELLED", "NOTHING") == [
+    assert numbers("constraints.c", "MET", "AGREE", "CANCELLED", "NOTHING", "TINY") == [
         jump.CONSISTENT,
         jump.AGREE,
         jump.CANCELLED,
         jump.NOTHING,
+        jump.TINY,
     ]
     assert numbers("dopri.c", "BETA", "SAFETY", "SHRINK", "GROW", "SMALLEST") == [
         dopri._BETA,

@@ -431,3 +431,12 @@ def modulated(source, on="0"):
 
 def test_other_solvers_say_nothing_of_methods():
     assert hb.simulate(ringing(1.0), 1.0).method == ""
+
+
+def test_a_mode_is_counted_once_however_many_intervals_it_lasts():
+    m = hb.Model("steps", domain="electrical")
+    m.add(V=hb.Se("if time < 0.2 then 1 else 2"), i=hb.One(), r=hb.R(1), c=hb.C("0.1 F"))
+    m.bond("V -> i -> r", "i -> c")
+    run = hb.simulate(m, 1.0, solver="exact")
+    assert run.method == "1 mode propagated exactly"
+    assert run.stats["propagated"] == 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -21,6 +22,9 @@ from hybond.model.expressions import (
 )
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.kinds import RESISTORS, SOURCES, TWO_PORTS
+
+KEPT = 512
+"""Parts kept beyond two for each element."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,7 @@ class Parts:
         self.graph = graph
         self._bonds = len(graph.bonds)
         self._laws: dict[int, tuple[list[Expr], frozenset[str]]] = {}
-        self._made: dict[tuple[object, ...], Part] = {}
+        self._made: OrderedDict[tuple[object, ...], Part] = OrderedDict()
 
     def of(self, node: Node, off: bool, values: Mapping[str, Expr]) -> Part:
         """Return what an element says, where `values` are constant and it is `off` or not."""
@@ -127,6 +131,9 @@ class Parts:
             found = self._made[key] = self._part(
                 node, off, [configure(e, chosen) for e in laws], steady=steady
             )
+            if len(self._made) > KEPT + 2 * len(self.graph.nodes):
+                # a table of time that sets a modulus makes a part for each of its rows
+                self._made.popitem(last=False)
         return found
 
     def _part(self, node: Node, off: bool, laws: list[Expr], *, steady: bool) -> Part:

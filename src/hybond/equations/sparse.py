@@ -42,6 +42,8 @@ class Sparse:
     first: Places
     column: Places
     value: Vector
+    row: Places = field(repr=False)
+    """The row of each entry."""
     _made: Any = field(repr=False)
 
     @staticmethod
@@ -64,12 +66,7 @@ class Sparse:
             from scipy.sparse import csr_array
 
             made = csr_array((value, column, first), shape=shape)
-        return Sparse(shape, first, column, value, made)
-
-    @property
-    def row(self) -> Places:
-        """The row of each entry."""
-        return np.repeat(np.arange(self.shape[0]), np.diff(self.first))
+        return Sparse(shape, first, column, value, row, made)
 
     def times(self, x: Vector) -> Vector:
         """Return the product with a vector, or with a matrix."""

@@ -61,6 +61,8 @@ class StorageLaws:
     """Of each nonlinear port: its law, and its own stiffness."""
     degrees: list[int | None]
     """Of each group: of its laws as polynomials of what is stored; None if they are none."""
+    ports: dict[int, list[int]]
+    """Of each storage, by node."""
     _last: tuple[bytes, float] | None = None
     _law: dict[int, Closure] = field(default_factory=dict)
 
@@ -122,6 +124,7 @@ class StorageLaws:
             2 * slots.size,
             expressions,
             list(degrees.values()),
+            {node: [s.index for s in own] for node, own in ports.items()},
         )
 
     @property
@@ -206,7 +209,7 @@ class StorageLaws:
             HB-M166 if the law cannot be inverted there.
         """
         node = graph.storages[k].node
-        ports = [s.index for s in graph.storages if s.node == node]
+        ports = self.ports[node]
         law = graph.nodes[node].law
         if law is not None and law.matrix is not None:
             x = np.linalg.solve(np.array(law.matrix), z[ports])

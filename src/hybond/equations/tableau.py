@@ -81,6 +81,9 @@ class Sheet:
         self.graph = graph
         self.parts = Parts(graph)
         self._begun: dict[frozenset[int], _Begun] = {}
+        self._siblings: dict[int, list[Storage]] = {}
+        for s in graph.storages:
+            self._siblings.setdefault(s.node, []).append(s)
 
     def build(
         self, mode: Mode, discrete: Mapping[str, float], ports: Mapping[int, Given] | None = None
@@ -122,7 +125,7 @@ class Sheet:
         finite = power.copy() if constraints else power
         too_high = []
         for row in constraints:
-            constant, expression = _hidden(row, graph, sources, value0)
+            constant, expression = _hidden(row, graph, sources, value0, self._siblings)
             if expression is not None:
                 slopes = gradient(expression)
                 dynamic.append(Dynamic("hidden", -1, expression, slopes, slopes))
@@ -256,7 +259,7 @@ def _independent(rows: list[Row], graph: FlatGraph) -> tuple[list[Row], list[Row
     """Split constraints into independent ones on storage and ones among sources alone.
 
     Those on storage are reduced by each other: sums over many storages, which rounding would not
-    keep, become differences of few.
+    keep, become differences of few. The first column of each is in no other.
     """
     first = 2 * len(graph.bonds)
     table = Elimination(len(graph.storages))
@@ -275,6 +278,8 @@ def _independent(rows: list[Row], graph: FlatGraph) -> tuple[list[Row], list[Row
 def _dependent(constraints: list[Row], told: set[int]) -> dict[int, Row]:
     """Return the first column of each constraint by the others, if all are `told`.
 
+    The first one is that which no other constraint has (`_independent`).
+
     A source that reads ``pre()`` is not: what is stored keeps its value when that has moved on.
     """
     return {
@@ -288,9 +293,16 @@ def _of_time(e: Expr) -> bool:
 
 
 def _hidden(
-    row: Row, graph: FlatGraph, sources: list[Source], value0: int
+    row: Row,
+    graph: FlatGraph,
+    sources: list[Source],
+    value0: int,
+    siblings: Mapping[int, list[Storage]],
 ) -> tuple[Row, Expr | None]:
-    """Return the time derivative of a constraint: a constant row, or else an expression."""
+    """Return the time derivative of a constraint: a constant row, or else an expression.
+
+    `siblings` are the ports of each storage.
+    """
     bonds = len(graph.bonds)
     constant: Row = {}
     total: Expr = Number(0.0)
@@ -307,10 +319,8 @@ def _hidden(
         node = graph.nodes[graph.storages[k - 2 * bonds].node]
         port = graph.storages[k - 2 * bonds].port
         assert node.law is not None
-        for s in graph.storages:
-            if s.node != node.index:
-                continue
-            slope = stiffness(node, port, s.port, graph)
+        for s in siblings[node.index]:
+            slope = stiffness(node, port, s.port, graph, siblings[node.index])
             total = Binary("+", total, Binary("*", Number(c), Binary("*", slope, rate_name(s))))
             if isinstance(slope, Number):
                 at = s.bond + (bonds if s.kind == "C" else 0)

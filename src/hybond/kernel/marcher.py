@@ -88,10 +88,11 @@ class Marcher:
         self._modes: Modes | None = None
         self._ahead: Ahead | None = None
         self._log: Filled | None = None
-        self._wait = self._waited = 0
+        self._wait = self._waited = self._failed = 0
         self._common: Common | None = None
         self._drifting: dict[Mode, frozenset[int]] = {}
         self._passed_over: dict[str, int] = {}
+        self._simple = simple(program.graph)
 
     def march(
         self,
@@ -149,7 +150,7 @@ class Marcher:
         events: int,
     ) -> Passage | None:
         """Return the segments from where one begins, None if nothing is known of its end."""
-        if not simple(self.program.graph):
+        if not self._simple:
             self._passed_over["contacts or friction as junction laws"] = 0
             return None
         if self._waited < self._wait:
@@ -168,7 +169,8 @@ class Marcher:
         intervals = ahead.look(t, interval)
         motion = self._prepare(State(t, y, np.zeros(len(y))), equations, interval)
         motion.structure.run_energy = course.settler.trace.energy
-        most = max(1, min(self.most, int(ROOM / (6 * 8 * len(y)))))
+        # a passage is short by its budget: fewer steps might not reach the end of a segment
+        most = max(1, min(MOST, int(ROOM / (6 * 8 * len(y)))))
         trail = self._room(most, len(y), 0)
         record = log.structure
         record.last = last
@@ -198,7 +200,7 @@ class Marcher:
         if not record.rows and not again:
             self._in_vain()
             return None
-        self._wait = self._waited = 0
+        self._wait = self._waited = self._failed = 0
         course.settler.trace.energy = motion.structure.run_energy
         return replace(passage, again=again)
 
@@ -232,7 +234,10 @@ class Marcher:
 
         An even number of segments, or else one of two that take turns would never be tried.
         """
-        self._wait, self._waited = min(2 * self._wait + 2, PATIENCE), 0
+        self._failed += 1
+        # the first time, what the reference does now may be all that was not known
+        self._wait = min(2 * self._wait + 2, PATIENCE) if self._failed > 1 else 0
+        self._waited = 0
 
     def _passed(
         self,

@@ -31,6 +31,8 @@ from hybond.programs.program import Program
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+TINY = float(np.finfo(float).tiny) * 1e12
+"""A term is not smaller than this: the last bit of what is denormal is no small part of it."""
 CONSISTENT = 1e-12
 """A constraint is met if its residual is below this part of its terms."""
 AGREE = 1e-9
@@ -193,7 +195,7 @@ class _Constraints:
         v = self.v
         v[e.slots.x] = x.tolist()
         xi = e.knowns(v, x, rates=False)
-        known = np.abs(xi) + self.reach
+        known = np.abs(xi) + self.reach + TINY
         value, size = self.rows @ xi, np.abs(self.rows) @ known
         if self.left.shape[1]:
             w = self.x1 @ xi
@@ -404,7 +406,7 @@ def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
         "the jump into this mode does not converge",
         code="HB-N304",
         where=where,
-        hint="check the nonlinear storage laws for jumps or flat parts",
+        hint="check the laws of storage and of sources for jumps or flat parts",
     )
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
 from hybond.model.expressions import Expr, Number, posterior_names
+from hybond.model.graph import Mode
 from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.programs.generators import (
     Found,
@@ -72,8 +73,8 @@ class LinearForms:
     def __init__(self, program: Program) -> None:
         self._program = program
         self._known: OrderedDict[object, tuple[ModeEquations, LinearForm | str]] = OrderedDict()
-        self.found: Counter[str] = Counter()
-        """Modes that have none, by reason; those that have one by no text."""
+        self._why: dict[Mode, str] = {}
+        """Why a mode has none, no text if it has one: as last asked."""
         self._slid: set[int] = set()
 
     def of(self, equations: ModeEquations, interval: Interval) -> LinearForm | str:
@@ -82,17 +83,24 @@ class LinearForms:
         known = self._known.get(key)
         if known is None or known[0] is not equations:
             form = linear_form(self._program, equations, interval)
-            self.found[form if isinstance(form, str) else ""] += 1
             known = self._known[key] = equations, form
             if len(self._known) > KEPT:
                 self._known.popitem(last=False)
         self._known.move_to_end(key)
+        self._why[equations.mode] = known[1] if isinstance(known[1], str) else ""
         return known[1]
 
     def slid(self, which: int) -> None:
         """Note a motion along a surface, which has no form here."""
         self._slid.add(which)
-        self.found["motion along a surface"] = len(self._slid)
+
+    @property
+    def found(self) -> Counter[str]:
+        """How many modes have none, by reason; those that have one by no text."""
+        found = Counter(self._why.values())
+        if self._slid:
+            found["motion along a surface"] = len(self._slid)
+        return found
 
     def generated(self, form: LinearForm, interval: Interval) -> Callable[[float], Vector]:
         """Return the generators as a function of time within an interval."""
@@ -108,10 +116,9 @@ class LinearForms:
 
     def report(self, other: str) -> str:
         """Return how many modes were propagated, and why not more; `other` took the rest."""
-        texts = [f"{_modes(self.found[''])} propagated exactly"]
-        texts += [
-            f"{_modes(n)} left to {other}: {why}" for why, n in sorted(self.found.items()) if why
-        ]
+        found = self.found
+        texts = [f"{_modes(found[''])} propagated exactly"]
+        texts += [f"{_modes(n)} left to {other}: {why}" for why, n in sorted(found.items()) if why]
         return "; ".join(texts)
 
 

@@ -96,7 +96,8 @@ def in_processes(
             if not pending:
                 break
             done, pending = wait(pending, return_when=FIRST_COMPLETED)
-            for future in done:
+            # a process that ends takes others' results with it only if they are asked later
+            for future in sorted(done, key=lambda f: f.exception() is not None):
                 keep(future.result())
         pool.shutdown()
     except BrokenProcessPool:

@@ -6,6 +6,7 @@
 enum { STEPS = 60 };
 /* As in modes/jump.py. */
 static const double MET = 1e-12, BEST = 1e-14, AGREE = 1e-9, CANCELLED = 1e-15, NOTHING = 1e-20;
+static const double TINY = 2.2250738585072014e-296;
 
 /* The residual of row i, and the sum of the magnitudes of its terms. */
 static double residual(const hb_rows *rows, int i, const double *xi, const double *reach,
@@ -15,7 +16,7 @@ static double residual(const hb_rows *rows, int i, const double *xi, const doubl
     for (int32_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
         const int32_t j = rows->column[k];
         sum += rows->value[k] * xi[j];
-        terms += fabs(rows->value[k]) * (fabs(xi[j]) + (reach ? reach[j] * spread : 0.0));
+        terms += fabs(rows->value[k]) * (fabs(xi[j]) + (reach ? reach[j] * spread + TINY : 0.0));
     }
     *size = terms;
     return sum;
