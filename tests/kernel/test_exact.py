@@ -43,7 +43,17 @@ def table(name):
     ]
 
 
+_TABLES = (
+    ("FIT", exact.FIT),
+    ("SUMS", exact.SUMS),
+    ("START", exact.START),
+    ("VALUE", exact.VALUE),
+    ("SUM", exact.SUM),
+)
+
+
 def test_constants_are_the_same():
+    assert number("BETWEEN") == exact.BETWEEN
     assert number("PARTS") == propagation.PARTS and number("TERMS") == propagation.TERMS
     assert number("ASKED") == exact._ASKED and table("MET") == exact._MET
     assert number("HIGHEST") == exact.ORDERS[-1]
@@ -52,7 +62,7 @@ def test_constants_are_the_same():
     assert number("SMALLEST") == dopri._SMALLEST_ERROR
     assert number("DOUBTFUL") == exact.DOUBTFUL and number("SMALL") == propagation.SMALL
     assert f"HB_LEVELS = {propagation.LEVELS} " in (SOURCES / "hybond.h").read_text()
-    for name, known in (("FIT", exact.FIT), ("SUMS", exact.SUMS), ("START", exact.START)):
+    for name, known in _TABLES:
         assert table(name) == pytest.approx(known.ravel(), rel=1e-11, abs=1e-13)
     listed = re.search(r"METHODS\[\] = \{(.*?)\}", (SOURCES / "method.c").read_text()).group(1)
     assert listed.replace("dopri", "rk45") == ", ".join(f"&hb_{m}" for m in marcher.METHODS)

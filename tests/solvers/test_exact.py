@@ -440,3 +440,51 @@ def test_a_mode_is_counted_once_however_many_intervals_it_lasts():
     run = hb.simulate(m, 1.0, solver="exact")
     assert run.method == "1 mode propagated exactly"
     assert run.stats["propagated"] == 1.0
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("c", [1e-15, 1e-16, 1e-18, 1e3, 1e12])
+def test_a_charge_is_right_however_small_beside_its_source(c, kernel):
+    m = hb.Model("rc", domain="electrical")
+    m.add(V=hb.Se("5 V"), i=hb.One(), R=hb.R("1 kohm"), C=hb.C(c))
+    m.bond("V -> i -> R", "i -> C")
+    run = hb.simulate(m, 1e3 * c, solver="exact", kernel=kernel)
+    assert run["C.e"].at(1e3 * c) == pytest.approx(5.0 * -math.expm1(-1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+def test_a_large_motion_that_is_not_coupled_changes_nothing(kernel):
+    m = hb.Model("two")
+    m.add(far=hb.I("1 kg", p=1e9), free=hb.One())
+    m.bond("free -> far")
+    m.add(l=hb.I("1 mH"), c=hb.C("1 mF", q=1e-6), r=hb.R("1 ohm"), i=hb.One())
+    m.bond("c -> i -> l", "i -> r")
+    run = hb.simulate(m, 0.01, solver="exact", kernel=kernel)
+    # overdamped only just: s^2 + 1000 s + 1e6 has complex roots
+    a, w = 500.0, math.sqrt(1e6 - 500.0**2)
+    want = 1e-6 * math.exp(-a * 0.01) * (math.cos(w * 0.01) + a / w * math.sin(w * 0.01))
+    assert run["c.q"].at(0.01) == pytest.approx(want, rel=1e-10)
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize(
+    ("rate", "until", "want"),
+    [
+        ("abs(sin(2*pi*50*(time/(1 [s]))))", 0.1, 0.2 / math.pi),
+        ("sin(2*pi*50*(time/(1 [s])))^2", 0.1, 0.05),
+        ("sin(2*pi*C.q/(1 [C]))^2", 5.0, 2.5),
+        ("sin(2*pi*C.q/(1 [C]))^2", 10.0 / 0.3819660112501051, 5.0 / 0.3819660112501051),
+    ],
+)
+def test_integrals_along_a_simple_motion_are_seen(rate, until, want, kernel):
+    """All parts of a step may lie on whole periods."""
+    m = hb.Model("al", domain="electrical")
+    m.add(S=hb.Sf("1 A"), C=hb.C("1 F"), n=hb.Zero())
+    m.bond("S -> n -> C")
+    m.signal(y=hb.Integral(rate))
+    run = hb.simulate(m, until, solver="exact", kernel=kernel)
+    t = until
+    if "C.q" in rate:
+        want = t / 2.0 - math.sin(4.0 * math.pi * t) / (8.0 * math.pi)
+    # a kink is no event
+    assert run["y"].at(until) == pytest.approx(want, rel=2e-6 if "abs" in rate else 2e-8)

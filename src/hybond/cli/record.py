@@ -22,6 +22,8 @@ def run_record(
     times: Sequence[float] = (),
     names: Sequence[str] = (),
     warnings: Sequence[str] = (),
+    *,
+    events: bool = True,
 ) -> dict[str, Any]:
     """Return everything about a run as plain data in SI.
 
@@ -35,6 +37,8 @@ def run_record(
         early there is nothing: None.
     warnings : sequence of str
         To be added to those of the run.
+    events : bool
+        Whether its events are asked for: to make many records takes longer than the run.
     """
     notes = list(run.warnings)
     samples = _samples(run, times, names, notes)
@@ -50,7 +54,7 @@ def run_record(
         "t_end": run.t_end,
         "solver": run.solver,
         "mode": run.mode,
-        "events": [_event(run.graph, e) for e in run.events],
+        "events": [_event(run.graph, e) for e in run.events] if events else [],
         "samples": samples,
         "final": final,
         "units": units_of(run, [*final, *names]),

@@ -55,7 +55,7 @@ def default_names(run: Result) -> list[str]:
 
 
 def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
-    record = run_record(run, "", times)
+    record = run_record(run, "", times, events=False)
     say(run.title)
     say()
     _events(run)
@@ -72,6 +72,8 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     for warning in record["warnings"]:
         say(f"warning: {warning}")
     say(stats_line(run))
+    for line in filter(None, (run.method, f"kernel: {run.kernel}" if run.kernel else "")):
+        say(line)
     if "step_error" in run.stats:
         say(step_line(run))
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.solvers.base import FloatArray, Scale, Step
-from hybond.solvers.control import error_norm
+from hybond.solvers.control import error_norm, first_step
 from hybond.solvers.dense import Polynomial
 from hybond.solvers.dopri import _SMALLEST_ERROR, DormandPrince
 from hybond.solvers.propagation import PARTS, Propagator
@@ -53,6 +53,16 @@ SUMS = SUMS @ np.linalg.inv(np.vander(_X, increasing=True))
 """From values at all parts to integrals up to the second, third, ... of them: of order 6."""
 START = np.linalg.inv(np.vander(_X, increasing=True))[1]
 """From values at all parts to the slope at the first one."""
+BETWEEN = 0.3819660112501051
+"""Part at which rates that are integrated along are asked once more: the smaller golden section."""
+VALUE, SUM = (
+    row @ np.linalg.inv(np.vander(_X, increasing=True))
+    for row in (
+        np.array([BETWEEN**p for p in range(PARTS + 1)]),
+        np.array([BETWEEN ** (p + 1) / (p + 1) for p in range(PARTS + 1)]),
+    )
+)
+"""From values at all parts to the value there, and to the integral up to there."""
 FARTHEST = 0.00576
 """How far ``x^5`` is from the dense output that it has, at the part that is asked."""
 LOOSE = 100.0
@@ -134,6 +144,12 @@ class Exact(DormandPrince):
             self._error_before = _SMALLEST_ERROR
             limit = min(self._max_step, t_bound - t) if t_bound > t else self._max_step
             self._h = self._first(linear, scale, limit)
+            if y.size > len(linear.states) + 2:
+                # signals are integrated along: their rates may move faster than what is linear
+                plain = first_step(
+                    self._derivative, t, y, self._f, scale=scale, order=4, limit=limit
+                )
+                self._h = min(self._h, plain)
 
     def _first(self, linear: Linear, scale: FloatArray, limit: float) -> float:
         """Choose the first step from derivatives: halved until its dense output will do."""
@@ -181,6 +197,9 @@ class Exact(DormandPrince):
         y1 = y[PARTS].copy()
         if not (np.isfinite(z).all() and np.isfinite(f).all() and np.isfinite(y1).all()):
             return y1, math.nan, vector
+        along[-2:] = False
+        if along.any():
+            vector[along] = self._between(linear, (t0, h, y0), f, vector, along)
         error = error_norm(vector, self._scale(y0, y1))
         return y1, max(error, self._unresolved(linear, z, h)), vector
 
@@ -195,6 +214,31 @@ class Exact(DormandPrince):
             f[k] = field(t1 if k == PARTS else t0 + _X[k] * h, y[k])
         self._evaluations += PARTS
         return f
+
+    def _between(
+        self,
+        linear: Linear,
+        step: tuple[float, float, FloatArray],
+        f: FloatArray,
+        vector: FloatArray,
+        along: NDArray[np.bool_],
+    ) -> FloatArray:
+        """Return the errors of signals that are integrated along.
+
+        Their rates are asked where no whole number of periods divides the step: at all parts they
+        may look alike by chance.
+        """
+        t0, h, y0 = step
+        field = self._field
+        assert field is not None
+        z = np.concatenate([y0[linear.states], linear.generators(t0)])
+        y = y0.copy()
+        y[linear.states] = linear.flow.after(z, BETWEEN * h)[: len(linear.states)]
+        y[along] += h * (SUM @ f[:, along])
+        found = np.array(field(t0 + BETWEEN * h, y))[along]
+        self._evaluations += 1
+        off = h * np.abs(found - VALUE @ f[:, along])
+        return np.asarray(np.fmax(np.abs(vector[along]), np.where(off == off, off, np.inf)))
 
     def _unresolved(self, linear: Linear, z: FloatArray, h: float) -> float:
         """Return how far the generators that integrals depend on are off, in what they may be."""

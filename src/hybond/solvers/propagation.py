@@ -131,11 +131,12 @@ class Propagator:
     def _series(self, b: FloatArray, h: float) -> FloatArray:
         """Return the terms of the Taylor series but for the first."""
         terms = np.zeros((TERMS, len(b)))
-        least = SMALL * float(np.abs(b).max(initial=0.0))
-        term = b
+        total, term = b, b
         for k in range(TERMS):
             term = terms[k] = (h / (k + 1.0)) * (self.matrix @ term)
-            if not float(np.abs(term).max(initial=0.0)) > least:
+            # each component for itself: a small one may stand beside a large one all the time
+            total = total + term
+            if not (np.abs(term) > SMALL * np.abs(total)).any():
                 return terms[: k + 1]
         return terms
 

@@ -22,6 +22,11 @@ static const double SUMS[PARTS][PARTS + 1] = {
     {19.0 / 288, 25.0 / 96, 25.0 / 144, 25.0 / 144, 25.0 / 96, 19.0 / 288},
 };
 static const double START[PARTS + 1] = {-137.0 / 12, 25.0, -25.0, 50.0 / 3, -25.0 / 4, 1.0};
+static const double BETWEEN = 0.3819660112501051;
+static const double VALUE[PARTS + 1] = {-0.004813921445239425, 0.05052466557565383, 1.0196049240189085,
+                                        -0.08433338230667628, 0.021992881229683344, -0.0029751670723299796};
+static const double SUM[PARTS + 1] = {0.062264764001971146, 0.28622745460559107, 0.012868512649067345,
+                                      0.031889702213047655, -0.013533608930780382, 0.002249186711208267};
 static const double FARTHEST = 0.00576, LOOSE = 100.0, SMALLEST = 1e-4;
 static const double DOUBTFUL = 64.0 * 2.220446049250313e-16, SMALL = 0x1p-60;
 
@@ -48,27 +53,26 @@ static rooms rooms_of(const hb_mode *m, const hb_work *work)
     return r;
 }
 
-static double largest(int n, const double *x)
+/* Whether some term is no small part of its sum: each for itself, since a small component may stand
+ * beside a large one all the time. */
+static int more(int n, const double *term, const double *sum)
 {
-    double most = 0.0;
     for (int i = 0; i < n; ++i)
-        most = fmax(most, fabs(x[i]));
-    return most;
+        if (fabs(term[i]) > SMALL * fabs(sum[i]))
+            return 1;
+    return 0;
 }
 
-/* c M x; the size of its largest component, nan if one is none. */
-static double multiply(const hb_mode *m, double c, const double *x, double *y)
+/* c M x. */
+static void multiply(const hb_mode *m, double c, const double *x, double *y)
 {
     const hb_rows *a = &m->flow_matrix;
-    double most = 0.0;
     for (int i = 0; i < m->flow; ++i) {
         double sum = 0.0;
         for (int32_t k = a->first[i]; k < a->first[i + 1]; ++k)
             sum += a->value[k] * x[a->column[k]];
         y[i] = c * sum;
-        most = fabs(y[i]) > most || y[i] != y[i] ? fabs(y[i]) : most;
     }
-    return most;
 }
 
 /* z at (t, y), balanced. */
@@ -156,13 +160,12 @@ static int after(const hb_mode *m, double *z, double h, double *term)
         }
         h -= units * m->flow_unit;
     }
-    const double least = SMALL * largest(n, z);
     memcpy(sum, z, sizeof *z * (size_t)n);
     for (int k = 0; k < TERMS; ++k) {
-        const double most = multiply(m, h / (k + 1.0), sum, term);
+        multiply(m, h / (k + 1.0), sum, term);
         for (int i = 0; i < n; ++i)
             z[i] += term[i];
-        if (!(most > least))
+        if (!more(n, term, z))
             break;
         memcpy(sum, term, sizeof *z * (size_t)n);
     }
@@ -185,16 +188,15 @@ static int parts(const hb_mode *m, double *z, double h, double *term)
         return 1;
     }
     double power[PARTS + 1] = {0.0, 1.0, 1.0, 1.0, 1.0, 1.0}, *last = term + n;
-    const double least = SMALL * largest(n, z);
     memcpy(last, z, sizeof *z * (size_t)n);
     for (int k = 0; k < TERMS; ++k) {
-        const double most = multiply(m, h / (k + 1.0), last, term);
+        multiply(m, h / (k + 1.0), last, term);
         for (int p = 1; p <= PARTS; ++p) {
             power[p] *= X[p];
             for (int i = 0; i < n; ++i)
                 z[p * n + i] += power[p] * term[i];
         }
-        if (!(most > least))
+        if (!more(n, term, z + PARTS * n))
             break;
         double *swap = last;
         last = term;
@@ -235,6 +237,37 @@ static double unresolved(const hb_mode *m, const hb_motion *o, const rooms *r, d
             sum += off / (LOOSE * o->rtol * size) * (off / (LOOSE * o->rtol * size));
     }
     return sqrt(sum / m->watched);
+}
+
+/* Add to the errors of signals that are integrated along: how far their rates are, at a point that no
+ * whole number of periods divides, from what they are at all parts; 0 if that is not known. */
+static int between(const hb_mode *m, hb_motion *o, hb_work *work, const rooms *r, double h,
+                   double *const *f)
+{
+    const int n = hb_states(m), others = n - m->moved - 2;
+    double *y = work->trial, *z = r->z + (PARTS + 1) * m->flow, *found = work->k + (PARTS)*n;
+    if (others <= 0)
+        return 1;
+    memcpy(z, r->z, sizeof *z * (size_t)m->flow);
+    memcpy(y, o->y, sizeof *y * (size_t)n);
+    if (!after(m, z, BETWEEN * h, r->term))
+        return 0;
+    for (int i = 0; i < m->moved; ++i)
+        y[m->moved_at[i]] = z[i] * m->flow_scale[i];
+    for (int k = 0; k < others; ++k)
+        for (int p = 0; p <= PARTS; ++p)
+            y[m->along[k]] += h * SUM[p] * f[p][m->along[k]];
+    if (!hb_rate(m, o, work, o->t + BETWEEN * h, y, found))
+        return 0;
+    for (int k = 0; k < others; ++k) {
+        const int32_t i = m->along[k];
+        double value = 0.0;
+        for (int p = 0; p <= PARTS; ++p)
+            value += VALUE[p] * f[p][i];
+        if (!(h * fabs(found[i] - value) <= fabs(work->error[i])))
+            work->error[i] = h * fabs(found[i] - value);
+    }
+    return 1;
 }
 
 /* Try a step from o->t to t1; how far its dense output is off, nan if something is not finite. */
@@ -287,6 +320,8 @@ static double attempt(const hb_mode *m, hb_motion *o, hb_work *work, double t1)
             if (!isfinite(f[p][i]) || !isfinite(r.y[p * n + i]))
                 return NAN;
     }
+    if (!between(m, o, work, &r, h, f))
+        return NAN;
     hb_tolerances(m, o, o->y, work->y1, work->tolerance);
     return fmax(hb_norm(m, o, work->error, work->tolerance), unresolved(m, o, &r, h));
 }
@@ -331,7 +366,8 @@ static int begin(const hb_mode *m, hb_motion *o, hb_work *work, double limit)
     if (!m->flow)
         return hb_dopri.begin(m, o, work, limit);
     o->error_before = SMALLEST;
-    o->h = first_step(m, o, work, limit);
+    const double h = first_step(m, o, work, limit);
+    o->h = hb_states(m) > m->moved + 2 ? fmin(h, hb_first_step(m, o, work, limit, 5.0)) : h;
     return 1;
 }
 
