@@ -306,7 +306,7 @@ def _finish(
         status = "interrupted"
     except HybondError as error:
         failure = error
-    for warning in graph.warnings:
+    for warning in (*graph.warnings, *program.warnings):
         executive.trace.warn(warning)
     executive.trace.method = "; ".join(t for t in (chosen, executive.trace.method) if t)
     result = Result(program, executive.trace, status, end, name, failure)

@@ -17,6 +17,10 @@ Row = dict[int, float]
 
 CANCELLATION = 1e-12
 """A sum below this part of its terms is a cancellation, hence zero."""
+CLEAR = 1e-9
+"""A sum above this part of its terms has digits enough."""
+NOISE = 1e-14
+"""A sum below this part of its terms may be nothing but rounding."""
 
 
 class Elimination:
@@ -46,6 +50,10 @@ class Elimination:
         """``unknown + sum(row) = 0``, the row in free unknowns and knowns only."""
         self._users: dict[int, set[int]] = {}
         """Free unknown to the solved unknowns whose rows contain it."""
+        self.least = 1.0
+        """The smallest part of its terms that some sum left; below `CLEAR` it has few digits."""
+        self.dropped = 0.0
+        """The largest part of its terms that some sum left and that counts as zero."""
         self._shared: set[int] = set()
         """Solved unknowns whose rows belong to other eliminations as well."""
 
@@ -57,6 +65,7 @@ class Elimination:
         other.solved = dict(self.solved)
         other._users = {k: set(v) for k, v in self._users.items()}
         self._shared = set(self.solved)
+        other.least, other.dropped = self.least, self.dropped
         other._shared = set(self.solved)
         return other
 
@@ -74,7 +83,19 @@ class Elimination:
             for i, d in inner.items():
                 total[i] = total.get(i, 0.0) - c * d
                 size[i] = size.get(i, 0.0) + abs(c * d)
-        return {k: c for k, c in total.items() if abs(c) > CANCELLATION * size[k]}
+        return {k: c for k, c in total.items() if not self._cancels(c, size[k])}
+
+    def _cancels(self, total: float, size: float) -> bool:
+        """Whether a sum of terms of that size is zero; note how sure that is."""
+        part = abs(total)
+        if part > CLEAR * size:
+            return False
+        zero = part <= CANCELLATION * size
+        if not zero:
+            self.least = min(self.least, part / size)
+        elif part > NOISE * size:
+            self.dropped = max(self.dropped, part / size)
+        return zero
 
     def add(self, row: Row, prefer: frozenset[int] = frozenset()) -> Row | None:
         """Add a row. Return it, scaled, if it constrains only knowns; None if it was used.
@@ -109,7 +130,7 @@ class Elimination:
         for k, d in solved.items():
             old = row.get(k, 0.0)
             new = old - c * d
-            if abs(new) <= CANCELLATION * (abs(old) + abs(c * d)):
+            if self._cancels(new, abs(old) + abs(c * d)):
                 row.pop(k, None)
                 if k < self.unknowns:
                     self._users[k].discard(user)
@@ -130,7 +151,7 @@ class Elimination:
                 for i, d in known[k].items():
                     total[i] = total.get(i, 0.0) - row[k] * d
                     size[i] = size.get(i, 0.0) + abs(row[k] * d)
-            self.solved[user] = {k: c for k, c in total.items() if abs(c) > CANCELLATION * size[k]}
+            self.solved[user] = {k: c for k, c in total.items() if not self._cancels(c, size[k])}
             self._shared.discard(user)
 
     def free(self) -> list[int]:

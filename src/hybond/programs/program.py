@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.elimination import CLEAR
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.ports import PortEquations, base_mode, port_equations
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import StorageLaws
-from hybond.equations.tableau import Sheet
+from hybond.equations.tableau import Sheet, Tableau
 from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
 from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
@@ -82,6 +83,8 @@ class Program:
         """Machines that have landed: their pinnacle state is a mode with a field, its ``pre()``
         terms being zero."""
         self._vanishing: dict[Mode, tuple[int, ...]] = {}
+        self.warnings: list[str] = []
+        """What is to be said of the numbers in the modes so far."""
         self.built = 0
         self.evaluations = 0
         self.linear = LinearForms(self)
@@ -112,12 +115,27 @@ class Program:
         if found is None:
             tableau = self._sheet.build(mode, discrete)
             found = prepare(self.graph, mode, self.slots, tableau, self.storage)
+            self._look_at(tableau, mode)
             self._equations[key] = found
             self.built += 1
             if len(self._equations) > KEPT:
                 self._equations.popitem(last=False)
         self._equations.move_to_end(key)
         return found
+
+    def _look_at(self, tableau: Tableau, mode: Mode) -> None:
+        """Warn, once, of values so far apart that sums of them lose their digits."""
+        least = min(tableau.power.least, tableau.finite.least)
+        dropped = max(tableau.power.dropped, tableau.finite.dropped)
+        if self.warnings or (least >= CLEAR and not dropped):
+            return
+        lost = f"{dropped:.0e} of its terms and counts as zero" if dropped else ""
+        few = f"{least:.0e} of its terms and has few digits" if least < CLEAR else ""
+        self.warnings.append(
+            "elements lie too many powers of ten apart for the arithmetic: in mode "
+            f"({self.graph.mode_text(mode)}) a coefficient is {lost or few}; leave out what is "
+            "negligible, or check units"
+        )
 
     def ports(self, mode: Mode, interval: Interval, t: float) -> PortEquations:
         """Return the equations of a mode with its junction laws open, made once."""

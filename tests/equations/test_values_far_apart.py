@@ -1,0 +1,36 @@
+"""Sums of values that lie many powers of ten apart lose digits: the run says so."""
+
+import math
+
+import pytest
+
+import hybond as hb
+
+
+def leak(r, leakage):
+    """Two capacitors tied together, a resistor beside the tie, and a leak to ground."""
+    m = hb.Model("leak", domain="electrical")
+    m.add(C1=hb.C("1 nF", e="1 V"), C2=hb.C("1 nF", e="1 V"), n1=hb.Zero(), n2=hb.Zero())
+    m.add(b=hb.One(), x=hb.One(), r=hb.R(r), R=hb.R(leakage))
+    m.bond("n1 -> C1", "n2 -> C2", "n1 -> b -> n2", "n1 -> x -> n2", "x -> r", "n1 -> R")
+    return hb.simulate(m, leakage * 2e-9)
+
+
+def far_apart(run):
+    return [w for w in run.warnings if "powers of ten" in w]
+
+
+@pytest.mark.parametrize("leakage", [1e3, 1e5])
+def test_no_word_while_digits_are_enough(leakage):
+    run = leak(1e-3, leakage)
+    assert run.final["C1.e"] == pytest.approx(math.exp(-1.0), rel=1e-7)
+    assert far_apart(run) == []
+
+
+@pytest.mark.parametrize(
+    ("leakage", "word"),
+    [(1e6, "few digits"), (1e8, "few digits"), (1e9, "zero"), (3e9, "zero")],
+)
+def test_what_is_lost_is_said_once(leakage, word):
+    (warning,) = far_apart(leak(1e-3, leakage))
+    assert word in warning and "the only mode" in warning
