@@ -206,4 +206,6 @@ class Ensemble:
         kinds, counts = np.unique(self.status, return_counts=True)
         each = ", ".join(f"{n} {kind}" for kind, n in zip(kinds, counts, strict=True))
         how = "all ok" if list(kinds) == ["ok"] else each
-        return f"<Ensemble {self.title!r}: {len(self)} members, until {self.until:g} s, {how}>"
+        text = f"<Ensemble {self.title!r}: {len(self)} members, until {self.until:g} s, {how}>"
+        first = next(iter(self.errors.items()), None)
+        return text if first is None else f"{text}\nmember {first[0]}: {first[1]}"

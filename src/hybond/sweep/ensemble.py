@@ -48,7 +48,7 @@ def ensemble(
     until: float | str | None = None,
     *,
     sets: Mapping[str, Any] | Iterable[Mapping[str, Any]],
-    outputs: Sequence[str] | None = None,
+    outputs: str | Sequence[str] | None = None,
     samples: int | Sequence[float] | Vector | None = None,
     events: bool = False,
     workers: int | None = None,
@@ -68,7 +68,7 @@ def ensemble(
         End time of all members, s or a quantity; default: what the experiment says.
     sets : mapping of path to sequence, or sequence of mappings of path to value
         The values that replace the model's own, by dotted path: columns of one length, or rows.
-    outputs : sequence of str
+    outputs : str or sequence of str
         What is read of each member: names or expressions of names. Default: stored quantities,
         co-energy variables, signals and what the experiment lists.
     samples : int or sequence of float
@@ -123,7 +123,14 @@ def ensemble(
         raise _refusal(f"workers = {workers!r}", "workers", "1 for this process only, or more")
     columns = columns_of(sets)
     end = end_of(until, model.experiment)
-    task = Task(model, end, options, tuple(outputs or ()), _times(samples, end), events)
+    task = Task(
+        model,
+        end,
+        options,
+        (outputs,) if isinstance(outputs, str) else tuple(outputs or ()),
+        _times(samples, end),
+        events,
+    )
     work = _Work(task, columns, progress)
     how = work.all(workers, named=outputs is not None)
     return _gathered(work, how, time.perf_counter() - began)
