@@ -79,16 +79,20 @@ class LinearForms:
 
     def of(self, equations: ModeEquations, interval: Interval) -> LinearForm | str:
         """Return the form of a mode in an interval, or why there is none."""
-        key = id(equations), interval.at
-        known = self._known.get(key)
-        if known is None or known[0] is not equations:
+        # most forms are the same in all intervals
+        keys: list[object] = [id(equations), (id(equations), interval.at)]
+        known = ((k, self._known.get(k)) for k in keys)
+        key = next((k for k, at in known if at is not None and at[0] is equations), None)
+        if key is None:
             form = linear_form(self._program, equations, interval)
-            known = self._known[key] = equations, form
+            key = keys[0] if isinstance(form, LinearForm) and not form.timely else keys[1]
+            self._known[key] = equations, form
             if len(self._known) > KEPT:
                 self._known.popitem(last=False)
         self._known.move_to_end(key)
-        self._why[equations.mode] = known[1] if isinstance(known[1], str) else ""
-        return known[1]
+        form = self._known[key][1]
+        self._why[equations.mode] = form if isinstance(form, str) else ""
+        return form
 
     def slid(self, which: int) -> None:
         """Note a motion along a surface, which has no form here."""
