@@ -66,6 +66,7 @@ def simulate(
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool = True,
     keep: int | None = None,
+    max_events: int | None = None,
     journal: str | Path | None = None,
 ) -> Result:
     """Simulate a model from t = 0.
@@ -120,6 +121,8 @@ def simulate(
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
+    max_events : int
+        Events after which the run stops with HB-N404, default 1,000,000.
     journal : str or Path
         A CSV file to which events are written as they happen: time, cause, the states of the
         machines, stored quantities and signals after it.
@@ -168,7 +171,8 @@ def simulate(
         looking = Program(graph)
         fit = fitting(looking, end, start_of(looking))
         name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
-    limits = Limits(end, float(experiment.get("event_tol", 1e-12)))
+    most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
+    limits = Limits(end, float(experiment.get("event_tol", 1e-12)), int(most))
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
     executive: Executive | TimeStepping

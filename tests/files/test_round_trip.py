@@ -101,6 +101,7 @@ experiment = some(
     plot=st.lists(texts, max_size=3),
     outputs=st.lists(texts, max_size=3),
     max_writes=st.integers(1, 10**6),
+    max_events=st.integers(1, 10**9),
     event_tol=scalars,
     sliding=st.sampled_from(["filippov", "hysteresis", "refuse"]),
     hysteresis=scalars,

@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import hybond as hb
 from hybond.chronicle import Chronicle
 from hybond.modes.journal import Journal
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 LONG = """
 import resource, hybond as hb
@@ -147,3 +150,20 @@ def test_forgetting_keeps_what_is_still_to_be_made():
     assert made == [2, 3, 4, 5, 6] and c.times == [2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
     c.forget(100)
     assert (len(c), c.total) == (0, 8)
+
+
+@pytest.mark.parametrize("solver", ["rk45", "exact"])
+def test_a_run_has_as_many_events_as_it_may(solver):
+    model = hb.load(EXAMPLES / "half_bridge.toml")
+    with pytest.raises(hb.HybondError, match="HB-N404") as caught:
+        hb.simulate(model, "20 ms", solver=solver, max_events=100)
+    assert len(caught.value.partial.events) == 101
+    run = hb.simulate(model, "20 ms", solver=solver, max_events=401)
+    assert run.status == "ok" and len(run.events) == 401
+
+
+def test_times_of_events_come_without_their_records():
+    run = hb.simulate(hb.load(EXAMPLES / "half_bridge.toml"), "20 ms")
+    times = run.events.t
+    assert times.tolist() == [e.t for e in run.events]
+    assert run.events[3:5][0].t == times[3]

@@ -273,11 +273,11 @@ class Program:
     ) -> Vector:
         """Return all values at many instants of one mode, shape (2 * slots, len(t)).
 
-        `interval` is one for all, or one for each. Linear modes take one matrix product for all
-        instants.
+        `interval` is one for all, or one for each. Modes without laws to solve take one matrix
+        product for all instants.
         """
         each = [interval] * len(t) if isinstance(interval, Interval) else list(interval)
-        if not (equations.linear and equations.storage.linear):
+        if not equations.linear:
             rows = [self.evaluate(a, b, i, equations) for a, b, i in zip(t, y, each, strict=True)]
             return np.array(rows).reshape(len(t), 2 * self.slots.size).T
         n = self.slots.size
@@ -305,6 +305,8 @@ class Program:
         xi[: self.nx] = equations.storage.matrix.times(y[:, : self.nx].T)
         xi[self.nx : self.nx + nu] = equations.source_constants[:, None]
         columns = [v[k] for k in range(2 * n)]
+        for k, law, _ in equations.storage.expressions:
+            xi[k] = self.compile_arrays(law)(columns)
         needed = {k for k, _ in equations.source_values}
         moving = {k for k, _ in equations.rate_values}
         for k, source in enumerate(equations.tableau.sources):
