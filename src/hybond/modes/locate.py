@@ -231,8 +231,12 @@ class Locator:
             # unless it holds and ceases to before that, it becomes true later than another guard
             end = before
         candidates = set(t[1:][truth[1:]].tolist())
+        beside: list[float] = []
         for j, d in enumerate(atoms):
-            candidates.update(self._extrema(k, j, step, t, d, end))
+            turns = self._extrema(k, j, step, t, d, end)
+            candidates.update(turns)
+            if len(atoms) > 1:
+                beside += [r for c in turns for r in self._beside(k, j, step, t, c)]
         if len(atoms) > 1:
             # a window between two crossings may be narrower than the sampling: ask halfway
             # between any two neighbouring roots
@@ -241,6 +245,7 @@ class Locator:
                 for j, d in enumerate(atoms)
                 for i in np.flatnonzero((np.sign(d[:-1]) * np.sign(d[1:]) < 0) & (t[:-1] < end))
             ]
+            roots += beside
             if roots:
                 marks = sorted([*roots, *t.tolist()])
                 candidates.update(roots)
@@ -297,6 +302,23 @@ class Locator:
             reach = reach_of_bonds(self.equations, y[:nx], self.settler.trace.energy)
             size[program.slots.w] = np.maximum(solution.size, 10.0 * reach)
         return steady(v, size.tolist())
+
+    def _beside(self, k: int, j: int, step: Step, t: Vector, c: float) -> list[float]:
+        """Return the roots of an atom on both sides of an extremum beyond zero between samples.
+
+        Another comparison may hold on one side of it only: of a ball that grazes, on the way up.
+        """
+        after = int(np.searchsorted(t, c))
+        if not 0 < after < len(t) or float(t[after]) == c:
+            return []
+        middle = self._atom(k, j, step, c)
+        ends = [(float(t[after - 1]), c), (c, float(t[after]))]
+        outer = [self._atom(k, j, step, low if low != c else high) for low, high in ends]
+        return [
+            self._root(k, j, step, low, high)[1]
+            for (low, high), value in zip(ends, outer, strict=True)
+            if value * middle < 0.0
+        ]
 
     def _extrema(self, k: int, j: int, step: Step, t: Vector, d: Vector, end: float) -> list[float]:
         """Return extrema of an atom that reach, or nearly reach, zero between samples.

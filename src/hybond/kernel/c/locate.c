@@ -248,6 +248,22 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* The roots of an atom on both sides of an extremum beyond zero between samples: another comparison
+ * may hold on one side of it only. */
+static void beside(search *s, int a, double c, instants *marks)
+{
+    int after = 0;
+    while (after < HB_SAMPLES && s->t[after] < c)
+        ++after;
+    if (after == 0 || after == HB_SAMPLES || s->t[after] == c)
+        return;
+    const double low = s->t[after - 1], high = s->t[after], middle = atom(s, a, c);
+    if (atom(s, a, low) * middle < 0.0)
+        keep(s, marks, root(s, a, low, c));
+    if (atom(s, a, high) * middle < 0.0)
+        keep(s, marks, root(s, a, c, high));
+}
+
 /* The first instant of the block at which guard g holds, infinity if none; `before` is one at which
  * another guard does. */
 static double of_rule(search *s, int g, const double *truth, const double *atoms, double before)
@@ -262,12 +278,16 @@ static double of_rule(search *s, int g, const double *truth, const double *atoms
     for (int i = 1; i < HB_SAMPLES; ++i)
         if (truth[i] != 0.0)
             keep(s, &found, t[i]);
-    for (int a = first; a < stop; ++a)
+    instants marks = {.count = 0};
+    for (int a = first; a < stop; ++a) {
+        const int begin = found.count;
         extrema(s, a, atoms + a * HB_SAMPLES, end, &found);
+        for (int k = begin; stop - first > 1 && k < found.count; ++k)
+            beside(s, a, found.at[k], &marks);
+    }
     if (stop - first > 1) {
         /* a window between two crossings may be narrower than the sampling: ask halfway between
          * any two neighbouring roots */
-        instants marks = {.count = 0};
         for (int a = first; a < stop; ++a)
             for (int i = 0; i + 1 < HB_SAMPLES && !s->failed; ++i) {
                 const double *d = atoms + a * HB_SAMPLES + i;
