@@ -26,6 +26,7 @@ from hybond.kernel.structs import (
     Schedule,
     Trail,
 )
+from hybond.model.expressions import FLOATS, compile_expression, parse
 from hybond.modes import dirac, jump, locate, trial
 from hybond.modes.laws import complementarity
 from hybond.solvers import dopri, implicit, newton
@@ -60,9 +61,13 @@ def table(file, name):
     """The numbers of an array, which may be products and quotients of others."""
     text = re.search(rf"\b{name}\[.*?= (\{{.*?\}});", (SOURCES / file).read_text(), re.S).group(1)
     root = re.search(r"#define S6 (\S+)", (SOURCES / "radau.h").read_text()).group(1)
-    plain = text.translate(str.maketrans("{}", "[]")).replace("S6", root)
-    assert not set(plain) - set("[]()0123456789.+-*/, e\n")
-    return np.array(eval(plain))
+    rows = [row for row in re.split(r"\}\s*,|\{|\}", text.replace("S6", root)) if row.strip()]
+    found = [[_value(one) for one in row.split(",") if one.strip()] for row in rows]
+    return np.array(found if len(found) > 1 else found[0])
+
+
+def _value(text):
+    return compile_expression(parse(text.strip()), {}, FLOATS, pre_offset=0)(())
 
 
 @pytest.mark.parametrize("structure", STRUCTURES)

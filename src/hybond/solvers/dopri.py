@@ -137,7 +137,12 @@ class DormandPrince(Twinned):
         if forget:
             self._error_before = _SMALLEST_ERROR
             limit = min(self._max_step, t_bound - t) if t_bound > t else self._max_step
-            self._h = first_step(self._derivative, t, y, self._f, scale=scale, order=4, limit=limit)
+            self._h = self._first_size(scale, limit)
+
+    def _first_size(self, scale: FloatArray, limit: float) -> float:
+        """Choose the first step after a jump, no longer than `limit`, s."""
+        t, y, f = self._t, self._y, self._f
+        return first_step(self._derivative, t, y, f, scale=scale, order=4, limit=limit)
 
     def step(self, t_end: float) -> Step:
         """Make one step that satisfies the tolerance."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.solvers.base import FloatArray, Scale, Step
-from hybond.solvers.control import error_norm, first_step
+from hybond.solvers.control import error_norm
 from hybond.solvers.dense import Polynomial
-from hybond.solvers.dopri import _SMALLEST_ERROR, DormandPrince
+from hybond.solvers.dopri import DormandPrince
 from hybond.solvers.propagation import PARTS, Propagator
 
 
@@ -128,28 +128,19 @@ class Exact(DormandPrince):
 
     def _begin(self, t_bound: float, *, forget: bool, moved: bool) -> None:
         linear = self.linear
-        if linear is None:
-            super()._begin(t_bound, forget=forget, moved=moved)
-            return
-        t, y = self._t, self._y
-        if y.size != self._k.shape[1]:
-            self._allocate(y.size)
-        if moved:
-            self._f = self._finite_derivative(t, y)
-        scale = self._scale(y, y)
-        self._controlled = max(int(np.count_nonzero(scale < np.inf)), 1)
-        if forget or len(self._amplitude) != len(linear.watched):
+        if linear is not None and (forget or len(self._amplitude) != len(linear.watched)):
             self._amplitude = np.zeros(len(linear.watched))
-        if forget:
-            self._error_before = _SMALLEST_ERROR
-            limit = min(self._max_step, t_bound - t) if t_bound > t else self._max_step
-            self._h = self._first(linear, scale, limit)
-            if y.size > len(linear.states) + 2:
-                # signals are integrated along: their rates may move faster than what is linear
-                plain = first_step(
-                    self._derivative, t, y, self._f, scale=scale, order=4, limit=limit
-                )
-                self._h = min(self._h, plain)
+        super()._begin(t_bound, forget=forget, moved=moved)
+
+    def _first_size(self, scale: FloatArray, limit: float) -> float:
+        linear = self.linear
+        if linear is None:
+            return super()._first_size(scale, limit)
+        h = self._first(linear, scale, limit)
+        if self._y.size == len(linear.states) + 2:
+            return h
+        # signals are integrated along: their rates may move faster than what is linear
+        return min(h, super()._first_size(scale, limit))
 
     def _first(self, linear: Linear, scale: FloatArray, limit: float) -> float:
         """Choose the first step from derivatives: halved until its dense output will do."""
