@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
+    from hybond import library
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
     from hybond.analysis.residuals.residuals import residuals
@@ -42,7 +43,8 @@ if TYPE_CHECKING:
         UnitError,
         UsageError,
     )
-    from hybond.files import dumps, load, loads, save
+    from hybond.files.load import load, loads
+    from hybond.files.save import dumps, save
     from hybond.model import switching
     from hybond.model.builder import Model
     from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
@@ -95,9 +97,10 @@ _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; the first two can be called."""
+"""Rooms that are public as such; `causality` and `draw` can be called."""
 
 __all__ = [
     "C",
@@ -141,6 +144,7 @@ __all__ = [
     "dumps",
     "ensemble",
     "junction_matrix",
+    "library",
     "load",
     "loads",
     "newton_law_model",

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from hybond.errors import ModelError, UsageError
+from hybond.library import find
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import KINDS
@@ -115,13 +116,16 @@ def _set(model: Model, names: list[str], value: str, known: Mapping[str, Model])
         new_part = _changed(part, rest[0], value)
         return None if new_part is None else _copy(model, "elements", name, new_part)
     if isinstance(part, SubmodelPart) and rest:
+        if len(rest) == 1 and rest[0] in part.inputs:
+            inputs = {**part.inputs, rest[0]: value}
+            return _copy(model, "elements", name, replace(part, inputs=inputs))
         inner = _inner(part, known)
         if inner is None or (len(rest) == 1 and rest[0] in inner.parameters):
             return None
         new_inner = _set(inner, rest, value, known)
         if new_inner is None:
             return None
-        return _copy(model, "elements", name, SubmodelPart(new_inner, part.parameters))
+        return _copy(model, "elements", name, replace(part, model=new_inner))
     signal = model.signals.get(name)
     if isinstance(signal, Integral) and rest == ["start"]:
         return _copy(model, "signals", name, replace(signal, start=value))
@@ -151,7 +155,9 @@ def _starts(part: Part) -> tuple[str, ...]:
 
 
 def _inner(part: SubmodelPart, known: Mapping[str, Model]) -> Model | None:
-    return part.model if isinstance(part.model, Model) else known.get(part.model)
+    if isinstance(part.model, Model):
+        return part.model
+    return known.get(part.model) or find(part.model)
 
 
 def _copy(model: Model, group: str, name: str, part: object) -> Model:

@@ -48,6 +48,7 @@ def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: s
 def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
     """Return the model of data that `check` has accepted as a `Submodel`."""
     model = Model(data.get("name", name), title=data.get("title", ""))
+    model.about = data.get("about", model.about)
     model.domain = data.get("domain", model.domain)
     model.indeterminate = data.get("indeterminate", model.indeterminate)
     for key, value in data.get("parameters", {}).items():

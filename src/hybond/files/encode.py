@@ -56,6 +56,8 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
     data: dict[str, Any] = {"name": model.name}
     if model.title:
         data["title"] = model.title
+    if model.about:
+        data["about"] = model.about
     if model.domain != "generic":
         data["domain"] = model.domain
     if model.indeterminate != "error":
@@ -126,8 +128,11 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     if isinstance(part, SubmodelPart):
         if not isinstance(part.model, str | Model):
             raise _refuse(f"{part.model!r} is not a model", path, "HB-F110")
-        data = {"submodel": models.name(part.model)}
-        return {**data, "parameters": part.parameters} if part.parameters else data
+        given = {"parameters": part.parameters, "inputs": part.inputs}
+        return {
+            "submodel": models.name(part.model),
+            **{key: values for key, values in given.items() if values},
+        }
     if not isinstance(part, Part):
         raise _refuse(f"{part!r} is not an element", path, "HB-F110")
     if part.kind in ("0", "1"):

@@ -138,6 +138,7 @@ class SubmodelElement(Struct, forbid_unknown_fields=True):
 
     submodel: Annotated[str, Meta(min_length=1)]
     parameters: dict[str, Scalar] | UnsetType = UNSET
+    inputs: dict[str, Scalar] | UnsetType = UNSET
 
 
 ELEMENTS: dict[str, type[Struct]] = {
@@ -232,6 +233,7 @@ class Submodel(Struct, forbid_unknown_fields=True):
 
     name: Annotated[str, Meta(min_length=1)] | UnsetType = UNSET
     title: str | UnsetType = UNSET
+    about: str | UnsetType = UNSET
     domain: str | UnsetType = UNSET
     indeterminate: Literal["error", "least leakage"] | UnsetType = UNSET
     parameters: dict[str, Scalar] | UnsetType = UNSET

@@ -10,6 +10,7 @@ ORDER = (
     "hybond",
     "name",
     "title",
+    "about",
     "domain",
     "indeterminate",
     "parameters",

@@ -55,6 +55,8 @@ class Model:
     ) -> None:
         self.name = name
         self.title = title
+        self.about = ""
+        """What the model is, in several lines; Markdown."""
         self.domain = domain
         self.parameters: dict[str, Value] = dict(parameters or {})
         self.elements: dict[str, Part | SubmodelPart] = {}

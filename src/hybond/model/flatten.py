@@ -16,15 +16,10 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import (
-    And,
-    Bool,
     Compare,
     Expr,
-    If,
     Name,
-    Not,
     Number,
-    Or,
     Pre,
     children,
     parse,
@@ -46,7 +41,7 @@ from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import InputPart, Value
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.planar_friction import paired, pairs_of
-from hybond.model.resolve import Resolver
+from hybond.model.resolve import Resolver, is_condition
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
 from hybond.uncollected import uncollected
@@ -107,6 +102,8 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
+        if path in opened.given:
+            _check_given(path, dimensions[path], opened)
     machines = _machines(opened, resolver, nodes, switched, dimensions)
     if with_laws:
         machines = _with_laws(machines, with_laws, opened, nodes, resolver, dimensions)
@@ -136,6 +133,19 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     )
     check_readers(graph)
     return fieldless.checked(graph)
+
+
+def _check_given(path: str, given: Dimension | None, opened: Opened) -> None:
+    """Refuse an input of a submodel in another unit than its own value has."""
+    scope, part = opened.given[path]
+    own = _input(0, path, scope, part).dimension
+    if own is not None and given is not None and own != given:
+        raise UnitError(
+            f"the input is in {own}, and is given in {given}",
+            code="HB-U103",
+            where=path,
+            hint=f"give it in {own}",
+        )
 
 
 def _parametric(node: Node, raw: RawNode, resolver: Resolver) -> Parametric:
@@ -494,18 +504,3 @@ def _reads(tree: Expr) -> list[Expr]:
     if isinstance(tree, Compare) and tree.op in ("==", "!="):
         return []
     return list(dict.fromkeys(r for c in children(tree) for r in _reads(c)))
-
-
-def is_condition(e: Expr) -> bool:
-    """Whether `e` is true or false rather than a number."""
-    match e:
-        case Compare() | And() | Or() | Not() | Bool():
-            return True
-        case Name(path):
-            return path.startswith(("on:", "in:", "at:"))
-        case Pre(arg):
-            return is_condition(arg)
-        case If():
-            return is_condition(e.then) and is_condition(e.orelse)
-        case _:
-            return False

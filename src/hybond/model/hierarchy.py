@@ -85,6 +85,8 @@ class Opened:
     signals: dict[str, tuple[Scope, str]] = field(default_factory=dict)
     integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
     inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
+    given: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
+    """Inputs of submodels that are signals of the model around them; and what they were."""
     machines: dict[str, tuple[Scope, MachinePart]] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     ports: dict[str, str] = field(default_factory=dict)
@@ -100,7 +102,8 @@ def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
     ------
     ModelError
         HB-M105 unknown submodel, HB-M106 submodels that contain each other, HB-M107 unknown
-        parameter, HB-M108 parameters that depend on each other, HB-M109 a bad bond.
+        parameter, HB-M108 parameters that depend on each other, HB-M109 a bad bond, HB-M111
+        unknown input of a submodel.
     """
     opened = Opened()
     left = dict(overrides)
@@ -162,6 +165,7 @@ def _open(
             k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
         }
         _open(inner, path, passed, opened, overrides, (*chain, inner), known)
+        _connect(part, inner, path, scope, opened)
     for port, target in model.ports.items():
         opened.ports[join(prefix, port)] = join(prefix, target)
     for name, signal in model.signals.items():
@@ -182,17 +186,41 @@ def _open(
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
 
 
+def _connect(part: SubmodelPart, inner: Model, path: str, scope: Scope, opened: Opened) -> None:
+    """Put in what the inputs of a submodel are in the model around it."""
+    for name, value in part.inputs.items():
+        own = join(path, name)
+        if own not in opened.inputs:
+            raise ModelError(
+                f"the submodel {inner.name!r} has no input {name!r}",
+                code="HB-M111",
+                where=own,
+                hint=did_you_mean(name, inner.inputs),
+            )
+        if isinstance(literal(value, own), Number):
+            opened.inputs[own] = (scope, InputPart(constant=value))
+        else:
+            opened.given[own] = opened.inputs.pop(own)
+            opened.signals[own] = (scope, value)
+
+
 def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Model:
     if isinstance(part.model, Model):
         return part.model
-    if part.model not in known:
+    if part.model in known:
+        return known[part.model]
+    from hybond.library import find
+    from hybond.library import names as ready_parts
+
+    ready = find(part.model)
+    if ready is None:
         raise ModelError(
             f"there is no submodel {part.model!r}",
             code="HB-M105",
             where=path,
-            hint=did_you_mean(str(part.model), known),
+            hint=did_you_mean(str(part.model), [*known, *ready_parts()]),
         )
-    return known[part.model]
+    return ready
 
 
 def _parameters(

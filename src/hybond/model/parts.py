@@ -35,8 +35,10 @@ class SubmodelPart:
     """An instance of a submodel, with parameters given in the scope that contains it."""
 
     model: Any
-    """A name in the models of the containing model, or a `Model`."""
+    """A name in the models of the containing model or of the library, or a `Model`."""
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    inputs: Mapping[str, Value] = field(default_factory=dict)
+    """Input of the submodel to what it is here: an expression of signals, a condition, a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,25 @@ def One(**options: Any) -> Part:
     return Part("1", None, options)
 
 
-def Submodel(model: Any, **parameters: Value) -> SubmodelPart:
-    """Return an instance of a submodel (a name or a `Model`) with its parameters."""
-    return SubmodelPart(model, parameters)
+def Submodel(
+    model: Any, /, *, inputs: Mapping[str, Value] | None = None, **parameters: Value
+) -> SubmodelPart:
+    """Return an instance of a submodel with its parameters and inputs.
+
+    Parameters
+    ----------
+    model : str or Model
+        A name in the models of the containing model, a ready part of the library
+        (``"electrical.diode"``), or a `Model`.
+    inputs : mapping
+        Inputs of the submodel to what they are here: an expression of signals, a condition
+        (which counts as 1 or 0), a number or a quantity. The others keep their own value.
+    **parameters
+        Values of its parameters, in the parameters of the containing model.
+
+    Examples
+    --------
+    >>> Submodel("electrical.switch", inputs={"gate": "time > 1 [ms]"}, R_on="1 mohm").parameters
+    {'R_on': '1 mohm'}
+    """
+    return SubmodelPart(model, parameters, dict(inputs or {}))
