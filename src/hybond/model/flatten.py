@@ -93,6 +93,9 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     integrals = _integrals(opened, resolver, dimensions)
+    for path in opened.given:
+        given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
+        _check_given(path, given, opened)
     for raw, node in zip(raw_nodes, nodes, strict=True):
         if raw.path in with_laws and raw.written is not None:
             check_units(node, raw.written, resolver, dimensions)
@@ -102,8 +105,6 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
-        if path in opened.given:
-            _check_given(path, dimensions[path], opened)
     machines = _machines(opened, resolver, nodes, switched, dimensions)
     if with_laws:
         machines = _with_laws(machines, with_laws, opened, nodes, resolver, dimensions)
