@@ -47,7 +47,21 @@ if TYPE_CHECKING:
     from hybond.files.save import dumps, save
     from hybond.model import switching
     from hybond.model.builder import Model
-    from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
+    from hybond.model.parts import (
+        GY,
+        TF,
+        C,
+        G,
+        I,
+        Integral,
+        One,
+        R,
+        Sampled,
+        Se,
+        Sf,
+        Submodel,
+        Zero,
+    )
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
@@ -72,7 +86,21 @@ _HOME = {
     ),
     **dict.fromkeys(("dumps", "load", "loads", "save"), "hybond.files"),
     **dict.fromkeys(
-        ("GY", "TF", "C", "G", "I", "Integral", "One", "R", "Se", "Sf", "Submodel", "Zero"),
+        (
+            "GY",
+            "TF",
+            "C",
+            "G",
+            "I",
+            "Integral",
+            "One",
+            "R",
+            "Sampled",
+            "Se",
+            "Sf",
+            "Submodel",
+            "Zero",
+        ),
         "hybond.model.parts",
     ),
     "Ensemble": "hybond.sweep.collection",
@@ -124,6 +152,7 @@ __all__ = [
     "One",
     "R",
     "Result",
+    "Sampled",
     "Se",
     "Sf",
     "Signal",

@@ -11,7 +11,7 @@ from hybond.files.place import Place, shortened
 from hybond.files.schema import VERSION, File
 from hybond.files.submodel_files import Reading, is_file
 from hybond.model.builder import Model
-from hybond.model.parts import InputPart, Integral, MachinePart, SubmodelPart
+from hybond.model.parts import InputPart, Integral, MachinePart, Sampled, SubmodelPart
 
 
 def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
@@ -63,9 +63,7 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     for key, value in data.get("signals", {}).items():
         _name(model, key, place / "signals" / key)
         model.signals[key] = (
-            value
-            if isinstance(value, str)
-            else Integral(value["integral"], value.get("start", 0.0))
+            value if isinstance(value, str) else _dynamic(value, place / "signals" / key)
         )
     for key, value in data.get("inputs", {}).items():
         _name(model, key, place / "inputs" / key)
@@ -104,6 +102,20 @@ def _name(model: Model, name: str, place: Place) -> None:
         raise FileError(
             shortened(error.why, 120), code=error.code, where=str(place), hint=error.hint
         ) from None
+
+
+def _dynamic(data: dict[str, Any], place: Place) -> Integral | Sampled:
+    start = data.get("start", 0.0)
+    of_samples = sorted(data.keys() & {"sample", "every", "phase"})
+    if "integral" in data and not of_samples:
+        return Integral(data["integral"], start)
+    if "sample" in data and "every" in data and "integral" not in data:
+        return Sampled(data["sample"], data["every"], start, data.get("phase", 0.0))
+    raise place.refuse(
+        f"a signal is an integral, or a sample with its every; this is {describe(data)}",
+        code="HB-F113",
+        hint='{ integral = "v.f" } or { sample = "v.f", every = "1 ms" }',
+    )
 
 
 def _input(data: dict[str, Any], place: Place) -> InputPart:

@@ -12,7 +12,7 @@ from hybond.files.place import Path, dotted
 from hybond.files.schema import VERSION
 from hybond.files.submodel_files import is_file
 from hybond.model.builder import RESERVED, Model
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart
+from hybond.model.parts import InputPart, Integral, MachinePart, Part, Sampled, SubmodelPart
 
 
 def to_data(model: Model, *, inline: bool = False) -> dict[str, Any]:
@@ -140,11 +140,14 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     return {part.kind: part.value, **part.options}
 
 
-def _signal(signal: str | Integral) -> Any:
-    if not isinstance(signal, Integral):
+def _signal(signal: str | Integral | Sampled) -> Any:
+    if isinstance(signal, str):
         return signal
     start = {} if repr(signal.start) == "0.0" else {"start": signal.start}
-    return {"integral": signal.rate, **start}
+    if isinstance(signal, Integral):
+        return {"integral": signal.rate, **start}
+    phase = {} if repr(signal.phase) == "0.0" else {"phase": signal.phase}
+    return {"sample": signal.value, "every": signal.every, **start, **phase}
 
 
 def _input(given: InputPart, path: Path) -> dict[str, Any]:

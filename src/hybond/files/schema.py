@@ -162,10 +162,13 @@ class Graph(Struct, forbid_unknown_fields=True):
     bonds: list[str] | UnsetType = UNSET
 
 
-class Integrated(Struct, forbid_unknown_fields=True):
-    """A signal that is the integral of an expression over time."""
+class Dynamic(Struct, forbid_unknown_fields=True):
+    """A signal that is the integral of an expression over time, or samples one."""
 
-    integral: str
+    integral: str | UnsetType = UNSET
+    sample: str | UnsetType = UNSET
+    every: Scalar | UnsetType = UNSET
+    phase: Scalar | UnsetType = UNSET
     start: Scalar | UnsetType = UNSET
 
 
@@ -239,7 +242,7 @@ class Submodel(Struct, forbid_unknown_fields=True):
     parameters: dict[str, Scalar] | UnsetType = UNSET
     elements: dict[str, dict[str, Any]] | UnsetType = UNSET
     graph: Graph | UnsetType = UNSET
-    signals: dict[str, str | Integrated] | UnsetType = UNSET
+    signals: dict[str, str | Dynamic] | UnsetType = UNSET
     inputs: dict[str, Waveform] | UnsetType = UNSET
     machines: dict[str, Machine] | UnsetType = UNSET
     causality: Causality | UnsetType = UNSET
@@ -253,6 +256,9 @@ class File(Submodel, forbid_unknown_fields=True):
     """A hybond model file, format version 1."""
 
     hybond: Literal[1] = msgspec.field(default=1)
+
+
+_OF_SAMPLES = ("sample", "every", "phase")
 
 
 def json_schema() -> dict[str, Any]:
@@ -271,6 +277,10 @@ def json_schema() -> dict[str, Any]:
         parts[model]["properties"]["elements"]["additionalProperties"] = one_element
     parts["File"]["required"] = ["hybond"]
     parts["LawOfR"].update(minProperties=1, maxProperties=1)
+    parts["Dynamic"]["oneOf"] = [
+        {"required": ["integral"], "not": {"anyOf": [{"required": [k]} for k in _OF_SAMPLES]}},
+        {"required": ["sample", "every"]},
+    ]
     parts["Waveform"]["oneOf"] = [{"required": [k]} for k in ("constant", "table", "pwm")]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

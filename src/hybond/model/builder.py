@@ -7,7 +7,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import ModelError
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.model.parts import (
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+    Value,
+)
 
 if TYPE_CHECKING:
     from hybond.model.graph import FlatGraph
@@ -61,7 +69,7 @@ class Model:
         self.parameters: dict[str, Value] = dict(parameters or {})
         self.elements: dict[str, Part | SubmodelPart] = {}
         self.bonds: list[str] = []
-        self.signals: dict[str, str | Integral] = {}
+        self.signals: dict[str, str | Integral | Sampled] = {}
         self.inputs: dict[str, InputPart] = {}
         self.machines: dict[str, MachinePart] = {}
         self.ports: dict[str, str] = {}
@@ -96,8 +104,8 @@ class Model:
         """Add or change parameters."""
         self.parameters.update(parameters)
 
-    def signal(self, **signals: str | Integral) -> None:
-        """Add signals: an expression, or an `Integral`."""
+    def signal(self, **signals: str | Integral | Sampled) -> None:
+        """Add signals: an expression, an `Integral`, or what is `Sampled`."""
         for name, signal in signals.items():
             self._new_name(name)
             self.signals[name] = signal

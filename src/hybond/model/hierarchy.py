@@ -22,7 +22,15 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.model.parts import (
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+    Value,
+)
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
@@ -84,6 +92,8 @@ class Opened:
     bonds: list[WrittenBond] = field(default_factory=list)
     signals: dict[str, tuple[Scope, str]] = field(default_factory=dict)
     integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
+    sampled: dict[str, tuple[Scope, Sampled]] = field(default_factory=dict)
+    """Those of the integrals, with rate zero, that are set at instants."""
     inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     given: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     """Inputs of submodels that are signals of the model around them; and what they were."""
@@ -172,6 +182,9 @@ def _open(
         path = join(prefix, name)
         if isinstance(signal, Integral):
             opened.integrals[path] = (scope, signal)
+        elif isinstance(signal, Sampled):
+            opened.integrals[path] = (scope, Integral("0", signal.start))
+            opened.sampled[path] = (scope, signal)
         else:
             opened.signals[path] = (scope, signal)
     for name, given_input in model.inputs.items():

@@ -50,6 +50,36 @@ class Integral:
 
 
 @dataclass(frozen=True, slots=True)
+class Sampled:
+    """A sampled signal: set to `value` at ``phase + n*every``, n = 0, 1, ..., and held between.
+
+    What the value reads is *a priori*: as it was just before the instant. All signals that are
+    sampled at one instant are so at once.
+
+    Parameters
+    ----------
+    value : str
+        An expression, or a condition, which counts as 1 or 0.
+    every : number or str
+        The period, s.
+    start : number or str
+        What the signal is before its first sample.
+    phase : number or str
+        The first instant, s.
+
+    Examples
+    --------
+    >>> Sampled("u + k*(ref - motor.f)", every="1 ms")
+    Sampled(value='u + k*(ref - motor.f)', every='1 ms', start=0.0, phase=0.0)
+    """
+
+    value: str
+    every: Value
+    start: Value = 0.0
+    phase: Value = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class InputPart:
     """An input. Exactly one of `constant`, `table`, `pwm`, `function` is given.
 

@@ -30,7 +30,8 @@ from hybond.model.expressions import Number
 from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
 from hybond.modes.laws.limits import FrictionLimits
-from hybond.modes.settle import Settler, event_of
+from hybond.modes.sampling import Sampling
+from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare
 from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
 from hybond.modes.stepping.record import event_of_step
@@ -94,6 +95,7 @@ class TimeStepping:
         self._judged = coarser is not None
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
+        self.sampling = Sampling(program)
         self.scheme = ThetaScheme(program, theta)
         self.frictions = FrictionLimits(program)
         self._hand = any(m.law is None for m in self.graph.machines)
@@ -126,9 +128,8 @@ class TimeStepping:
                 point = self._flow(point, interval)
                 following = interval_after(self.graph, point.t)
                 if point.t >= interval.end:
-                    watched = any(point.t in w.times for w in self.graph.watches)
                     self._close(interval)
-                    point = self._settle(point, interval, following, "time" if watched else "input")
+                    point = self._settle(point, interval, following, cause_at(self.graph, point.t))
                 interval = following
         finally:
             self._close(interval)
@@ -290,9 +291,10 @@ class TimeStepping:
         program = self.program
         nx, ns = program.nx, program.ns
         x, s = point.y[:nx].copy(), point.y[nx : nx + ns].copy()
+        held = self.sampling.held(point.t, x, s, point.mode, before, self.settler.trials)
         try:
             settled = self.settler.settle(
-                point.t, x, s, point.mode, before, after, start=cause == "start"
+                point.t, x, s, point.mode, before, after, start=cause == "start", held=held
             )
         except HybondError as error:
             if self._hand or error.code not in ("HB-J110", "HB-J111"):
@@ -300,8 +302,10 @@ class TimeStepping:
             # the next step decides what an instant cannot
             self.trace.warn(f"at t = {point.t:.9g} s the next step decides: {error.why}")
             ports = self.scheme.ports(point.mode, after, point.t)
+            s = s if held is None else held
             v = program.values(point.t, after, point.mode, x, s)
-            return replace(point, w=ports.solve(v, x, np.zeros(len(ports.ports))))
+            y = np.concatenate([x, s, point.y[nx + ns :]])
+            return replace(point, y=y, w=ports.solve(v, x, np.zeros(len(ports.ports))))
         if settled.steps:
             self._note(replace(event_of(point.t, cause, settled, x, s), t0=since))
         y = np.concatenate([settled.x, settled.s, point.y[nx + ns :]])
