@@ -153,6 +153,9 @@ def test_files_and_equations_know_samples() -> None:
     assert r"\quad\text{every 2 ms}" in hb.state_equations(model).latex()
     with pytest.raises(hb.FileError) as caught:
         hb.loads('hybond = 1\n[signals]\na = { sample = "time" }\n')
+    assert caught.value.code == "HB-F111"
+    with pytest.raises(hb.FileError) as caught:
+        hb.loads('hybond = 1\n[signals]\na = { integral = "time", every = 1 }\n')
     assert caught.value.code == "HB-F113"
 
 

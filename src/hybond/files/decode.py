@@ -107,15 +107,20 @@ def _name(model: Model, name: str, place: Place) -> None:
 def _dynamic(data: dict[str, Any], place: Place) -> Integral | Sampled:
     start = data.get("start", 0.0)
     of_samples = sorted(data.keys() & {"sample", "every", "phase"})
-    if "integral" in data and not of_samples:
+    if "integral" in data and of_samples:
+        raise place.refuse(
+            f"a signal is an integral or a sample; this has {of_samples[0]!r} as well",
+            code="HB-F113",
+            hint='{ integral = "v.f" } or { sample = "v.f", every = "1 ms" }',
+        )
+    for key in ("sample", "every") if of_samples else ("integral",):
+        if key not in data:
+            raise place.refuse(
+                f"{key!r} is missing", code="HB-F111", hint=f"add {key} = ... in this place"
+            )
+    if not of_samples:
         return Integral(data["integral"], start)
-    if "sample" in data and "every" in data and "integral" not in data:
-        return Sampled(data["sample"], data["every"], start, data.get("phase", 0.0))
-    raise place.refuse(
-        f"a signal is an integral, or a sample with its every; this is {describe(data)}",
-        code="HB-F113",
-        hint='{ integral = "v.f" } or { sample = "v.f", every = "1 ms" }',
-    )
+    return Sampled(data["sample"], data["every"], start, data.get("phase", 0.0))
 
 
 def _input(data: dict[str, Any], place: Place) -> InputPart:
