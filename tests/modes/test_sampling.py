@@ -74,7 +74,7 @@ def test_a_sample_is_a_priori_and_all_of_an_instant_are_set_at_once() -> None:
 
 
 def test_instants_do_not_drift_and_are_due_exactly() -> None:
-    sample = Sample(0, Number(0.0), every=0.1, phase=0.03)
+    sample = Sample((0,), (Number(0.0),), every=0.1, phase=0.03, path="held")
     t, found = -1.0, []
     for _ in range(2000):
         t = sample.next_after(t)

@@ -176,17 +176,20 @@ class _Writer:
         eq = self.eq
         read = {n for row in (*eq.rows, *eq.outputs) for n in eq.names_in(row)}
         read |= {n for k in (*eq.sources, *eq.laws) for n in names_of(self._law(k))}
-        samples = {s.signal: s for s in eq.graph.samples}
+        samples = {k: s for s in eq.graph.samples if s.block is None for k in s.signals}
+        blocks = {k for s in eq.graph.samples if s.block is not None for k in s.signals}
         found, seen = [], set()
         while wanted := sorted(n for n in read if n.startswith("s:") and n not in seen):
             for name in wanted:
                 seen.add(name)
                 integral = eq.graph.integrals[int(name[2:])]
+                if int(name[2:]) in blocks:
+                    continue
                 if int(name[2:]) in samples:
                     sample = samples[int(name[2:])]
-                    now = self.equals(self.variable(integral.path), self.formula(sample.value))
+                    now = self.equals(self.variable(integral.path), self.formula(sample.values[0]))
                     found.append(now + self.every(format_quantity(sample.every, "s")))
-                    read |= names_of(sample.value)
+                    read |= names_of(sample.values[0])
                     continue
                 row = eq.signal_row(integral.rate)
                 value = (

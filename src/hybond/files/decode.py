@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hybond.blocks.fmu import fmu_block
 from hybond.errors import FileError, ModelError
 from hybond.files.check import check, describe
 from hybond.files.elements import read_element
@@ -72,6 +73,15 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
         _name(model, key, place / "machines" / key)
         states = {state: tuple(on) for state, on in value["states"].items()}
         model.machines[key] = MachinePart(states, value["start"], tuple(value.get("rules", ())))
+    for key, value in data.get("blocks", {}).items():
+        at = place / "blocks" / key
+        _name(model, key, at)
+        model.blocks[key] = fmu_block(
+            value["fmu"],
+            reading.unit(value["fmu"], at / "fmu"),
+            where=str(at),
+            **{k: v for k, v in value.items() if k != "fmu"},
+        )
     causality = data.get("causality", {})
     model.pins = dict(causality.get("pins", {}))
     model.reference_states = dict(causality.get("reference", {}))

@@ -231,6 +231,17 @@ class Causality(Struct, forbid_unknown_fields=True):
     reference: dict[str, str] | UnsetType = UNSET
 
 
+class Block(Struct, forbid_unknown_fields=True):
+    """A functional mock-up unit as a block of signals."""
+
+    fmu: Annotated[str, Meta(min_length=1)]
+    every: Scalar
+    phase: Scalar | UnsetType = UNSET
+    inputs: dict[str, Scalar] | UnsetType = UNSET
+    parameters: dict[str, Scalar] | UnsetType = UNSET
+    outputs: list[str] | UnsetType = UNSET
+
+
 class Submodel(Struct, forbid_unknown_fields=True):
     """A model inside a model: the sections of a file."""
 
@@ -245,6 +256,7 @@ class Submodel(Struct, forbid_unknown_fields=True):
     signals: dict[str, str | Dynamic] | UnsetType = UNSET
     inputs: dict[str, Waveform] | UnsetType = UNSET
     machines: dict[str, Machine] | UnsetType = UNSET
+    blocks: dict[str, Block] | UnsetType = UNSET
     causality: Causality | UnsetType = UNSET
     ports: dict[str, str] | UnsetType = UNSET
     models: dict[str, Submodel] | UnsetType = UNSET

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hybond.errors import ModelError
 from hybond.model.parts import (
+    BlockPart,
     InputPart,
     Integral,
     MachinePart,
@@ -72,6 +73,7 @@ class Model:
         self.signals: dict[str, str | Integral | Sampled] = {}
         self.inputs: dict[str, InputPart] = {}
         self.machines: dict[str, MachinePart] = {}
+        self.blocks: dict[str, BlockPart] = {}
         self.ports: dict[str, str] = {}
         self.models: dict[str, Model] = {}
         self.experiment: dict[str, Any] = {}
@@ -120,6 +122,12 @@ class Model:
                 self.inputs[name] = InputPart(function=given)
             else:
                 self.inputs[name] = InputPart(constant=given)
+
+    def block(self, **blocks: BlockPart) -> None:
+        """Add blocks of signals: `hybond.Block`, `hybond.FMU`."""
+        for name, block in blocks.items():
+            self._new_name(name)
+            self.blocks[name] = block
 
     def machine(
         self,
@@ -216,7 +224,10 @@ class Model:
                 where=name,
                 hint="letters, digits and _; not a word of the expression language",
             )
-        taken = (self.elements, self.signals, self.inputs, self.machines, self.parameters)
+        taken = (
+            *(self.elements, self.signals, self.inputs, self.machines, self.blocks),
+            self.parameters,
+        )
         if any(name in group for group in taken):
             raise ModelError(
                 f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"

@@ -18,7 +18,6 @@ from hybond.model.builder import Model
 from hybond.model.expressions import (
     Compare,
     Expr,
-    If,
     Name,
     Number,
     Pre,
@@ -32,7 +31,6 @@ from hybond.model.graph import (
     Machine,
     Node,
     Rule,
-    Sample,
     Storage,
 )
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
@@ -52,6 +50,7 @@ from hybond.model.parts import InputPart, Value
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.planar_friction import paired, pairs_of
 from hybond.model.resolve import Resolver, is_condition
+from hybond.model.sampled import samples_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
 from hybond.uncollected import uncollected
@@ -103,7 +102,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     integrals = _integrals(opened, resolver, dimensions)
-    samples = _samples(opened, resolver, dimensions)
+    samples = samples_of(opened, resolver, dimensions)
     for path in opened.given:
         given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
         _check_given(path, given, opened)
@@ -400,50 +399,6 @@ def _integrals(
             dimensions[f"s:{k}"] = whole
         dimensions[path] = dimensions[f"s:{k}"]
         found.append(Integral(k, path, rate, starts[path].value))
-    return tuple(found)
-
-
-def _samples(
-    opened: Opened, resolver: Resolver, dimensions: dict[str, Dimension | None]
-) -> tuple[Sample, ...]:
-    numbers = {path: k for k, path in enumerate(opened.integrals)}
-    found = []
-    for path, (scope, part) in opened.sampled.items():
-        where = f"signals.{path}"
-        every, phase = (
-            constant(value, scope.parameters, f"{where}.{name}")
-            for name, value in (("every", part.every), ("phase", part.phase))
-        )
-        for name, given in (("every", every), ("phase", phase)):
-            if given.dimension not in (None, _TIME):
-                raise UnitError(
-                    f"the time is in {given.dimension}",
-                    code="HB-U103",
-                    where=f"{where}.{name}",
-                    hint="give it in seconds",
-                )
-        if every.value <= 0.0 or phase.value < 0.0:
-            raise ModelError(
-                f"every = {every.value:g} s, phase = {phase.value:g} s",
-                code="HB-M151",
-                where=where,
-                hint="a positive period, and a first instant that is not before the start",
-            )
-        value = resolver.resolve(literal(part.value, f"{where}.sample"), scope, f"{where}.sample")
-        if is_condition(value):
-            value = If(value, Number(1.0), Number(0.0))
-        found.append(Sample(numbers[path], value, every.value, phase.value))
-    for sample, path in zip(found, opened.sampled):
-        at = f"s:{sample.signal}"
-        own = resolver.dimension(sample.value, dimensions, f"signals.{path}.sample")
-        if own is not None and dimensions[at] not in (None, own):
-            raise UnitError(
-                f"the start is in {dimensions[at]}, what is sampled in {own}",
-                code="HB-U102",
-                where=f"signals.{path}.start",
-                hint=f"give it in {own}",
-            )
-        dimensions[at] = dimensions[path] = dimensions[at] or own
     return tuple(found)
 
 

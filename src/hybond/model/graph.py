@@ -32,6 +32,7 @@ from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
+from hybond.model.parts import BlockPart
 from hybond.names import did_you_mean
 from hybond.units import Dimension, Domain
 
@@ -161,15 +162,20 @@ class Integral:
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A signal that is set to a value at the instants ``phase + n*every`` and held between.
+    """Signals that are set at the instants ``phase + n*every`` and held between.
 
-    It is one of the integrals, with the number `signal` and rate zero.
+    They are of the integrals, with the numbers `signals` and rate zero. Without a block there is
+    one, and it is set to the one of `values`; a block computes them from its inputs, `values`.
     """
 
-    signal: int
-    value: Expr
+    signals: tuple[int, ...]
+    values: tuple[Expr, ...]
     every: float
     phase: float
+    path: str
+    block: BlockPart | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Of the block, in SI."""
 
     def next_after(self, t: float) -> float:
         """Return the first instant after `t`, s.
@@ -179,7 +185,7 @@ class Sample:
         Examples
         --------
         >>> from hybond.model.expressions import Number
-        >>> sample = Sample(0, Number(1.0), every=0.1, phase=0.0)
+        >>> sample = Sample((0,), (Number(1.0),), every=0.1, phase=0.0, path="held")
         >>> sample.next_after(-1.0), sample.next_after(0.0), sample.next_after(0.25)
         (0.0, 0.1, 0.30000000000000004)
         """

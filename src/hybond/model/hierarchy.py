@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.parts import (
+    BlockPart,
     InputPart,
     Integral,
     MachinePart,
@@ -94,6 +95,7 @@ class Opened:
     integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
     sampled: dict[str, tuple[Scope, Sampled]] = field(default_factory=dict)
     """Those of the integrals, with rate zero, that are set at instants."""
+    blocks: dict[str, tuple[Scope, BlockPart]] = field(default_factory=dict)
     inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     given: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     """Inputs of submodels that are signals of the model around them; and what they were."""
@@ -187,6 +189,11 @@ def _open(
             opened.sampled[path] = (scope, signal)
         else:
             opened.signals[path] = (scope, signal)
+    for name, block in model.blocks.items():
+        path = join(prefix, name)
+        opened.blocks[path] = (scope, block)
+        for output, start in block.outputs.items():
+            opened.integrals[join(path, output)] = (scope, Integral("0", start))
     for name, given_input in model.inputs.items():
         opened.inputs[join(prefix, name)] = (scope, given_input)
     for name, machine in model.machines.items():

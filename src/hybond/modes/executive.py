@@ -28,7 +28,7 @@ Nothing else changes the state: a jump is made by `settle` alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,7 +46,7 @@ from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.marching import Course, March, Marched
 from hybond.modes.recall import Recall
-from hybond.modes.sampling import Sampling
+from hybond.modes.sampling import Runner, Sampling
 from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.sliding.motion import Slider
 from hybond.modes.sliding.view import View
@@ -136,6 +136,7 @@ class Executive:
         march: March | None = None,
         keep: int | None = None,
         journal: Journal | None = None,
+        runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.program = program
         self.solver = solver
@@ -153,7 +154,7 @@ class Executive:
             program, self.settler.trials.laws.kept, limits.until, step=step, rtol=rtol
         )
         self.frictions = FrictionLimits(program)
-        self.sampling = Sampling(program)
+        self.sampling = Sampling(program, runners)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None

@@ -19,7 +19,7 @@ percussion of the step.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from hybond.model.expressions import Number
 from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
 from hybond.modes.laws.limits import FrictionLimits
-from hybond.modes.sampling import Sampling
+from hybond.modes.sampling import Runner, Sampling
 from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare
 from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
@@ -72,6 +72,8 @@ class TimeStepping:
     progress : callable
     coarser : float or None
         The run is repeated with steps longer by this factor, to estimate its error.
+    runners : mapping
+        See `sampling.Sampling`.
     """
 
     def __init__(
@@ -84,6 +86,7 @@ class TimeStepping:
         max_writes: int = 1000,
         progress: Progress | None = None,
         coarser: float | None = 2.0,
+        runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.program = program
         self.graph = program.graph
@@ -91,11 +94,12 @@ class TimeStepping:
         self.h = step
         self.progress = progress
         # with two steps in all there is nothing to compare
-        self.coarser = coarser if limits.until > 4.0 * step else None
+        # and a block may run once only
+        self.coarser = coarser if limits.until > 4.0 * step and not runners else None
         self._judged = coarser is not None
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
-        self.sampling = Sampling(program)
+        self.sampling = Sampling(program, runners)
         self.scheme = ThetaScheme(program, theta)
         self.frictions = FrictionLimits(program)
         self._hand = any(m.law is None for m in self.graph.machines)
