@@ -1,4 +1,4 @@
-"""Laws bent like a root on both sides of rest, in a row, at which full steps of Newton do not end."""
+"""Laws bent like a root on both sides of rest, in a row: full steps of Newton do not end there."""
 
 import math
 
