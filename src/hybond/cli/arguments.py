@@ -32,6 +32,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format (TOML, JSON)",
+    "library": "list the ready parts, or show one",
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
@@ -252,6 +253,16 @@ def _parser() -> Parser:
     convert.add_argument("source", metavar="IN", help="a model file, .toml or .json")
     convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")
     convert.add_argument("--force", action="store_true", help="write into a model that is there")
+
+    library = _verb(
+        verbs,
+        "library",
+        "hybond library",
+        "hybond library electrical.diode",
+        "hybond library electrical.diode --file > my_diode.toml",
+    )
+    library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
+    library.add_argument("--file", action="store_true", help="print its model file")
     return parser
 
 

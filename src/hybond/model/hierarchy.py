@@ -166,6 +166,7 @@ def _open(
         }
         _open(inner, path, passed, opened, overrides, (*chain, inner), known)
         _connect(part, inner, path, scope, opened)
+        _put(path, model.layout.get(name), opened.layout)
     for port, target in model.ports.items():
         opened.ports[join(prefix, port)] = join(prefix, target)
     for name, signal in model.signals.items():
@@ -184,6 +185,14 @@ def _open(
         opened.pins.append(WrittenPin(scope, bond, at, _end(at, scope, opened).path))
     opened.reference.update({join(prefix, k): v for k, v in model.reference_states.items()})
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
+
+
+def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:
+    """Put the nodes of a submodel where it stands; one that stands nowhere keeps no places."""
+    for inner in [k for k in layout if k.startswith(f"{path}.")]:
+        x, y = layout.pop(inner)
+        if at is not None:
+            layout[inner] = (at[0] + x, at[1] + y)
 
 
 def _connect(part: SubmodelPart, inner: Model, path: str, scope: Scope, opened: Opened) -> None:
