@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     Expr,
@@ -270,6 +270,19 @@ def _parameters(
         if path in overrides:
             written[name] = overrides.pop(path)
             values.pop(name, None)
+    bare = [k for k, v in values.items() if v.dimension is None]
+    bare += [k for k, v in written.items() if v is not model.parameters[k] and _is_bare(v)]
+    if bare:
+        # a number without a unit is in SI, and of what the model's own value is made of
+        try:
+            own = _parameters(model, prefix, {}, {})
+        except HybondError:
+            own = {}  # what the model says itself has no value, and need not have one
+        for name in bare:
+            if name in written:
+                values[name] = constant(written.pop(name), {}, join(prefix, name))
+            if name in own:
+                values[name] = Number(values[name].value, own[name].dimension)
     pending = list(written)
     while pending:
         waiting = []
@@ -289,6 +302,14 @@ def _parameters(
             )
         pending = waiting
     return values
+
+
+def _is_bare(value: Value) -> bool:
+    """Whether a value is a number without a unit."""
+    if not isinstance(value, str):
+        return not isinstance(value, bool) and isinstance(value, int | float)
+    quantity = try_quantity(value)
+    return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
 def literal(value: Value, where: str) -> Expr:
