@@ -263,9 +263,10 @@ def _parameters(
                 where=join(prefix, name),
                 hint=did_you_mean(name, model.parameters),
             )
-    values: dict[str, Number] = dict(given)
-    written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
-    for name in model.parameters:
+    own = model.parameters
+    values = {name: _in_unit_of(own[name], value) for name, value in given.items()}
+    written: dict[str, Value] = {k: v for k, v in own.items() if k not in given}
+    for name in own:
         path = join(prefix, name)
         if path in overrides:
             written[name] = overrides.pop(path)
@@ -279,7 +280,8 @@ def _parameters(
             if tree is not None and names(tree) & set(pending) - {name}:
                 waiting.append(name)
                 continue
-            values[name] = constant(value, values, join(prefix, name))
+            found = constant(value, values, join(prefix, name))
+            values[name] = _in_unit_of(own[name], found)
         if len(waiting) == len(pending):
             raise ModelError(
                 f"the parameters {', '.join(waiting)} depend on each other",
@@ -289,6 +291,14 @@ def _parameters(
             )
         pending = waiting
     return values
+
+
+def _in_unit_of(own: Value, value: Number) -> Number:
+    """Return what replaces a parameter's own value; without a unit it is in the unit of that."""
+    quantity = try_quantity(own) if isinstance(own, str) else None
+    if value.dimension is not None or quantity is None or quantity.dimension == DIMENSIONLESS:
+        return value
+    return Number(value.value, quantity.dimension)
 
 
 def literal(value: Value, where: str) -> Expr:
