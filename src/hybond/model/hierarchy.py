@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     Expr,
@@ -263,14 +263,26 @@ def _parameters(
                 where=join(prefix, name),
                 hint=did_you_mean(name, model.parameters),
             )
-    own = model.parameters
-    values = {name: _in_unit_of(own[name], value) for name, value in given.items()}
-    written: dict[str, Value] = {k: v for k, v in own.items() if k not in given}
-    for name in own:
+    values: dict[str, Number] = dict(given)
+    written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
+    for name in model.parameters:
         path = join(prefix, name)
         if path in overrides:
             written[name] = overrides.pop(path)
             values.pop(name, None)
+    bare = [k for k, v in values.items() if v.dimension is None]
+    bare += [k for k, v in written.items() if v is not model.parameters[k] and _is_bare(v)]
+    if bare:
+        # a number without a unit is in SI, and of what the model's own value is made of
+        try:
+            own = _parameters(model, prefix, {}, {})
+        except HybondError:
+            own = {}  # what the model says itself has no value, and need not have one
+        for name in bare:
+            if name in written:
+                values[name] = constant(written.pop(name), {}, join(prefix, name))
+            if name in own:
+                values[name] = Number(values[name].value, own[name].dimension)
     pending = list(written)
     while pending:
         waiting = []
@@ -280,8 +292,7 @@ def _parameters(
             if tree is not None and names(tree) & set(pending) - {name}:
                 waiting.append(name)
                 continue
-            found = constant(value, values, join(prefix, name))
-            values[name] = _in_unit_of(own[name], found)
+            values[name] = constant(value, values, join(prefix, name))
         if len(waiting) == len(pending):
             raise ModelError(
                 f"the parameters {', '.join(waiting)} depend on each other",
@@ -293,12 +304,12 @@ def _parameters(
     return values
 
 
-def _in_unit_of(own: Value, value: Number) -> Number:
-    """Return what replaces a parameter's own value; without a unit it is in the unit of that."""
-    quantity = try_quantity(own) if isinstance(own, str) else None
-    if value.dimension is not None or quantity is None or quantity.dimension == DIMENSIONLESS:
-        return value
-    return Number(value.value, quantity.dimension)
+def _is_bare(value: Value) -> bool:
+    """Whether a value is a number without a unit."""
+    if not isinstance(value, str):
+        return not isinstance(value, bool) and isinstance(value, int | float)
+    quantity = try_quantity(value)
+    return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
 def literal(value: Value, where: str) -> Expr:
