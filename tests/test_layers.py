@@ -16,6 +16,7 @@ LAYERS = [
     ["_version"],
     ["chronicle", "errors", "names", "uncollected", "units"],
     ["model"],
+    ["blocks"],
     ["files"],
     ["library"],
     ["causality"],

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
     from hybond.analysis.structure.structure import structure
+    from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
@@ -47,7 +48,22 @@ if TYPE_CHECKING:
     from hybond.files.save import dumps, save
     from hybond.model import switching
     from hybond.model.builder import Model
-    from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
+    from hybond.model.parts import (
+        GY,
+        TF,
+        Block,
+        C,
+        G,
+        I,
+        Integral,
+        One,
+        R,
+        Sampled,
+        Se,
+        Sf,
+        Submodel,
+        Zero,
+    )
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
@@ -72,10 +88,14 @@ _HOME = {
     ),
     **dict.fromkeys(("dumps", "load", "loads", "save"), "hybond.files"),
     **dict.fromkeys(
-        ("GY", "TF", "C", "G", "I", "Integral", "One", "R", "Se", "Sf", "Submodel", "Zero"),
+        (
+            *("C", "I", "R", "G", "Se", "Sf", "TF", "GY", "One", "Zero"),
+            *("Block", "Integral", "Sampled", "Submodel"),
+        ),
         "hybond.model.parts",
     ),
     "Ensemble": "hybond.sweep.collection",
+    "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
@@ -103,6 +123,8 @@ _ROOMS = {
 """Rooms that are public as such; `causality` and `draw` can be called."""
 
 __all__ = [
+    "FMU",
+    "Block",
     "C",
     "CausalityError",
     "Coverage",
@@ -124,6 +146,7 @@ __all__ = [
     "One",
     "R",
     "Result",
+    "Sampled",
     "Se",
     "Sf",
     "Signal",

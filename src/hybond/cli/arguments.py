@@ -304,4 +304,7 @@ def _solver(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--max-step", metavar="H", help="longest step")
     impacts = "newton, newton_simultaneous, poisson, lzb, lzb_hertz"
+    parser.add_argument(
+        "--fmus", action="store_true", help="run the code of the FMUs that the model names"
+    )
     parser.add_argument("--impact", metavar="NAME", help=f"law of multiple impacts: {impacts}")

@@ -11,7 +11,7 @@ from hybond.library import find
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import KINDS
-from hybond.model.parts import InputPart, Integral, Part, SubmodelPart
+from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart
 from hybond.names import did_you_mean, join
 
 
@@ -127,7 +127,7 @@ def _set(model: Model, names: list[str], value: str, known: Mapping[str, Model])
             return None
         return _copy(model, "elements", name, replace(part, model=new_inner))
     signal = model.signals.get(name)
-    if isinstance(signal, Integral) and rest == ["start"]:
+    if isinstance(signal, Integral | Sampled) and rest == ["start"]:
         return _copy(model, "signals", name, replace(signal, start=value))
     if name in model.machines and rest == ["start"]:
         return _copy(model, "machines", name, replace(model.machines[name], start=value))
@@ -181,7 +181,7 @@ def _paths(model: Model, prefix: str, known: Mapping[str, Model]) -> Iterator[st
         elif part.kind not in ("0", "1"):
             yield from (join(path, key) for key in (part.kind, *_starts(part)))
     for name, signal in model.signals.items():
-        if isinstance(signal, Integral):
+        if isinstance(signal, Integral | Sampled):
             yield join(prefix, name, "start")
     for name in model.machines:
         yield join(prefix, name, "start")

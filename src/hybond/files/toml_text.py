@@ -19,6 +19,7 @@ ORDER = (
     "signals",
     "inputs",
     "machines",
+    "blocks",
     "causality",
     "ports",
     "models",

@@ -24,7 +24,15 @@ from hybond.model.expressions import (
     children,
     parse,
 )
-from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
+from hybond.model.graph import (
+    Bond,
+    FlatGraph,
+    Integral,
+    Machine,
+    Node,
+    Rule,
+    Storage,
+)
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
 from hybond.model.junction_laws import (
@@ -42,6 +50,7 @@ from hybond.model.parts import InputPart, Value
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.planar_friction import paired, pairs_of
 from hybond.model.resolve import Resolver, is_condition
+from hybond.model.sampled import samples_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
 from hybond.uncollected import uncollected
@@ -93,6 +102,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     integrals = _integrals(opened, resolver, dimensions)
+    samples = samples_of(opened, resolver, dimensions)
     for path in opened.given:
         given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
         _check_given(path, given, opened)
@@ -122,6 +132,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         signals=signals,
         parameters={k: v.value for k, v in opened.parameters.items()},
         dimensions=dimensions,
+        samples=samples,
         experiment=dict(model.experiment),
         layout=opened.layout,
         warnings=law_warnings(machines),

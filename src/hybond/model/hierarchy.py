@@ -22,7 +22,16 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.model.parts import (
+    BlockPart,
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+    Value,
+)
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
@@ -84,6 +93,9 @@ class Opened:
     bonds: list[WrittenBond] = field(default_factory=list)
     signals: dict[str, tuple[Scope, str]] = field(default_factory=dict)
     integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
+    sampled: dict[str, tuple[Scope, Sampled]] = field(default_factory=dict)
+    """Those of the integrals, with rate zero, that are set at instants."""
+    blocks: dict[str, tuple[Scope, BlockPart]] = field(default_factory=dict)
     inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     given: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
     """Inputs of submodels that are signals of the model around them; and what they were."""
@@ -173,8 +185,16 @@ def _open(
         path = join(prefix, name)
         if isinstance(signal, Integral):
             opened.integrals[path] = (scope, signal)
+        elif isinstance(signal, Sampled):
+            opened.integrals[path] = (scope, Integral("0", signal.start))
+            opened.sampled[path] = (scope, signal)
         else:
             opened.signals[path] = (scope, signal)
+    for name, block in model.blocks.items():
+        path = join(prefix, name)
+        opened.blocks[path] = (scope, block)
+        for output, start in block.outputs.items():
+            opened.integrals[join(path, output)] = (scope, Integral("0", start))
     for name, given_input in model.inputs.items():
         opened.inputs[join(prefix, name)] = (scope, given_input)
     for name, machine in model.machines.items():
