@@ -5,6 +5,8 @@ Oracles: free fall and rest in closed form; the charge that a ladder of diodes e
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,15 @@ def test_guards_that_ask_in_vain_end_the_run(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(hb.NumericsError, match="100 times in a row") as caught:
         hb.simulate(ball_beside_a_fast_mass(2e-14, -1e-11), until=1e-3)
     assert caught.value.code == "HB-N406" and "c.f > 0" in caught.value.where
+
+
+def test_a_run_that_begins_empty_stays_on_constraints_that_hold_zero() -> None:
+    # two coils of one current, a rotor held still, and a coupling that the current modulates
+    m = hb.Model("series machine at rest", domain="electrical")
+    m.add(V=hb.Se("24 V"), i=hb.One(), r=hb.R("2 ohm"), coil=hb.I("5 mH"), field=hb.I("10 mH"))
+    m.add(k=hb.GY("0.02 [V*s/A]*field.f"), w=hb.One(domain="rotational"))
+    m.add(rotor=hb.I("0.05 kg*m^2", domain="rotational"), held=hb.Sf(0, domain="rotational"))
+    m.bond("V -> i -> r", "i -> coil", "i -> field", "i -> k -> w -> rotor", "held -> w")
+    run = hb.simulate(m, until="20 ms", rtol=1e-9)
+    now = 12 * (1 - math.exp(-0.02 * 2 / 0.015))
+    assert run["coil.f"].at(0.02) == pytest.approx(now, rel=1e-7)

@@ -8,7 +8,7 @@ from typing import Any
 
 from hybond.library.shelves import SHELVES, part
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import InputPart, Integral
+from hybond.model.parts import InputPart, Integral, Sampled
 from hybond.units import Dimension
 
 
@@ -108,6 +108,8 @@ def _waveform(given: InputPart) -> str:
 def _expression(signal: Any) -> str:
     if isinstance(signal, Integral):
         return f"integral of {signal.rate}, from {_written(signal.start)}"
+    if isinstance(signal, Sampled):
+        return f"sample of {signal.value}, every {_written(signal.every)}"
     return str(signal)
 
 

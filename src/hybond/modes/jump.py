@@ -454,6 +454,9 @@ def on_constraints(
     where = program.graph.mode_text(equations.mode)
     v = program.evaluate(t, y, interval, equations)
     x = y[: program.nx]
+    if not (equations.linear and equations.storage.linear):
+        # by sizes Newton knows its end, and a run that begins empty had no energy before this step
+        energy = max(energy, abs(equations.storage.energy(x)))
     jump = enter(equations, v, x, where=where, energy=energy)
     if jump.x is x:
         return y
