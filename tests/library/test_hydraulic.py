@@ -505,3 +505,39 @@ def test_a_servo_valve_opens_in_proportion(command):
         assert run["valve.spool"].at(t) == pytest.approx(spool, rel=1e-6)
         assert run["load.flow"].at(t) == pytest.approx(spool * k * math.sqrt(p / 2), rel=1e-6)
         assert run["valve.flow_p"].at(t) == pytest.approx(run["valve.flow_t"].at(t))
+
+
+def test_a_press_of_many_parts_moves_at_the_speed_of_its_pump_and_ends_on_its_relief_valve():
+    """Pump, check valve, accumulator line, directional valve, cylinder: joined as on a machine."""
+    D, speed, leak, p_set, R, load = 10e-6 / (2 * math.pi), 150.0, 2e-13, 15e6, 1e9, 5e3
+    m = bodied(
+        part("cylinder", x_0="0.27 m"),
+        20.0,
+        engine=hb.Sf("150 rad/s", domain="rotational"),
+        crank=hb.One(domain="rotational"),
+        tank=part("atmosphere"),
+        pump=part("pump", D=D, leakage=leak),
+        back=part("check_valve"),
+        rail=part("volume", volume="0.1 L"),
+        relief=part("relief_valve", p_set=p_set, R=R),
+        valve=part("directional_valve", {"spool": "if time < 10 [ms] then 0 else 1"}),
+        rub=hb.R("500 N*s/m", domain="translational"),
+        push=hb.Se(-load, domain="translational"),
+    )
+    m.bond("engine -> crank -> pump.shaft", "tank.port -> pump.inlet", "pump.outlet -> back.inlet")
+    m.bond("back.outlet -> rail.port", "rail.port -> relief.inlet", "relief.outlet -> tank.port")
+    m.bond("rail.port -> valve.p", "valve.t -> tank.port", "valve.a -> cylinder.a")
+    m.bond("cylinder.b -> valve.b", "cylinder.rod -> body -> rub", "push -> body")
+    run = hb.simulate(m, until=0.25, solver="radau")
+    assert run.status == "ok"
+    assert run["cylinder.position"].at(0.25) == pytest.approx(0.3, abs=1e-9)
+    # at the stop the pump's flow goes over the relief valve: p = p_set + R*(D*w - leak*p)
+    p = (p_set + R * D * speed) / (1 + R * leak)
+    assert run["rail.pressure"].at(0.25) == pytest.approx(p, rel=1e-6)
+    assert run["relief.flow"].at(0.25) == pytest.approx(D * speed - leak * p, rel=1e-5)
+    assert run["pump.torque"].at(0.25) == pytest.approx(D * p, rel=1e-6)
+    # on its way: what the pump gives is what chamber a takes
+    t = np.linspace(0.1, 0.13, 31)
+    flow = run["pump.flow"].at(t).mean()
+    assert run["cylinder.speed"].at(t).mean() == pytest.approx(flow / 1e-3, rel=0.03)
+    assert run.audit().holds(1e-6)
