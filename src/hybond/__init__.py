@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from hybond.analysis.restitution.restitution import restitution
     from hybond.analysis.structure.structure import structure
     from hybond.causality.report import causality
+    from hybond.circuits.circuit import Conversion, read_circuit
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
     from hybond.equations.derive import state_equations
@@ -81,6 +82,7 @@ _HOME = {
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
+    **dict.fromkeys(("Conversion", "read_circuit"), "hybond.circuits.circuit"),
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
@@ -102,6 +104,7 @@ _ROOMS = {
 __all__ = [
     "C",
     "CausalityError",
+    "Conversion",
     "Coverage",
     "CrossCheck",
     "DivergenceOfTime",
@@ -144,6 +147,7 @@ __all__ = [
     "load",
     "loads",
     "newton_law_model",
+    "read_circuit",
     "residuals",
     "restitution",
     "save",
