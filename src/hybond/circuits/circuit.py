@@ -23,6 +23,7 @@ from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import assemble
 from hybond.errors import FileError, UsageError
 from hybond.model.builder import Model
+from hybond.uncollected import uncollected
 from hybond.units import try_quantity
 
 POINTS = 2001
@@ -89,10 +90,7 @@ def read_circuit(
     """
     current = _current(diode_current)
     notices = Notices()
-    deck = read_deck(path, notices)
-    opened = open_deck(deck, notices)
-    made = _Making(Path(path), deck, opened, notices, current)
-    model, lines = made.run()
+    model, lines = _made(path, notices, current)
     if strict and notices.found:
         first = next(iter(notices.found))
         raise FileError(
@@ -103,6 +101,14 @@ def read_circuit(
         )
     origins = {name: _origin(line, str(path)) for name, line in lines.items()}
     return Conversion(model, tuple(notices.found), origins)
+
+
+@uncollected
+def _made(
+    path: str | os.PathLike[str], notices: Notices, current: float
+) -> tuple[Model, dict[str, Line]]:
+    deck = read_deck(path, notices)
+    return _Making(Path(path), deck, open_deck(deck, notices), notices, current).run()
 
 
 def _current(given: float | str) -> float:

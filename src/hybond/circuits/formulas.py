@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hybond.circuits.notices import Line
-from hybond.circuits.numerals import NUMERAL, scaled
+from hybond.circuits.numerals import NUMERAL, numeral, scaled
 from hybond.errors import FileError
 
 DEEPEST = 60
@@ -124,6 +124,9 @@ def read_formula(text: str, line: Line) -> Formula:
     >>> evaluate(read_formula("-2**2 + (3 > 2 ? 1m : 5)", line), {})
     -3.999
     """
+    plain = numeral(text)
+    if plain is not None:
+        return Number(plain)
     inner = text.strip()
     while len(inner) > 1 and (inner[0], inner[-1]) in (("{", "}"), ("'", "'"), ('"', '"')):
         inner = inner[1:-1].strip()

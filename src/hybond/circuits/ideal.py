@@ -75,7 +75,7 @@ def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
     found = IdealDiode(_rounded(forward - slope * current), _rounded(slope + resistance))
     notices.add(
         model.line,
-        f"{model.name}: ideal diode with a drop of {found.drop:.4g} V and {found.resistance:.4g} "
+        f"{model.name}: ideal diode with a drop of {found.drop:g} V and {found.resistance:g} "
         f"ohm, the tangent at {current:g} A",
     )
     return found
@@ -189,5 +189,5 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
 
 
 def _rounded(value: float) -> float:
-    """Return a value to ten digits: nobody knows a diode better."""
-    return float(f"{value:.10g}")
+    """Return a value to five digits: no straight line is closer to a diode."""
+    return float(f"{value:.5g}")

@@ -11,6 +11,7 @@ from hybond.circuits.coils import Winding
 from hybond.circuits.formulas import Applied, Number
 from hybond.circuits.ideal import IdealSwitch, ideal_diode, ideal_switch
 from hybond.circuits.notices import Notices
+from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import Branch, Opened, Value
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Clock, Drive, drive_of
@@ -125,7 +126,7 @@ def _plain(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
 def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
     ideal = ideal_diode(branch, current, notices)
     resistance = _without(ideal.resistance, ideal.beside)
-    text = f"{resistance!r} ohm" if resistance else None
+    text = quantity(resistance, "ohm") if resistance else None
     found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop)]
     return found + _beside(branch, ideal.beside)
 
@@ -136,7 +137,7 @@ def _switch(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
     if ideal.resistance is not None:
         text = texts.value(ideal.resistance, "ohm")
         if math.isfinite(ideal.beside):
-            text = f"{_without(ideal.resistance.number, ideal.beside)!r} ohm"
+            text = quantity(_without(ideal.resistance.number, ideal.beside), "ohm")
     found = [Leaf(branch, "switch", resistance=text, switch=ideal)]
     return found + _beside(branch, ideal.beside)
 
@@ -151,7 +152,9 @@ def _beside(branch: Branch, resistance: float) -> list[Leaf]:
         return []
     value = Value(Number(resistance), resistance)
     name = f"{branch.name}_off"
-    return [Leaf(replace(branch, name=name, kind="r", value=value), "R", f"{resistance!r} ohm")]
+    return [
+        Leaf(replace(branch, name=name, kind="r", value=value), "R", quantity(resistance, "ohm"))
+    ]
 
 
 def negated(value: Value) -> Value:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from decimal import Decimal
+from functools import lru_cache
 
 from hybond.units import try_quantity
 
@@ -69,6 +70,7 @@ def scaled(match: re.Match[str]) -> float:
     return float(f"{body}e{int(exponent or 0) + round(math.log10(factor))}")
 
 
+@lru_cache(maxsize=4096)
 def quantity(value: float, unit: str) -> str | float:
     """Return a value as a quantity, with a prefix if there is one.
 

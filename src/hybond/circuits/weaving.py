@@ -21,6 +21,7 @@ from hybond.circuits.coils import Magnetics
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf, negated
 from hybond.circuits.notices import Line, Notices
+from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND
 from hybond.circuits.reduction import Tree, reduce_block
 from hybond.circuits.texts import Texts
@@ -422,7 +423,7 @@ class _Weaver:
         if leaf.resistance is not None:
             series.append((f"{name}_R", Part("R", leaf.resistance)))
         if leaf.drop:
-            series.append((f"{name}_drop", Part("Se", f"{leaf.drop!r} V")))
+            series.append((f"{name}_drop", Part("Se", quantity(leaf.drop, "V"))))
         self.inside[k] = []
         for wanted, part in series:
             inside = self.out.names.take(wanted)
@@ -461,7 +462,7 @@ class _Weaver:
                 m * (0.0 if s is None else s.number)
                 for m, s in zip(core.turns, starts, strict=True)
             )
-            options = {"f": f"{total!r} A"} if total else {}
+            options = {"f": quantity(total, "A")} if total else {}
             self.out.elements[inductance] = Part("I", core.inductance, options)
             self.out.lines[inductance] = self.leaves[index].branch.line
             self.bond(name, inductance)
