@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from hybond.analysis.restitution.restitution import restitution
     from hybond.analysis.structure.structure import structure
     from hybond.causality.report import causality
+    from hybond.circuits.bond_graph_tools import read_bond_graph
     from hybond.circuits.circuit import Conversion, read_circuit
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
@@ -83,6 +84,7 @@ _HOME = {
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
     **dict.fromkeys(("Conversion", "read_circuit"), "hybond.circuits.circuit"),
+    "read_bond_graph": "hybond.circuits.bond_graph_tools",
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
@@ -147,6 +149,7 @@ __all__ = [
     "load",
     "loads",
     "newton_law_model",
+    "read_bond_graph",
     "read_circuit",
     "residuals",
     "restitution",
