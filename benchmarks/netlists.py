@@ -143,7 +143,7 @@ def compare(case: Case, folder: Path, *, ordinary: bool = False) -> Comparison:
         theirs = waves[vectors[0]] - (waves[vectors[1]] if len(vectors) > 1 else 0.0)
         means[signal] = (mean(found, signal, begin, end), waves.mean(theirs, begin, end))
     instants = {}
-    # where the card carries a tenth of a milliampere; its voltage tells that more sharply than its current
+    # where the card carries 0.1 mA; its voltage tells that more sharply than its current
     level = (1.0 if ordinary else 0.01) * THERMAL_VOLTAGE * math.log(1e-4 / 1e-14)
     for diode, (anode, cathode) in case.diodes.items():
         ours = changes(found, diode, begin, end)

@@ -41,6 +41,9 @@ _REMEDY = {
 _IGNORED = frozenset({"tc", "tc1", "tc2", "temp", "dtemp", "noisy", "noise"})
 _OPTIONS = {"r": {"r"}, "c": {"c", "ic"}, "l": {"l", "ic"}, "d": {"area", "ic"}, "v": set()}
 _OPTIONS |= {"i": set(), "e": set(), "f": set(), "g": set(), "h": set(), "s": set(), "w": set()}
+_SPECIAL = frozenset(
+    {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev", "delay"}
+)
 FUNCTIONS = frozenset({"pulse", "sin", "sine", "exp", "pwl", "sffm", "am", "trnoise", "trrandom"})
 
 
@@ -165,6 +168,12 @@ def read_card(line: Line, notices: Notices) -> Card:
             code="HB-F130",
             hint="R L C K V I E F G H D S W X; commands begin with a dot, comments with *",
         )
+    if kind in "efgh" and {w.lower() for w in words} & _SPECIAL:
+        raise line.refuse(
+            "a controlled source that is not a gain times one voltage or current",
+            code="HB-F136",
+            hint="write a linear one as several E, F, G or H; other laws can be added by hand",
+        )
     plain, options = options_of(words, line)
     _check_options(kind, options, line, notices)
     count = NODES[kind]
@@ -268,14 +277,6 @@ def _arguments(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...
 
 def _controlled(line: Line, name: str, nodes: tuple[str, ...], rest: list[str]) -> Card:
     kind = name[0].lower()
-    words = {w.lower() for w in (*nodes, *rest)}
-    special = {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev"}
-    if words & special or (len(rest) > 1 and "(" in rest):
-        raise line.refuse(
-            "a controlled source that is not a gain times one voltage or current",
-            code="HB-F136",
-            hint="write a linear one as several E, F, G or H; other laws can be added by hand",
-        )
     if kind in "eg":
         if len(rest) != 1:
             raise line.refuse(

@@ -23,6 +23,8 @@ from hybond.names import did_you_mean
 GROUND = "0"
 LONGEST_FORMULA = 60
 """Parts of a value written with parameters; a longer one is written as a number."""
+INSTANCES = 50_000
+"""Subcircuits, each as often as it is used."""
 _GROUNDS = frozenset({"0", "gnd"})
 
 
@@ -363,9 +365,9 @@ class _Opening:
                 hint="a subcircuit cannot be part of itself",
             )
         self.instances += 1
-        if self.instances > limits.ELEMENTS:
+        if self.instances > INSTANCES:
             raise card.line.refuse(
-                f"more than {limits.ELEMENTS} subcircuits, all opened",
+                f"more than {INSTANCES} subcircuits, all opened",
                 code="HB-F142",
                 hint="convert a part of the circuit",
             )

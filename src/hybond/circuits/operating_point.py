@@ -8,6 +8,7 @@ only one, the start is not a matter of the circuit, and the netlist has to say i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -24,6 +25,8 @@ from hybond.circuits.wiring import assemble
 from hybond.errors import FileError, HybondError
 from hybond.model.builder import Model
 
+LARGEST = 1000
+"""Elements of a circuit whose rest is computed: all at once, with dense matrices."""
 Forced = Sequence[tuple[str, Value, Line]]
 
 
@@ -55,6 +58,8 @@ def operating_point(
     driven = any(leaf.drive is not None and leaf.drive.initial for leaf in leaves)
     if not stores or (not driven and not forced):
         return cleared  # nothing drives it: it is at rest with nothing stored
+    if len(leaves) > LARGEST:
+        raise _none(place, f"the rest of more than {LARGEST} elements is not computed")
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
@@ -126,9 +131,14 @@ def _solve(
     if not model.bonds or not wanted:
         return {}
     run = simulate(model, until=1.0, solver="rk45", kernel=False)
-    open_names = {name for event in run.events[:1] for s in event.steps for name in s.undetermined}
+    undetermined = {
+        (end, name.rpartition(".")[2])
+        for event in run.events[:1]
+        for name in event.steps[-1].undetermined
+        for end in re.findall(r"[\w.]+", name.rpartition(".")[0])
+    }
     for k, name in wanted.items():
-        if any(part in open_names for part in _parts(str(model.signals[name]))):
+        if undetermined & _read(str(model.signals[name])):
             raise still[k].branch.line.refuse(
                 f"at rest, {still[k].branch.name} may hold anything: the circuit does not say what "
                 "it starts from",
@@ -138,8 +148,9 @@ def _solve(
     return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}
 
 
-def _parts(text: str) -> list[str]:
-    return [word for word in text.replace("(", " ").replace(")", " ").split() if "." in word]
+def _read(text: str) -> set[tuple[str, str]]:
+    """Return the elements and variables in a sum."""
+    return {(name, variable) for name, variable in re.findall(r"(\w[\w.]*)\.([ef])\b", text)}
 
 
 def _clean(value: float) -> float:
