@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
+    from hybond import library
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
     from hybond.analysis.structure.structure import structure
+    from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
     from hybond.circuits.bond_graph_tools import read_bond_graph
     from hybond.circuits.circuit import Conversion, read_circuit
@@ -44,10 +46,26 @@ if TYPE_CHECKING:
         UnitError,
         UsageError,
     )
-    from hybond.files import dumps, load, loads, save
+    from hybond.files.load import load, loads
+    from hybond.files.save import dumps, save
     from hybond.model import switching
     from hybond.model.builder import Model
-    from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
+    from hybond.model.parts import (
+        GY,
+        TF,
+        Block,
+        C,
+        G,
+        I,
+        Integral,
+        One,
+        R,
+        Sampled,
+        Se,
+        Sf,
+        Submodel,
+        Zero,
+    )
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
@@ -72,10 +90,14 @@ _HOME = {
     ),
     **dict.fromkeys(("dumps", "load", "loads", "save"), "hybond.files"),
     **dict.fromkeys(
-        ("GY", "TF", "C", "G", "I", "Integral", "One", "R", "Se", "Sf", "Submodel", "Zero"),
+        (
+            *("C", "I", "R", "G", "Se", "Sf", "TF", "GY", "One", "Zero"),
+            *("Block", "Integral", "Sampled", "Submodel"),
+        ),
         "hybond.model.parts",
     ),
     "Ensemble": "hybond.sweep.collection",
+    "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
@@ -99,11 +121,14 @@ _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; the first two can be called."""
+"""Rooms that are public as such; `causality` and `draw` can be called."""
 
 __all__ = [
+    "FMU",
+    "Block",
     "C",
     "CausalityError",
     "Conversion",
@@ -126,6 +151,7 @@ __all__ = [
     "One",
     "R",
     "Result",
+    "Sampled",
     "Se",
     "Sf",
     "Signal",
@@ -146,6 +172,7 @@ __all__ = [
     "dumps",
     "ensemble",
     "junction_matrix",
+    "library",
     "load",
     "loads",
     "newton_law_model",

@@ -32,6 +32,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
+    "library": "list the ready parts, or show one",
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
@@ -270,6 +271,16 @@ def _parser() -> Parser:
         metavar="I",
         help="of netlists: where diodes become straight lines (default: 1 A)",
     )
+
+    library = _verb(
+        verbs,
+        "library",
+        "hybond library",
+        "hybond library electrical.diode",
+        "hybond library electrical.diode --file > my_diode.toml",
+    )
+    library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
+    library.add_argument("--file", action="store_true", help="print its model file")
     return parser
 
 
@@ -311,4 +322,7 @@ def _solver(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--max-step", metavar="H", help="longest step")
     impacts = "newton, newton_simultaneous, poisson, lzb, lzb_hertz"
+    parser.add_argument(
+        "--fmus", action="store_true", help="run the code of the FMUs that the model names"
+    )
     parser.add_argument("--impact", metavar="NAME", help=f"law of multiple impacts: {impacts}")

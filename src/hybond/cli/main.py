@@ -107,6 +107,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.convert import convert
 
             return convert(given)
+        case "library":
+            from hybond.cli.library import library
+
+            return library(given)
         case _:
             from hybond.cli.demo import demo
 
