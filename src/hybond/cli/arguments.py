@@ -31,7 +31,7 @@ VERBS = {
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
-    "convert": "write a model file in the other format (TOML, JSON)",
+    "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, or show one",
 }
 
@@ -249,10 +249,28 @@ def _parser() -> Parser:
     _settings(explain)
     _solver(explain)
 
-    convert = _verb(verbs, "convert", "hybond convert ball.toml ball.json")
-    convert.add_argument("source", metavar="IN", help="a model file, .toml or .json")
+    convert = _verb(
+        verbs,
+        "convert",
+        "hybond convert ball.toml ball.json",
+        "hybond convert rectifier.cir rectifier.toml --diode-current '10 mA'",
+    )
+    convert.add_argument(
+        "source",
+        metavar="IN",
+        help="a model file (.toml, .json), a SPICE netlist (.cir, .net, .sp, .ckt, .spice), or a "
+        "file of BondGraphTools (.bg)",
+    )
     convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")
     convert.add_argument("--force", action="store_true", help="write into a model that is there")
+    convert.add_argument(
+        "--strict", action="store_true", help="of other tools: refuse what would be a warning"
+    )
+    convert.add_argument(
+        "--diode-current",
+        metavar="I",
+        help="of netlists: where diodes become straight lines (default: 1 A)",
+    )
 
     library = _verb(
         verbs,
