@@ -92,6 +92,7 @@ _HOME = {
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
     "state_equations": "hybond.equations.derive",
+    **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.state_space"),
 }
 _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
@@ -127,6 +128,7 @@ __all__ = [
     "Se",
     "Sf",
     "Signal",
+    "StateSpace",
     "Submodel",
     "TF",
     "UnitError",
@@ -153,6 +155,7 @@ __all__ = [
     "save",
     "simulate",
     "state_equations",
+    "state_space",
     "structure",
     "switching",
 ]
