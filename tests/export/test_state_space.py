@@ -92,11 +92,11 @@ def buck(duty: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_buck_converter_averaged_over_its_modes() -> None:
-    A, B = buck(0.4)
+    a, b = buck(0.4)
     L, C, R = 1e-3, 1e-5, 5.0
-    assert A == pytest.approx(np.array([[0.0, -1 / C], [1 / L, -1 / (R * C)]]), rel=1e-13)
-    assert B == pytest.approx(np.array([[0.4], [0.0]]), rel=1e-13)
-    rest = np.linalg.solve(A, -B * 12.0)
+    assert a == pytest.approx(np.array([[0.0, -1 / C], [1 / L, -1 / (R * C)]]), rel=1e-13)
+    assert b == pytest.approx(np.array([[0.4], [0.0]]), rel=1e-13)
+    rest = np.linalg.solve(a, -b * 12.0)
     assert rest[1, 0] / C == pytest.approx(0.4 * 12.0, rel=1e-12)
 
 
@@ -174,9 +174,7 @@ def test_scipy_and_control_objects_say_the_same() -> None:
         (2, 3),
         (2, 2),
     ]
-    times, step = control.step_response(
-        ours, np.linspace(0, 3, 400), output=0, input=0, squeeze=True
-    )
+    _, step = control.step_response(ours, np.linspace(0, 3, 400), output=0, input=0, squeeze=True)
     assert step[-1] == pytest.approx(0.1 / (1e-4 + 0.01), rel=1e-6)
 
 
