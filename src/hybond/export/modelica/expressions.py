@@ -193,15 +193,16 @@ class Pairs:
         return modelica(e, self.resolve)
 
     def _comparison(self, e: Compare, op: str, slack: Callable[[Expr], str] | None) -> str:
-        finite, impulse = self.pair(simplify(Binary("-", e.left, e.right)))
-        text = modelica(e, self.resolve) if finite is None else f"{finite} {op} 0"
-        if slack is not None and op in ("<", ">") and e.right == Number(0.0):
-            least = slack(e.left)
-            left = modelica(e.left, self.resolve) if finite is None else finite
-            text = f"{left} {op} {'-' if op == '<' else ''}{least}" if least else text
-        if impulse is None:
-            return text
-        return f"if abs({impulse}) > {self.small} then {impulse} {op[0]} 0 else {text}"
+        difference = simplify(Binary("-", e.left, e.right))
+        finite, impulse = self.pair(difference)
+        least = slack(e.left) if slack and op in ("<", ">") and e.right == Number(0.0) else ""
+        if impulse is None and finite is None and not least:
+            return modelica(e, self.resolve)
+        text = modelica(difference, self.resolve) if finite is None else finite
+        if impulse is not None:
+            # one relation, not two: one of an impulse that is never there would be zero for ever
+            text = f"(if noEvent(abs({impulse}) > {self.small}) then {impulse} else {text})"
+        return f"{text} {op} {'-' if least and op == '<' else ''}{least or 0}"
 
     def pair(self, e: Expr) -> tuple[str | None, str | None]:
         """Return the finite part, None if it is plain, and the impulse, None if there is none."""
@@ -220,8 +221,10 @@ class Pairs:
                 if impulse is None:
                     return (None if finite is None else f"abs({finite})"), None
                 plain = self._finite(arg, finite)
-                chosen = f"(if abs({impulse}) > {self.small} then sign({impulse})*({plain}) "
-                return f"{chosen}else abs({plain}))", f"abs({impulse})"
+                there = f"noEvent(abs({impulse}) > {self.small})"
+                signed = f"noEvent(sign({impulse}))*({plain})"
+                finite = f"(if {there} then {signed} else abs({plain}))"
+                return finite, f"noEvent(abs({impulse}))"
         if self._reads_impulse(e):
             raise ModelError(
                 f"{to_text(e)} of an impulse has no meaning",

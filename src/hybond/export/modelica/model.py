@@ -45,6 +45,9 @@ SLACK = 1e-8
 """Part of the terms of a value below which a law takes it for zero. A mode that ties stored
 quantities together does so to the tolerance of the integration."""
 TOLERANCE = 1e-10
+IMPULSE = 1e-7
+"""Part of what a storage would hold of all energy, below which an impulse is rounding: the state
+at an event is known to the tolerance of its location."""
 START = 1e-9
 """Part of the experiment that is run to see how the start settles."""
 
@@ -612,9 +615,8 @@ class ModelText:
         if not self.jumping:
             return
         form, small = self.sudden, self.ids.of("small", "impulse_small")
-        sizes = " + ".join(f"{self.ids.of(f'x:{k}', '')}^2" for k in sorted(self.jumping))
         self.declared.append(f'Real {small} "impulses below this are rounding";')
-        yield f"{small} = 1e-11*sqrt({sizes});"
+        yield f"{small} = 1e-30 + {self._smallest_impulse()};"
         for k in sorted(self.jumping):
 
             def leaf(mode: Mode, k: int = k) -> str | None:
@@ -642,6 +644,21 @@ class ModelText:
                 name = self.ids.of(f"s:{i.index}", "")
                 yield f"  reinit({name}, {name} + {impulse});"
         yield "end when;"
+
+    def _smallest_impulse(self) -> str:
+        """Return a small part of what the least storage that jumps would hold of the energy."""
+        terms, least = [], float("inf")
+        for s in self.graph.storages:
+            law = self.graph.nodes[s.node].law
+            if law is None or law.matrix is None:
+                continue
+            stiff = abs(law.matrix[s.port][s.port])
+            terms.append(f"{number(float(f'{stiff:.3g}'))}*{self.ids.of(f'x:{s.index}', '')}^2")
+            if s.index in self.jumping:
+                least = min(least, 1.0 / stiff)
+        if not terms or least == float("inf"):
+            return "0"
+        return f"{number(float(f'{IMPULSE * least**0.5:.3g}'))}*sqrt({' + '.join(terms)})"
 
     def _gaps(self) -> Iterator[str]:
         """Yield assertions for modes without equations."""
