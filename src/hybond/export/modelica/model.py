@@ -29,7 +29,6 @@ from hybond.model.expressions import (
     compile_expression,
     names,
     parse,
-    posterior_names,
     simplify,
     substitute,
     uses_pre,
@@ -48,6 +47,8 @@ TOLERANCE = 1e-10
 IMPULSE = 1e-7
 """Part of what a storage would hold of all energy, below which an impulse is rounding: the state
 at an event is known to the tolerance of its location."""
+IMPULSE_OF_DIODES = 1e-9
+"""The same beside diodes, which turn on and off by what little the integration leaves."""
 START = 1e-9
 """Part of the experiment that is run to see how the start settles."""
 
@@ -570,7 +571,7 @@ class ModelText:
 
     def _slack(self, e: Expr) -> str:
         """Return what a value of a law must pass to be told from zero."""
-        read = sorted(n for n in posterior_names(e) if n.startswith(("e:", "f:")))
+        read = sorted(n for n in names(e) if n.startswith(("e:", "f:")))
         if not read:
             return ""
         return f"{self.ids.of('slack', 'law_slack')}*({' + '.join(map(self._size, read))})"
@@ -617,6 +618,7 @@ class ModelText:
         form, small = self.sudden, self.ids.of("small", "impulse_small")
         self.declared.append(f'Real {small} "impulses below this are rounding";')
         yield f"{small} = 1e-30 + {self._smallest_impulse()};"
+        written = self._written()
         for k in sorted(self.jumping):
 
             def leaf(mode: Mode, k: int = k) -> str | None:
@@ -633,7 +635,8 @@ class ModelText:
                 f"Real {jump} {quoted(f'what the mode adds to {path} on entry')};",
                 f"Real {new} {quoted(f'{path} in the mode that is tried')};",
             ]
-            yield f"{jump} = if pre({calm}) == {self.settled} then 0 else {text};"
+            plain = unbracketed(text or "0")
+            yield f"{jump} = {f'if {written} then 0 else {text}' if written else plain};"
             yield f"{new} = {x} + {jump};"
         yield f"when {calm} == {self.settled} then"
         for k in sorted(self.jumping):
@@ -644,6 +647,25 @@ class ModelText:
                 name = self.ids.of(f"s:{i.index}", "")
                 yield f"  reinit({name}, {name} + {impulse});"
         yield "end when;"
+
+    def _written(self) -> str:
+        """Return the condition that what a mode sets has been written, and is not set again.
+
+        An impact must not act twice. A constraint may: then what rules read keeps to it to the last
+        digit, whatever the integration leaves. Diodes must not see that, since what they block
+        would be compared with what they held.
+        """
+        if any(m.law is not None for m in self.graph.machines):
+            return f"pre({self._calm()}) == {self.settled}"
+        at_once = [
+            self._state(m.index, k)
+            for m in self.graph.machines
+            for k, fieldless in enumerate(m.fieldless)
+            if fieldless
+        ]
+        if not at_once:
+            return ""
+        return f"pre({self._calm()}) == {self.settled} and ({' or '.join(at_once)})"
 
     def _smallest_impulse(self) -> str:
         """Return a small part of what the least storage that jumps would hold of the energy."""
@@ -658,7 +680,9 @@ class ModelText:
                 least = min(least, 1.0 / stiff)
         if not terms or least == float("inf"):
             return "0"
-        return f"{number(float(f'{IMPULSE * least**0.5:.3g}'))}*sqrt({' + '.join(terms)})"
+        kinds = {m.law.kind for m in self.graph.machines if m.law is not None}
+        part = IMPULSE_OF_DIODES if kinds & {"diode", "thyristor"} else IMPULSE
+        return f"{number(float(f'{part * least**0.5:.3g}'))}*sqrt({' + '.join(terms)})"
 
     def _gaps(self) -> Iterator[str]:
         """Yield assertions for modes without equations."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hybond.errors import ModelError
-from hybond.model.expressions import And, Bool, Compare, Expr, Number, simplify
+from hybond.model.expressions import And, Compare, Expr, Number, Pre
 from hybond.model.graph import FlatGraph, Machine
 
 
@@ -37,15 +37,16 @@ def transitions(graph: FlatGraph, machine: Machine) -> list[Transition]:
     if law.restitution.value == 0.0:
         return found  # an impact that leaves nothing is a closed contact
     approach = next(t for t in found if t.source == open_ and t.target == closed)
-    struck = Transition(machine.index, open_, impact, approach.guard)
+    # contacts that approached before: an impact next door is not felt before it is written
+    faster = Compare(">", _prior(law.net), Number(0.0))
+    near = [Compare("<=", law.gap, Number(0.0))] if law.gap is not None else []
+    struck = Transition(machine.index, open_, impact, And((*near, faster)) if near else faster)
     # the impact has been written once the contact parts
     parts = Compare("<=", _prior(law.net), Number(0.0))
-    left = Transition(machine.index, impact, open_, simplify(And((parts, Bool(True)))))
+    left = Transition(machine.index, impact, open_, parts)
     others = [t for t in found if t is not approach]
     return [struck, left, *others]
 
 
 def _prior(e: Expr) -> Expr:
-    from hybond.model.expressions import Pre
-
     return Pre(e)
