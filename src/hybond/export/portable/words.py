@@ -30,5 +30,5 @@ def record(cls: type[R]) -> type[R]:
     def make(self: object) -> None:
         self.__dict__.update(start)
 
-    cls.__init__ = make  # type: ignore[misc, method-assign]
+    cls.__init__ = make  # type: ignore[method-assign]
     return cls
