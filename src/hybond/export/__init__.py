@@ -1,1 +1,1 @@
-"""Models as programs in other languages."""
+"""Models as text that runs without hybond: C, Java and other languages."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hybond.export.portable.friction_disk import make_disk, on_disk
-from hybond.export.portable.lcp import NO_CHOICE, RAY, SOLVED, make_lcp
+from hybond.export.portable.lcp import NO_CHOICE, ON_A_RAY, SOLVED, make_lcp
 from hybond.export.portable.lcp_forms import make_mixed, solve_mixed
 from hybond.export.portable.lemke import lemke
 from hybond.export.portable.words import ints
@@ -12,7 +12,7 @@ from hybond.solvers import lcp as reference
 from hybond.solvers.friction_disk import on_disk as reference_disk
 from hybond.solvers.lemke import scaled as reference_scaled
 
-STATUS = {SOLVED: "solved", RAY: "ray", NO_CHOICE: "singular"}
+STATUS = {SOLVED: "solved", ON_A_RAY: "ray", NO_CHOICE: "singular"}
 
 
 def flat(a):

@@ -67,7 +67,7 @@ def complementary_basis(c: Choice, rows: int, wide: int, pairs: int, w: Floats) 
     for phase in range(2):
         first = 2 * pairs if phase == 0 else 0
         until = wide if phase == 0 else 2 * pairs
-        while _any_waiting(c, first, until):
+        while any_waiting(c, first, until):
             most = -1.0
             r = 0
             best = 0
@@ -85,15 +85,15 @@ def complementary_basis(c: Choice, rows: int, wide: int, pairs: int, w: Floats) 
                 c.step_column[0] = best
                 c.steps = 1
             elif phase == 1:
-                _augmenting_path(c, rows, wide, pairs)
+                augmenting_path(c, rows, wide, pairs)
             if c.steps == 0:
                 return False
             for k in range(c.steps):
-                _take(c, rows, wide, pairs, c.step_row[k], c.step_column[k])
+                take_column(c, rows, wide, pairs, c.step_row[k], c.step_column[k])
     return True
 
 
-def _any_waiting(c: Choice, first: int, until: int) -> bool:
+def any_waiting(c: Choice, first: int, until: int) -> bool:
     """Whether one of these columns may still be chosen."""
     j = first
     while j < until and c.waiting[j] == 0:
@@ -101,7 +101,7 @@ def _any_waiting(c: Choice, first: int, until: int) -> bool:
     return j < until
 
 
-def _take(c: Choice, rows: int, wide: int, pairs: int, r: int, column: int) -> None:
+def take_column(c: Choice, rows: int, wide: int, pairs: int, r: int, column: int) -> None:
     """Solve row r for a column, and take its pair out."""
     c.waiting[column] = 0
     if column < 2 * pairs:
@@ -124,7 +124,7 @@ def _take(c: Choice, rows: int, wide: int, pairs: int, r: int, column: int) -> N
     c.owner[r] = column
 
 
-def _augmenting_path(c: Choice, rows: int, wide: int, pairs: int) -> None:
+def augmenting_path(c: Choice, rows: int, wide: int, pairs: int) -> None:
     """Find the pivots that free a row for a waiting column; none if there are none.
 
     As solvers.pivoting._augmenting_path.
@@ -148,7 +148,7 @@ def _augmenting_path(c: Choice, rows: int, wide: int, pairs: int) -> None:
                 most = size
                 last = j
         if last >= 0:
-            _note_steps(c, r, last)
+            note_steps(c, r, last)
             return
         for other in range(rows):
             chosen = c.owner[other]
@@ -161,7 +161,7 @@ def _augmenting_path(c: Choice, rows: int, wide: int, pairs: int) -> None:
                     count += 1
 
 
-def _note_steps(c: Choice, r: int, last: int) -> None:
+def note_steps(c: Choice, r: int, last: int) -> None:
     """Put the pivots that lead to row r in order, the first one first."""
     count = 1
     row = r

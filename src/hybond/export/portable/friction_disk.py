@@ -63,15 +63,15 @@ def on_disk(d: Disk) -> bool:
     best = -math.inf
     at = 0.0
     for k in range(DIRECTIONS):
-        low = _mark(k)
-        high = _mark(k + 1)
-        _slip(d, low)
+        low = angle_mark(k)
+        high = angle_mark(k + 1)
+        slip_towards(d, low)
         at_low = d.across
-        _slip(d, high)
+        slip_towards(d, high)
         at_high = d.across
         if at_low * at_high <= 0.0:
-            phi = _root(d, low, high, at_low, at_high)
-            _slip(d, phi)
+            phi = root_of_slip(d, low, high, at_low, at_high)
+            slip_towards(d, phi)
             if d.along > best or (d.along == best and phi > at):
                 best = d.along
                 at = phi
@@ -82,7 +82,7 @@ def on_disk(d: Disk) -> bool:
     return True
 
 
-def _mark(k: int) -> float:
+def angle_mark(k: int) -> float:
     """Return the k-th angle at which the slip is looked at."""
     last = DIRECTIONS
     step = 2.0 * math.pi / float(last)
@@ -90,7 +90,7 @@ def _mark(k: int) -> float:
     return angle + 0.5 / float(last)
 
 
-def _slip(d: Disk, phi: float) -> None:
+def slip_towards(d: Disk, phi: float) -> None:
     """Find the parts of the slip across and along a direction."""
     x = math.cos(phi)
     y = math.sin(phi)
@@ -102,7 +102,7 @@ def _slip(d: Disk, phi: float) -> None:
     d.along = x * u + y * v
 
 
-def _root(d: Disk, low: float, high: float, at_low: float, at_high: float) -> float:
+def root_of_slip(d: Disk, low: float, high: float, at_low: float, at_high: float) -> float:
     """Return a root of the slip across in a bracket (Illinois method)."""
     if at_low == 0.0:
         return low
@@ -111,7 +111,7 @@ def _root(d: Disk, low: float, high: float, at_low: float, at_high: float) -> fl
         if at_high == at_low:
             break
         middle = (low * at_high - high * at_low) / (at_high - at_low)
-        _slip(d, middle)
+        slip_towards(d, middle)
         value = d.across
         if value == 0.0 or math.fabs(high - low) <= CLOSED_ANGLE:
             return middle

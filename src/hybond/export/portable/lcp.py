@@ -5,9 +5,9 @@ from typing import Final
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
 SOLVED: Final = 0
-RAY: Final = 1
+ON_A_RAY: Final = 1
 """The path ended on a secondary ray."""
-LIMIT: Final = 2
+TOO_MANY_PIVOTS: Final = 2
 """Too many pivots."""
 NO_CHOICE: Final = 3
 """No choice of one unknown of each pair leaves a regular matrix."""

@@ -102,8 +102,8 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
     if guessed:
         for k in range(n):
             x.is_a[k] = start[k]
-        reduced = _reduce(x, n, m)
-        if reduced == REGULAR and _furthest(x, n, m) > FAR:
+        reduced = reduce_mixed(x, n, m)
+        if reduced == REGULAR and furthest(x, n, m) > FAR:
             reduced = SINGULAR
     if reduced == SINGULAR:
         if not complementary_basis(x.choice, rows, wide, n, x.whole):
@@ -113,7 +113,7 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
         for i in range(rows):
             if x.choice.owner[i] < n:
                 x.is_a[x.choice.owner[i]] = 1
-        if _reduce(x, n, m) == SINGULAR:
+        if reduce_mixed(x, n, m) == SINGULAR:
             return NO_CHOICE
     for i in range(n):
         for j in range(n):
@@ -139,7 +139,7 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
     return SOLVED
 
 
-def _furthest(x: Mixed, n: int, m: int) -> float:
+def furthest(x: Mixed, n: int, m: int) -> float:
     """Return the largest coefficient of what is left, a constant aside."""
     most = 0.0
     for i in range(n + m):
@@ -150,7 +150,7 @@ def _furthest(x: Mixed, n: int, m: int) -> float:
     return most
 
 
-def _reduce(x: Mixed, n: int, m: int) -> int:
+def reduce_mixed(x: Mixed, n: int, m: int) -> int:
     """Solve for one unknown of each pair (a where x.is_a) and the free ones.
 
     Column 0 is the constant, the others what each unknown of the other kind takes from it. As

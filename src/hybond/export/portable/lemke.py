@@ -10,23 +10,23 @@ Stone, *The Linear Complementarity Problem*, Academic Press 1992, algorithm 4.4.
 import math
 from typing import Final
 
-from hybond.export.portable.lcp import LIMIT, RAY, SOLVED, Lcp
+from hybond.export.portable.lcp import TOO_MANY_PIVOTS, ON_A_RAY, SOLVED, Lcp
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
-from hybond.export.portable.pivoting import independent, lemke_path, principal, split
+from hybond.export.portable.pivoting import independent, lemke_path, principal, split_pairs
 from hybond.export.portable.scaling import balance, power_of_two
 from hybond.export.portable.words import Floats, Ints
 
 LCP_ZERO: Final = 1e-11
 """What counts as zero after scaling: entries of about one, the largest of q one."""
-HUGE: Final = 1e12
+BEYOND_ARITHMETIC: Final = 1e12
 """A scaled solution beyond it comes from a matrix that is singular but for rounding."""
-MEANT: Final = 1e-9
+MEANT_PART: Final = 1e-9
 """A component of q that is not below it, relative to the largest, is no rounding."""
-ROUNDS: Final = 5
+PATHS: Final = 5
 """How often a path is taken up again from its own end because rounding had misled it."""
 
-NEGATIVE: Final = 2
-TINIEST: Final = 2.2250738585072014e-308
+NEGATIVE_POINT: Final = 2
+SMALLEST_NORMAL: Final = 2.2250738585072014e-308
 
 
 def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
@@ -34,7 +34,7 @@ def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
 
     The answer is p.z, p.w, p.active and p.open. `start` is kept. As solvers.lemke.lemke.
     """
-    _scale(p, n, m, q)
+    scale_problem(p, n, m, q)
     limit = 2000 + 20 * n
     warm = False
     for k in range(n):
@@ -43,40 +43,40 @@ def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
             warm = True
     p.pivots = 0
     turn = 0
-    while turn < 2 * ROUNDS:
-        if warm and turn == ROUNDS:
+    while turn < 2 * PATHS:
+        if warm and turn == PATHS:
             # rounding leads from this guess round in a ring; another path has other roundings
             warm = False
             for k in range(n):
                 p.active[k] = 0
         turn += 1
-        found = _point(p, n)
+        found = confirm_point(p, n)
         if found == SOLVED:
             for k in range(n):
                 p.z[k] = p.size * p.d[k] * p.z[k]
                 p.w[k] = p.size * p.w[k] / p.d[k]
             return SOLVED
-        if found == NEGATIVE:
+        if found == NEGATIVE_POINT:
             if p.pivots >= limit:
                 break
             found = principal(p, n, p.active)
         if found == SINGULAR:
-            _drop_dependent(p, n)
+            drop_dependent(p, n)
             continue
         path = lemke_path(p, n, limit - p.pivots, LCP_ZERO)
-        if path == RAY:
-            if _proves(p, n) or not warm:
-                return RAY
+        if path == ON_A_RAY:
+            if ray_proves(p, n) or not warm:
+                return ON_A_RAY
             warm = False
             for k in range(n):
                 p.active[k] = 0  # another path may end elsewhere
         else:
             for k in range(n):
                 p.active[k] ^= p.path[k]  # its point is confirmed, or the path taken up again
-    return LIMIT
+    return TOO_MANY_PIVOTS
 
 
-def _drop_dependent(p: Lcp, n: int) -> None:
+def drop_dependent(p: Lcp, n: int) -> None:
     """Leave a part of the active pairs whose block is regular, none if all were."""
     before = 0
     for k in range(n):
@@ -86,7 +86,7 @@ def _drop_dependent(p: Lcp, n: int) -> None:
             p.active[k] = 0
 
 
-def _scale(p: Lcp, n: int, m: Floats, q: Floats) -> None:
+def scale_problem(p: Lcp, n: int, m: Floats, q: Floats) -> None:
     """Put ``D M D`` and ``D q / size`` into the record. As solvers.lemke.scaled.
 
     The size is that of the largest of ``D q``, unless that leaves another number, which the caller
@@ -105,19 +105,19 @@ def _scale(p: Lcp, n: int, m: Floats, q: Floats) -> None:
     if largest > 0.0:
         meant = math.inf
         for k in range(n):
-            if math.fabs(q[k]) >= MEANT * most:
+            if math.fabs(q[k]) >= MEANT_PART * most:
                 meant = min(meant, math.fabs(p.q[k]))
         p.size = power_of_two(min(largest, 1e6 * meant))
     for k in range(n):
         p.q[k] /= p.size
 
 
-def _point(p: Lcp, n: int) -> int:
-    """Put z, w and what is open of the active set there; NEGATIVE if one is. SINGULAR likewise.
+def confirm_point(p: Lcp, n: int) -> int:
+    """Put z, w and what is open of the active set there; NEGATIVE_POINT if one is. SINGULAR likewise.
 
     As solvers.lemke._point.
     """
-    count = split(p, n, p.active)
+    count = split_pairs(p, n, p.active)
     for i in range(count):
         for j in range(count):
             p.block[i * count + j] = p.matrix[p.on[i] * n + p.on[j]]
@@ -127,7 +127,7 @@ def _point(p: Lcp, n: int) -> int:
             return SINGULAR
         lu_solve(count, p.block, p.pivot, 1, p.right)
     most = 0.0
-    of_z = TINIEST
+    of_z = SMALLEST_NORMAL
     for k in range(n):
         p.z[k] = 0.0
         if p.q[k] != 0.0:
@@ -135,7 +135,7 @@ def _point(p: Lcp, n: int) -> int:
     least = of_z
     for i in range(count):
         size = math.fabs(p.right[i])
-        if not size < HUGE:
+        if not size < BEYOND_ARITHMETIC:
             return SINGULAR
         p.z[p.on[i]] = p.right[i]
         most = max(most, size)
@@ -157,14 +157,14 @@ def _point(p: Lcp, n: int) -> int:
         p.open[i] = 1 if z_part <= LCP_ZERO and w_part <= LCP_ZERO else 0
         p.w[i] = total
     if bad:
-        return NEGATIVE
+        return NEGATIVE_POINT
     for k in range(n):
         p.z[k] = max(p.z[k], 0.0)
         p.w[k] = max(p.w[k], 0.0)
     return SOLVED
 
 
-def _proves(p: Lcp, n: int) -> bool:
+def ray_proves(p: Lcp, n: int) -> bool:
     """Whether a ray proves that no ``z >= 0`` has ``M z + q >= 0`` (Farkas)."""
     for k in range(n):
         p.right[k] = p.ray[k] if p.active[k] != 0 else p.ray[n + k]

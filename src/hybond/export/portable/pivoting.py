@@ -7,7 +7,7 @@ Source: R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear Complementarity Probl
 import math
 from typing import Final
 
-from hybond.export.portable.lcp import LIMIT, RAY, SOLVED, Lcp
+from hybond.export.portable.lcp import TOO_MANY_PIVOTS, ON_A_RAY, SOLVED, Lcp
 from hybond.export.portable.lu import REGULAR, SINGULAR, lu_invert
 from hybond.export.portable.words import Floats, Ints
 
@@ -15,7 +15,7 @@ REGULAR_PIVOT: Final = 1e-9
 """Smallest pivot of a matrix that counts as regular."""
 
 
-def split(p: Lcp, n: int, active: Ints) -> int:
+def split_pairs(p: Lcp, n: int, active: Ints) -> int:
     """List which pairs are active in `p.on`, the others in `p.off`; return how many are."""
     count = 0
     others = 0
@@ -34,7 +34,7 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
 
     SINGULAR if the block of the active pairs is, or nearly so. As solvers.pivoting.principal.
     """
-    count = split(p, n, active)
+    count = split_pairs(p, n, active)
     if count == 0:
         for k in range(n * n):
             p.pivoted[k] = p.matrix[k]
@@ -44,10 +44,10 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
     for i in range(count):
         for j in range(count):
             p.block[i * count + j] = p.matrix[p.on[i] * n + p.on[j]]
-    before = _column_norm(count, p.block)
+    before = column_norm(count, p.block)
     if lu_invert(count, p.block, p.pivot, p.inverse) == SINGULAR:
         return SINGULAR
-    if not _column_norm(count, p.inverse) * before < 1e13:
+    if not column_norm(count, p.inverse) * before < 1e13:
         return SINGULAR
     for i in range(count):
         at = p.on[i]
@@ -81,7 +81,7 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
     return REGULAR
 
 
-def _column_norm(n: int, a: Floats) -> float:
+def column_norm(n: int, a: Floats) -> float:
     """Return the largest sum of the magnitudes of a column."""
     most = 0.0
     for j in range(n):
@@ -99,7 +99,7 @@ def independent(p: Lcp, n: int, active: Ints) -> int:
     Pivots of one or two pairs at a time: a skew block has no diagonal to divide by. As
     solvers.pivoting.independent.
     """
-    count = split(p, n, active)
+    count = split_pairs(p, n, active)
     for i in range(count):
         p.path[i] = 1
         for j in range(count):
@@ -128,10 +128,10 @@ def independent(p: Lcp, n: int, active: Ints) -> int:
         if max(single, double) < REGULAR_PIVOT:
             break
         if single < 0.1 * double:
-            _eliminate_two(p, count, first, second)
+            eliminate_two(p, count, first, second)
             kept += 2
         else:
-            _eliminate_one(p, count, one)
+            eliminate_one(p, count, one)
             kept += 1
     for i in range(count):
         if p.path[i] != 0:
@@ -139,7 +139,7 @@ def independent(p: Lcp, n: int, active: Ints) -> int:
     return kept
 
 
-def _eliminate_one(p: Lcp, n: int, k: int) -> None:
+def eliminate_one(p: Lcp, n: int, k: int) -> None:
     """Take pair k out of the block."""
     for j in range(n):
         p.line[j] = p.block[k * n + j] / p.block[k * n + k]
@@ -150,7 +150,7 @@ def _eliminate_one(p: Lcp, n: int, k: int) -> None:
     p.path[k] = 0
 
 
-def _eliminate_two(p: Lcp, n: int, k: int, l: int) -> None:
+def eliminate_two(p: Lcp, n: int, k: int, l: int) -> None:
     """Take pairs k and l out of the block."""
     a = p.block[k * n + k]
     b = p.block[k * n + l]
@@ -222,29 +222,29 @@ def lemke_path(p: Lcp, n: int, limit: int, tol: float) -> int:
                     p.rows[several] = i
                     several += 1
             if several == 0:
-                _note_ray(p, n, entering)
-                _note_path(p, n)
+                note_ray(p, n, entering)
+                note_path(p, n)
                 p.pivots += count - 1
-                return RAY
-            r = _first_to_vanish(p, n, several, tol)
+                return ON_A_RAY
+            r = first_to_vanish(p, n, several, tol)
         leaving = p.basic[r]
         if leaving == z0:
             p.basic[r] = entering
-            _note_path(p, n)
+            note_path(p, n)
             p.pivots += count
             return SOLVED
-        _pivot(p, n, r, c)
+        exchange_basic(p, n, r, c)
         p.basic[r] = entering
         p.beside[c] = leaving
         p.place[entering] = -1
         p.place[leaving] = c
         entering = leaving + n if leaving < n else leaving - n
-    _note_path(p, n)
+    note_path(p, n)
     p.pivots += limit
-    return LIMIT
+    return TOO_MANY_PIVOTS
 
 
-def _pivot(p: Lcp, n: int, r: int, c: int) -> None:
+def exchange_basic(p: Lcp, n: int, r: int, c: int) -> None:
     """Exchange the unknown of row r with that of column c, p.column being that column."""
     wide = n + 2
     for j in range(wide):
@@ -260,7 +260,7 @@ def _pivot(p: Lcp, n: int, r: int, c: int) -> None:
         p.table[r * wide + j] = p.line[j]
 
 
-def _note_path(p: Lcp, n: int) -> None:
+def note_path(p: Lcp, n: int) -> None:
     """Note which pairs have a basic z."""
     for k in range(n):
         p.path[k] = 0
@@ -269,7 +269,7 @@ def _note_path(p: Lcp, n: int) -> None:
             p.path[p.basic[i] - n] = 1
 
 
-def _note_ray(p: Lcp, n: int, entering: int) -> None:
+def note_ray(p: Lcp, n: int, entering: int) -> None:
     """Note the direction along the ray on which a path ends."""
     for k in range(2 * n + 1):
         p.ray[k] = 0.0
@@ -278,7 +278,7 @@ def _note_ray(p: Lcp, n: int, entering: int) -> None:
     p.ray[entering] = 1.0
 
 
-def _first_to_vanish(p: Lcp, n: int, several: int, tol: float) -> int:
+def first_to_vanish(p: Lcp, n: int, several: int, tol: float) -> int:
     """Return the row whose unknown is zero first, ties decided in lexicographic order.
 
     The rows are the first `several` of p.rows.
@@ -288,7 +288,7 @@ def _first_to_vanish(p: Lcp, n: int, several: int, tol: float) -> int:
         i = p.rows[k]
         p.fall[k] = -p.column[i]
         p.ratio[k] = max(p.table[i * wide + n + 1], 0.0) / p.fall[k]
-    several = _least(p, several, tol)
+    several = keep_least(p, several, tol)
     for k in range(several):
         if p.basic[p.rows[k]] == 2 * n:
             return p.rows[k]  # z0 itself is zero: done
@@ -301,7 +301,7 @@ def _first_to_vanish(p: Lcp, n: int, several: int, tol: float) -> int:
             if at >= 0:
                 share = -p.table[i * wide + at]
             p.ratio[k] = share / p.fall[k]
-        several = _least(p, several, tol)
+        several = keep_least(p, several, tol)
         j += 1
     best = 0
     for k in range(1, several):
@@ -310,7 +310,7 @@ def _first_to_vanish(p: Lcp, n: int, several: int, tol: float) -> int:
     return p.rows[best]
 
 
-def _least(p: Lcp, several: int, tol: float) -> int:
+def keep_least(p: Lcp, several: int, tol: float) -> int:
     """Keep of p.rows those whose ratio is least, to rounding; return how many."""
     lowest = math.inf
     for k in range(several):

@@ -8,8 +8,8 @@ from typing import Final
 
 from hybond.export.portable.words import Floats
 
-ROUNDS: Final = 60
-SMALL: Final = 1e-17
+EIGEN_ROUNDS: Final = 60
+NO_ENTRY: Final = 1e-17
 """An entry beside the diagonal below this part of the whole is zero."""
 
 
@@ -25,8 +25,8 @@ def eigenvalues(n: int, a: Floats, values: Floats, vectors: Floats) -> None:
     whole = 0.0
     for k in range(n * n):
         whole = math.hypot(whole, a[k])
-    for _ in range(ROUNDS):
-        if _round(n, a, vectors, SMALL * whole):
+    for _ in range(EIGEN_ROUNDS):
+        if clear_all_entries(n, a, vectors, NO_ENTRY * whole):
             break
     for k in range(n):
         values[k] = a[k * n + k]
@@ -45,7 +45,7 @@ def eigenvalues(n: int, a: Floats, values: Floats, vectors: Floats) -> None:
                 vectors[i * n + least] = kept
 
 
-def _round(n: int, a: Floats, vectors: Floats, small: float) -> bool:
+def clear_all_entries(n: int, a: Floats, vectors: Floats, small: float) -> bool:
     """Make every entry beside the diagonal zero once; return whether all were."""
     still = True
     for p in range(n - 1):
