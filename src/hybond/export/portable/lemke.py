@@ -10,7 +10,7 @@ Stone, *The Linear Complementarity Problem*, Academic Press 1992, algorithm 4.4.
 import math
 from typing import Final
 
-from hybond.export.portable.lcp import TOO_MANY_PIVOTS, ON_A_RAY, SOLVED, Lcp
+from hybond.export.portable.lcp import ON_A_RAY, SOLVED, TOO_MANY_PIVOTS, Lcp
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.pivoting import independent, lemke_path, principal, split_pairs
 from hybond.export.portable.scaling import balance, power_of_two
@@ -113,7 +113,7 @@ def scale_problem(p: Lcp, n: int, m: Floats, q: Floats) -> None:
 
 
 def confirm_point(p: Lcp, n: int) -> int:
-    """Put z, w and what is open of the active set there; NEGATIVE_POINT if one is. SINGULAR likewise.
+    """Put z, w and what is open of the active set there; NEGATIVE_POINT if one is, or SINGULAR.
 
     As solvers.lemke._point.
     """

@@ -7,7 +7,7 @@ Source: R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear Complementarity Probl
 import math
 from typing import Final
 
-from hybond.export.portable.lcp import TOO_MANY_PIVOTS, ON_A_RAY, SOLVED, Lcp
+from hybond.export.portable.lcp import ON_A_RAY, SOLVED, TOO_MANY_PIVOTS, Lcp
 from hybond.export.portable.lu import REGULAR, SINGULAR, lu_invert
 from hybond.export.portable.words import Floats, Ints
 
