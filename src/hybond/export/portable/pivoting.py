@@ -107,27 +107,27 @@ def independent(p: Lcp, n: int, active: Ints) -> int:
     kept = 0
     while kept < count:
         one = 0
-        single = -1.0
+        alone = -1.0
         first = 0
         second = 0
-        double = -1.0
+        couple = -1.0
         for i in range(count):
             size = math.fabs(p.block[i * count + i]) if p.path[i] != 0 else 0.0
-            if size > single:
-                single = size
+            if size > alone:
+                alone = size
                 one = i
             for j in range(count):
                 size = 0.0
                 if i != j and p.path[i] != 0 and p.path[j] != 0:
                     across = p.block[i * count + j] * p.block[j * count + i]
                     size = math.sqrt(math.fabs(across))
-                if size > double:
-                    double = size
+                if size > couple:
+                    couple = size
                     first = i
                     second = j
-        if max(single, double) < REGULAR_PIVOT:
+        if max(alone, couple) < REGULAR_PIVOT:
             break
-        if single < 0.1 * double:
+        if alone < 0.1 * couple:
             eliminate_two(p, count, first, second)
             kept += 2
         else:
