@@ -8,6 +8,7 @@ import pytest
 
 import hybond.export.portable
 from hybond.export.translate import PortableError, load, load_texts
+from hybond.export.translate.effects import effects_of
 
 PORTABLE = Path(hybond.export.portable.__file__).parent
 FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "words"))
@@ -15,7 +16,7 @@ FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "w
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_the_runtime_is_portable(path: Path) -> None:
-    load([path])
+    effects_of(load([path]))
 
 
 HEAD = """
@@ -152,3 +153,47 @@ def test_one_name_is_one_thing_in_all_modules() -> None:
 def test_constants_are_worked_out() -> None:
     text = "import math\nfrom typing import Final\nA: Final = 2.0\nB: Final = math.sqrt(A) / 2**3\n"
     assert load_texts({"c": text}).constants["B"].value == 2.0**0.5 / 8
+
+
+ORDER = """
+from hybond.export.portable.words import Floats, Ints
+def step(v: Ints) -> int:
+    v[0] += 1
+    return v[0]
+def look(v: Ints) -> int:
+    return v[0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "fine"),
+    [
+        ("n = v[0] + step(v)", False),
+        ("n = step(v) + step(v)", False),
+        ("n = step(v) + 1", True),
+        ("n = look(v) + v[0]", True),
+        ("v[v[0]] = step(v)", False),
+        ("v[n] = step(v)", True),
+        ("v[0] += step(v)", False),
+        ("n = n + 1 if step(v) > 0 and step(v) > 1 else step(v)", True),
+    ],
+)
+def test_the_order_of_evaluation_does_not_matter(line: str, fine: bool) -> None:
+    program = load_texts(
+        {"s": f"{ORDER}def f(v: Ints, n: int) -> int:\n    {line}\n    return n\n"}
+    )
+    if fine:
+        effects_of(program)
+        return
+    with pytest.raises(PortableError, match="a call changes Ints") as caught:
+        effects_of(program)
+    assert caught.value.where == "s.py:9"
+
+
+def test_a_table_of_the_model_is_not_changed() -> None:
+    text = (
+        "from hybond.export.portable.words import Ints, given\n@given\nclass Tables:\n"
+        "    first: Ints\ndef f(m: Tables) -> None:\n    row = m.first\n    row[0] = 1\n"
+    )
+    with pytest.raises(PortableError, match=r"Tables\.first is given by the model, and changed"):
+        effects_of(load_texts({"s": text}))

@@ -333,6 +333,16 @@ class _Raw:
         k = self.tree.body.index(node)
         return (self.tree.body[k - 1].end_lineno or 0) if k else 0
 
+    def _next(self, node: ast.stmt) -> int:
+        """Return the first line of what stands behind a statement of the module."""
+        k = self.tree.body.index(node) + 1
+        if k == len(self.tree.body):
+            return 1 + max([node.end_lineno or 0, *self.comments.own, *self.comments.blank])
+        following = self.tree.body[k]
+        if isinstance(following, ast.ClassDef | ast.FunctionDef):
+            return min([following.lineno, *(d.lineno for d in following.decorator_list)])
+        return following.lineno
+
     def _docstring_below(self, node: ast.stmt) -> str:
         k = self.tree.body.index(node) + 1
         match self.tree.body[k : k + 1]:
@@ -402,8 +412,7 @@ class _Raw:
     def body(self, node: ast.FunctionDef, signature: Signature, around: Surroundings) -> Block:
         types = dict(signature.parameters)
         scope = Scope(around, types, set(types))
-        end = node.end_lineno or node.lineno
-        reading = Body(scope, signature.result, self.comments, end)
+        reading = Body(scope, signature.result, self.comments)
         reading.last = (node.returns.end_lineno or node.lineno) if node.returns else node.lineno
         statements = node.body
         match statements:
@@ -412,7 +421,7 @@ class _Raw:
                 reading.last = text.end_lineno or text.lineno
         if not statements:
             return Block(())
-        block = reading.block(statements, end)
+        block = reading.block(statements, self._next(node) - 1)
         if reading.alive and signature.result != VOID:
             raise self.refuse(node.lineno, f"{node.name} may end without a result")
         unread = [n for n in scope.types if n not in scope.read]
