@@ -1,0 +1,1 @@
+"""Models as text that runs without hybond: C, Java and other languages."""
