@@ -99,4 +99,8 @@ def report() -> None:
     put_text(link_of(s, 1).name)
     put_text(link_of(s, 2).name)
     put_text(" used" if link_of(s, 1).used and not other.used else " idle")
+    put_text(" named" if first.name != "" else " nameless")
+    nameless = Link()
+    put_text(nameless.name)
+    put_text(" nameless" if nameless.name == "" else " named")
     put_text(" even\n" if even(10) else " odd\n")

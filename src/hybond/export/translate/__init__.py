@@ -23,8 +23,8 @@ a field of type ``Outside`` exists in Python only.
 
 Types
 -----
-``int`` (32 bits), ``float`` (64 bits), ``bool``, ``Text`` (literals and names of the model, only
-handed on), ``Floats``, ``Ints`` (arrays of fixed length, made by ``floats(n)`` and ``ints(n)``,
+``int`` (32 bits), ``float`` (64 bits), ``bool``, ``Text`` (literals and names of the model, handed
+on, or compared with ``""``), ``Floats``, ``Ints`` (arrays of fixed length, made by ``floats(n)`` and ``ints(n)``,
 zeros at first; their length is not asked, sizes are passed along), records, ``Records[Kind]`` (an
 array of references made by ``records(Kind, n)``, all None at first) and ``Kind | None``.
 ``some(x)`` is x, which is not None. An int goes where a float is wanted; nothing else changes by

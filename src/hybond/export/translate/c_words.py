@@ -78,10 +78,17 @@ static int larger_int(int a, int b)
     return b > a ? b : a;
 }
 """,
+    "empty": """\
+static bool empty(const char *text)
+{
+    return text == NULL || text[0] == '\\0';
+}
+""",
     "put_text": """\
 static void put_text(const char *text)
 {
-    fputs(text, stdout);
+    if (text != NULL)
+        fputs(text, stdout);
 }
 """,
     "put_number": """\

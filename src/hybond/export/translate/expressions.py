@@ -289,6 +289,9 @@ def _compare(node: ast.expr, scope: Scope) -> Expr:
             raise scope.refuse(node, "`is` is for None alone")
         return Binary("==" if op == "is" else "!=", left, right, BOOL)
     types = {left.type, right.type}
+    if types == {TEXT} and op in ("==", "!=") and right == Value("", TEXT):
+        empty = Word("empty", (left,), BOOL)
+        return empty if op == "==" else Unary("not", empty, BOOL)
     numbers = types <= {INT, FLOAT}
     if op is None or not (numbers or (types == {BOOL} and op in ("==", "!="))):
         raise scope.refuse(node, f"{left.type} is compared with {right.type}")

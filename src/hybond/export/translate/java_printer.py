@@ -110,7 +110,7 @@ class JavaPrinter(Braces):
                 return f"new {'double' if e.word == 'floats' else 'int'}[{listed}]", ATOM
             case "min" | "max":
                 return f"{helper_of(e.word, e.type)}({listed})", ATOM
-            case "put_text" | "put_number" | "put_int" | "put_line":
+            case "empty" | "put_text" | "put_number" | "put_int" | "put_line":
                 return f"{e.word}({listed})", ATOM
         return f"{_EXACT.get(e.word, f'StrictMath.{e.word}')}({listed})", ATOM
 

@@ -25,9 +25,14 @@ private static int larger_int(int a, int b) {
     return b > a ? b : a;
 }
 """,
+    "empty": """\
+private static boolean empty(String text) {
+    return text == null || text.isEmpty();
+}
+""",
     "put_text": """\
 private static void put_text(String text) {
-    out.print(text);
+    out.print(text == null ? "" : text);
 }
 """,
     "put_number": """\
