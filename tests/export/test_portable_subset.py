@@ -9,6 +9,7 @@ import pytest
 import hybond.export.portable
 from hybond.export.translate import PortableError, load, load_texts
 from hybond.export.translate.effects import effects_of
+from hybond.export.translate.reach import reached
 
 PORTABLE = Path(hybond.export.portable.__file__).parent
 FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "words"))
@@ -97,7 +98,7 @@ REFUSED = [
     ("if n > 0:\n    return a", "may end without a result"),
     ("return a\na = 0.0", "never reached"),
     ("x = 1.0\nreturn a", "never reads 'x'"),
-    ("double = 1.0\nreturn double", "can be called 'double'"),
+    ("_x = 1.0\nreturn _x", "can be called '_x'"),
     ("x = None\nreturn a", "no type yet"),
     ("try:\n    pass\nfinally:\n    pass\nreturn a", "Try is not a statement"),
     ("return f(a, n)", None),
@@ -128,9 +129,8 @@ def test_what_is_not_portable_is_refused(body: str, said: str | None) -> None:
         ("def f(a: int = 1) -> int:\n    return a", "without defaults"),
         ("def f(a: int):\n    return a", "what it returns"),
         ("def f(a: list[float]) -> int:\n    return 1", "not a type"),
-        ("def f(a: int) -> int:\n    return 1", "never reads 'a'"),
         ("def _f(a: int) -> int:\n    return a", "can be called '_f'"),
-        ("def exp(a: float) -> float:\n    return a", "can be called 'exp'"),
+        ("def floats(a: float) -> float:\n    return a", "can be called 'floats'"),
         ("limit = 1.0", "Assign does not stand"),
         ("import os", "only `import math`"),
         ("class A:\n    x: int", "plain @record"),
@@ -144,10 +144,17 @@ def test_declarations_that_are_refused(text: str, said: str) -> None:
     assert said in caught.value.why
 
 
-def test_one_name_is_one_thing_in_all_modules() -> None:
+def test_one_name_is_one_record_in_all_modules() -> None:
+    a = "from hybond.export.portable.words import record\n@record\nclass A:\n    x: int\n"
+    with pytest.raises(PortableError, match=r"'A' is declared in b\.py, too"):
+        load_texts({"a": a, "b": a})
+
+
+def test_functions_of_one_name_are_printed_with_their_modules() -> None:
     f = "def f(a: int) -> int:\n    return a\n"
-    with pytest.raises(PortableError, match=r"'f' is declared in a\.py, too"):
-        load_texts({"a": f, "b": f})
+    program = load_texts({"a": f, "b": f + "def g(a: int) -> int:\n    return f(a)\n"})
+    assert sorted(program.functions) == ["a_f", "b_f", "g"]
+    assert reached(program, ["g"]).functions == {"g", "b_f"}
 
 
 def test_constants_are_worked_out() -> None:

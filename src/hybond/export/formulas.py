@@ -33,7 +33,7 @@ from hybond.export.translate.tree import (
     Word,
 )
 from hybond.model import expressions as e
-from hybond.model.expressions.tree import Table
+from hybond.model.expressions.tree import Table, fold
 
 V = Local("v", FLOATS)
 STACK = Local("s", Type("record", "Stack"))
@@ -43,9 +43,8 @@ PRIOR = "PRE"
 """The name of the offset of a priori values."""
 LINE = Notes(0)
 _WORDS = frozenset(
-    """
-    sin cos tan asin acos atan sinh cosh tanh exp log log10 sqrt floor ceil atan2 hypot
-    """.split()
+    ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10")
+    + ("sqrt", "floor", "ceil", "atan2", "hypot")
 )
 _CALLED = {"sign": "sign_of", "mod": "modulo", "min": "least_of", "max": "greatest_of"}
 _PAIRED = {
@@ -89,20 +88,11 @@ class Formulas:
 
     def number(self, tree: e.Expr) -> Expr:
         """Return an expression as a number; what is true counts 1."""
-        found = self._tree(tree)
-        if found.type == BOOL:
-            return Choice(found, Value(1.0, FLOAT), Value(0.0, FLOAT), FLOAT)
-        return found
+        return _number(fold(tree, self._node))
 
     def truth(self, tree: e.Expr) -> Expr:
         """Return an expression as a condition; a number is true unless it is zero."""
-        found = self._tree(tree)
-        if found.type == BOOL:
-            return found
-        return Binary("!=", found, Value(0.0, FLOAT), BOOL)
-
-    def _tree(self, tree: e.Expr) -> Expr:
-        return e.fold(tree, self._node)
+        return _truth(fold(tree, self._node))
 
     def _node(self, node: e.Expr, prior: bool, below: list[Expr]) -> Expr:
         match node:
@@ -186,7 +176,7 @@ class Formulas:
 
     def pairs(self, tree: e.Expr) -> Block:
         """Return the calls that leave an expression on top of the stack of pairs."""
-        return Block(tuple(e.fold(tree, self._paired)))
+        return Block(tuple(fold(tree, self._paired)))
 
     def _do(self, function: str, *args: Expr) -> Statement:
         self.calls.add(function)

@@ -8,26 +8,22 @@ from collections.abc import Collection, Iterable
 from hybond.export.translate.reserved import GLOBALS
 from hybond.model.graph import FlatGraph
 
-_GREEK = dict(
-    zip(
-        "αβγδεζηθικλμνξοπρστυφχψωΑΒΓΔΕΖΗΘΙΚΛΜΝΞΟΠΡΣΤΥΦΧΨΩµ",
-        [
-            *"alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron "
-            "pi rho sigma tau upsilon phi chi psi omega".split(),
-            *"Alpha Beta Gamma Delta Epsilon Zeta Eta Theta Iota Kappa Lambda Mu Nu Xi Omicron "
-            "Pi Rho Sigma Tau Upsilon Phi Chi Psi Omega".split(),
-            "mu",
-        ],
-    )
-)
-_HEADERS = frozenset(
-    """
+_LETTERS = """
+    α alpha β beta γ gamma δ delta ε epsilon ζ zeta η eta θ theta ι iota κ kappa λ lambda μ mu ν nu
+    ξ xi ο omicron π pi ρ rho σ sigma τ tau υ upsilon φ phi χ chi ψ psi ω omega Γ Gamma Δ Delta
+    Θ Theta Λ Lambda Ξ Xi Π Pi Σ Sigma Φ Phi Ψ Psi Ω Omega µ mu
+"""
+_HEADERS = """
     EOF NULL BUFSIZ FOPEN_MAX FILENAME_MAX TMP_MAX RAND_MAX EXIT_FAILURE EXIT_SUCCESS MB_CUR_MAX
     SEEK_SET SEEK_CUR SEEK_END NAN INFINITY HUGE_VAL HUGE_VALF HUGE_VALL L_tmpnam OVERFLOW UNDERFLOW
     DOMAIN SING PLOSS TLOSS
-    """.split()
-)
+"""
 """Macros of the headers, as far as a name in capitals could meet one."""
+
+
+def _greek() -> dict[str, str]:
+    words = _LETTERS.split()
+    return dict(zip(words[::2], words[1::2]))
 
 
 def identifier(text: str) -> str:
@@ -38,7 +34,8 @@ def identifier(text: str) -> str:
     >>> identifier("lever.1.e"), identifier("contact -> v"), identifier("1st"), identifier("κ")
     ('lever_1_e', 'contact_to_v', 'x1st', 'kappa')
     """
-    said = "".join(_GREEK.get(c, c) for c in text.replace(" -> ", "_to_").replace("->", "_to_"))
+    letters = _greek()
+    said = "".join(letters.get(c, c) for c in text.replace(" -> ", "_to_").replace("->", "_to_"))
     said = re.sub(r"[^A-Za-z0-9]+", "_", said).strip("_") or "x"
     return f"x{said}" if said[0].isdigit() else said
 
@@ -51,7 +48,7 @@ def distinct(wanted: Iterable[str], taken: Collection[str]) -> list[str]:
     >>> distinct(["A", "A", "EOF"], ["B"])
     ['A', 'A_2', 'EOF_2']
     """
-    seen = set(taken) | GLOBALS | _HEADERS
+    seen = {*taken, *GLOBALS, *_HEADERS.split()}
     found = []
     for name in wanted:
         shown, k = name, 2

@@ -105,7 +105,7 @@ def search(v: Ints, n: int, wanted: int) -> int:
     return found
 
 
-def nothing(n: int) -> None:
+def nothing(n: int, unread: float) -> None:
     """Do nothing, in several ways."""
     if n > 0:
         pass
@@ -128,4 +128,4 @@ def report() -> None:
         put("late", late(n))
     put("twice", twice(6))
     put("search", search(v, 4, 12))
-    nothing(3)
+    nothing(3, 1.0)

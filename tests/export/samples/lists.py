@@ -68,6 +68,14 @@ def total(first: Link) -> float:
     return result
 
 
+def system(double: int) -> int:
+    """Names that are words elsewhere."""
+    new = double + 1
+    for long in range(new):
+        new += long
+    return new
+
+
 def even(n: int) -> bool:
     """One of two functions that call each other."""
     return True if n == 0 else odd(n - 1)
@@ -95,7 +103,7 @@ def report() -> None:
     second.used = s.links[0] is not None and s.links[1] is not None
     put_number(total(first))
     put_line()
-    put_int(s.free * 10 + same.count)
+    put_int(s.free * 10 + same.count + system(3))
     put_text(link_of(s, 1).name)
     put_text(link_of(s, 2).name)
     put_text(" used" if link_of(s, 1).used and not other.used else " idle")

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from hybond.export.translate.effects import Effects, reads
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
 from hybond.export.translate.placing import Places, places
+from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     Assign,
     Augment,
@@ -125,11 +126,11 @@ class Braces:
             case Value():
                 return self.literal(e), ATOM
             case Local(name):
-                return name, ATOM
+                return permitted(name), ATOM
             case Global(name, t):
                 return self.named(name, t), ATOM
             case Field(base, name):
-                return f"{self.inside(base, ATOM)}{self.member}{name}", ATOM
+                return f"{self.inside(base, ATOM)}{self.member}{permitted(name)}", ATOM
             case Element(base, index):
                 return f"{self.inside(base, ATOM)}[{self.said(index)}]", ATOM
             case Unary(op, arg):
@@ -266,7 +267,7 @@ class Braces:
 
     def loop(self, s: For) -> str:
         """Return the head of a ``for``; a bound that its body could change is kept first."""
-        name = UNREAD if s.name == "_" else s.name
+        name = UNREAD if s.name == "_" else permitted(s.name)
         bound, kept = self.said(s.stop), ""
         if self.moves(s):
             kept = f", {name}_end = {bound}"

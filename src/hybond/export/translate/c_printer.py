@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
 from hybond.export.translate.effects import effects_of
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
 from hybond.export.translate.modules import Program
 from hybond.export.translate.reach import Reached, reached
+from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
     Binary,
     Call,
     Constant,
     Function,
+    Local,
+    Member,
     Module,
     Record,
     Type,
@@ -48,6 +51,8 @@ class CPrinter(Braces):
         super().__init__(effects_of(program))
         self.program = program
         self.reached: Reached = reached(program, roots)
+        self.given: Mapping[str, list[str]] = {}
+        """The text of given functions, which stands where they are declared."""
 
     def type_name(self, t: Type) -> str:
         """Return a type, ready to stand before a name."""
@@ -56,6 +61,7 @@ class CPrinter(Braces):
         return _TYPES[t.kind]
 
     def _typed(self, name: str, t: Type, holder: tuple[str, str, str]) -> str:
+        name = permitted(name)
         if t.is_reference and holder not in self.effects.written:
             if t.kind == "Records":
                 return f"{t.record} *const *{name}"
@@ -111,8 +117,9 @@ class CPrinter(Braces):
     def needed(self, module: Module) -> bool:
         """Say whether anything of a module is printed."""
         found = self.reached
-        some = found.functions | found.constants | found.records
-        return any(name in some for name in module.order)
+        own = (*module.constants.values(), *module.functions.values())
+        some = found.functions | found.constants
+        return any(x.name in some for x in own) or any(r in found.records for r in module.records)
 
     def typedefs(self) -> list[str]:
         """Return the names of all records, which may refer to each other."""
@@ -132,7 +139,7 @@ class CPrinter(Braces):
         early = self.forward(module)
         for name in module.order:
             constant = module.constants.get(name)
-            if constant is not None and name in self.reached.constants:
+            if constant is not None and constant.name in self.reached.constants:
                 if constant.type.kind == "int":
                     whole.append(constant)
                     continue
@@ -145,12 +152,15 @@ class CPrinter(Braces):
                 flush()
                 lines += ["", *self.record(record)]
             f = module.functions.get(name)
-            if f is not None and name in self.reached.functions and f.body is not None:
+            if f is not None and f.name in self.reached.functions and f.body is not None:
                 flush()
                 if early:
                     lines += ["", *early]
                     early = []
                 lines += ["", *self.definition(f)]
+            elif f is not None and self.given.get(name):
+                flush()
+                lines += ["", *self.given[name]]
         flush()
         return lines
 
@@ -162,7 +172,7 @@ class CPrinter(Braces):
             f
             for name in module.order
             if (f := module.functions.get(name)) is not None
-            and name in self.reached.functions
+            and f.name in self.reached.functions
             and f.body is not None
         ]
         own = {f.name: f for f in printed}
@@ -214,7 +224,7 @@ class CPrinter(Braces):
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
-        for m in record.members:
+        for m in self.members(record):
             entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
             note = f" // {plain(m.note)}" if m.note else ""
             if len(entry) + len(note) > 99:
@@ -223,10 +233,19 @@ class CPrinter(Braces):
             lines.append(entry + note)
         return [*lines, "};"]
 
+    def members(self, record: Record) -> list[Member]:
+        """Return the fields that are printed: of a given record those that are read."""
+        read = self.reached.fields
+        return [m for m in record.members if not record.given or (record.name, m.name) in read]
+
     def definition(self, f: Function) -> list[str]:
         """Return a function."""
         head = wrapped(self.signature(f), 0)
-        return [*self.documented(f.doc, f.above), *head, "{", *self.body(f), "}"]
+        assert f.body is not None
+        read = {e.name for e in every(f.body) if isinstance(e, Local)}
+        unread = [permitted(name) for name, _ in f.signature.parameters if name not in read]
+        unused = [f"    (void){name};" for name in unread]
+        return [*self.documented(f.doc, f.above), *head, "{", *unused, *self.body(f), "}"]
 
 
 def helper_of(word: str, t: Type) -> str:

@@ -211,7 +211,7 @@ def _name(node: ast.expr, scope: Scope) -> Expr:
         return Local(name, scope.types[name])
     known = scope.around.constants.get(name)
     if known is not None:
-        return Global(name, known.type)
+        return Global(known.name, known.type)
     raise scope.refuse(node, f"{name!r} is neither a variable nor a constant")
 
 
@@ -338,7 +338,7 @@ def _named_call(name: str, node: ast.Call, scope: Scope) -> Expr:
     if name in around.functions:
         signature = around.functions[name]
         wanted = tuple(t for _, t in signature.parameters)
-        return Call(name, _arguments(name, wanted, node, scope), signature.result)
+        return Call(signature.name, _arguments(name, wanted, node, scope), signature.result)
     if name in around.records:
         _arguments(name, (), node, scope)
         return Word("record", (), Type("record", name))

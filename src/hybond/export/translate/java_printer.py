@@ -11,6 +11,7 @@ from hybond.export.translate.effects import effects_of
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
 from hybond.export.translate.modules import Program
 from hybond.export.translate.reach import Reached, reached
+from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
     Binary,
@@ -71,7 +72,7 @@ class JavaPrinter(Braces):
 
     def declarator(self, name: str, t: Type) -> str:
         """Return the declaration of a variable."""
-        return f"{self.type_name(t)} {name}"
+        return f"{self.type_name(t)} {permitted(name)}"
 
     def signature(self, f: Function) -> str:
         """Return the head of a method."""
@@ -119,22 +120,23 @@ class JavaPrinter(Braces):
     def needed(self, module: Module) -> bool:
         """Say whether anything of a module is printed."""
         found = self.reached
-        some = found.functions | found.constants | found.records
-        return any(name in some for name in module.order)
+        own = (*module.constants.values(), *module.functions.values())
+        some = found.functions | found.constants
+        return any(x.name in some for x in own) or any(r in found.records for r in module.records)
 
     def chapter(self, module: Module) -> list[str]:
         """Return what of a module is needed: constants, records, methods, as they stand there."""
         lines: list[str] = []
         for name in module.order:
             constant = module.constants.get(name)
-            if constant is not None and name in self.reached.constants:
+            if constant is not None and constant.name in self.reached.constants:
                 lines += [""] if constant.above or not lines or lines[-1].startswith("}") else []
                 lines += self.constant(constant)
             record = module.records.get(name)
             if record is not None and name in self.reached.records and not record.given:
                 lines += ["", *self.record(record)]
             f = module.functions.get(name)
-            if f is not None and name in self.reached.functions and f.body is not None:
+            if f is not None and f.name in self.reached.functions and f.body is not None:
                 lines += ["", *self.definition(f)]
         return [ascii_only(line) for line in lines]
 
@@ -164,7 +166,7 @@ class JavaPrinter(Braces):
         lines = block_comment(prose(record.doc), opener="/**") if record.doc else []
         lines.append(f"private static final class {record.name} {{")
         for m in record.members:
-            entry = f"    {self.type_name(m.type)} {m.name};"
+            entry = f"    {self.declarator(m.name, m.type)};"
             note = f" // {plain(m.note)}" if m.note else ""
             if len(entry) + len(note) > 95:
                 lines += line_comments((m.note,), 4)

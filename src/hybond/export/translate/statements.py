@@ -16,7 +16,6 @@ from hybond.export.translate.expressions import (
     fits,
     of_type,
 )
-from hybond.export.translate.reserved import LOCALS
 from hybond.export.translate.tree import (
     INT,
     NONE,
@@ -132,7 +131,7 @@ class Body:
         if any(loop.variable == name for loop in self.loops):
             raise scope.refuse(node, f"{name!r} is the variable of a loop around this")
         if name not in scope.types:
-            if name in LOCALS or name.startswith("_"):
+            if name.startswith("_"):
                 raise scope.refuse(node, f"no variable can be called {name!r}")
             if wanted in (NONE, VOID):
                 raise scope.refuse(node, f"{name!r} has no type yet", f"{name}: Kind | None = None")
@@ -281,7 +280,7 @@ def _for(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     if not isinstance(node.target, ast.Name):
         raise scope.refuse(node, "a loop has one variable")
     name = node.target.id
-    if name in LOCALS or (name.startswith("_") and name != "_"):
+    if name.startswith("_") and name != "_":
         raise scope.refuse(node, f"no variable can be called {name!r}")
     if name in scope.types:
         why = f"{name!r} is a variable of the function, too"
