@@ -213,11 +213,7 @@ def add_row(e: Elimination) -> int:
         k = e.met[i]
         if k >= e.unknowns or math.fabs(e.total[k]) < 0.1 * biggest:
             continue
-        if (
-            pivot < 0
-            or e.used[k] < e.used[pivot]
-            or (e.used[k] == e.used[pivot] and k < pivot)
-        ):
+        if pivot < 0 or e.used[k] < e.used[pivot] or (e.used[k] == e.used[pivot] and k < pivot):
             pivot = k
     solve_for(e, pivot)
     return USED
@@ -328,7 +324,7 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:
     """Whether a column is one that is replaced."""
     k = column - shift
-    return 0 <= k and k < known.unknowns and told[k] != 0
+    return k >= 0 and k < known.unknowns and told[k] != 0
 
 
 def is_free(e: Elimination, k: int) -> bool:

@@ -7,9 +7,7 @@ from hybond.export.portable.trial import try_mode
 from hybond.export.portable.words import Floats, Ints
 
 
-def enter(
-    e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool, stay: bool
-) -> int:
+def enter(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool, stay: bool) -> int:
     """Enter a mode from the state `x`; without `jump`, stay on it.
 
     Junction laws choose their branches; with `stay` they keep those of `state`, which were just

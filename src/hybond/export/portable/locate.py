@@ -25,9 +25,7 @@ from hybond.export.portable.values import set_state
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
-FRACTION: Final = float_table(
-    0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0
-)
+FRACTION: Final = float_table(0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0)
 """Where in a step guards are sampled: unevenly, so that no periodic signal looks constant."""
 TERMS: Final = 6
 GRID: Final = 65
@@ -556,9 +554,7 @@ def grid_time(g: Locator, k: int) -> float:
     return g.t[0] + (g.t[SAMPLES - 1] - g.t[0]) * (float(k) / float(GRID - 1))
 
 
-def dips(
-    e: Engine, g: Locator, a: int, sign: float, near: float, end: float
-) -> None:
+def dips(e: Engine, g: Locator, a: int, sign: float, near: float, end: float) -> None:
     """Add minima of ``sign * comparison`` near zero, between samples where it is positive."""
     last = GRID - 1
     d = g.d
@@ -587,7 +583,7 @@ def dips(
         edge = 0 if side == 0 else last
         away = AROUND if side == 0 else last - AROUND
         at = d[0] if side == 0 else d[SAMPLES - 1]
-        if not (0.0 < at and at <= near and fine[edge] <= fine[away]):
+        if not (at > 0.0 and at <= near and fine[edge] <= fine[away]):
             continue
         begin = grid_time(g, edge)
         there = grid_time(g, away)
@@ -595,9 +591,7 @@ def dips(
             dip(e, g, a, min(edge, away), max(edge, away), sign, end)
 
 
-def dip(
-    e: Engine, g: Locator, a: int, first: int, stop: int, sign: float, end: float
-) -> None:
+def dip(e: Engine, g: Locator, a: int, first: int, stop: int, sign: float, end: float) -> None:
     """Add the instant between two points of the grid where ``sign * comparison`` is least.
 
     Golden section; it ends where zero is reached.

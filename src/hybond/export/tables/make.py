@@ -394,9 +394,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
             f"{name}_constant": _FLOATS,
         }
         _put(t, f"{name}_first", own, **columns)
-    drifts = [
-        partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows
-    ]
+    drifts = [partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows]
     t.ints["drift_value"] = [-1 if e == Number(0.0) else t.values.number(e) for e in drifts]
     _put(
         t,
@@ -524,9 +522,7 @@ def _priors(t: ModelTables) -> None:
         machine.append(owner.index if owner is not None and node.implied else -1)
         state.append(owner.states.index("impact") if owner and "impact" in owner.states else -1)
         assert node.law is not None
-        slots = {
-            t.slots.index[n] for e in node.law.expressions for a in prior(e) for n in names(a)
-        }
+        slots = {t.slots.index[n] for e in node.law.expressions for a in prior(e) for n in names(a)}
         read.append([(k,) for k in sorted(slots)])
     t.numbers["priors"] = len(nodes)
     _put(t, "prior_first", acting, prior_switch=_INTS)
