@@ -234,6 +234,36 @@ class Trial:
 
 
 @record
+class Step:
+    """The last step, and where the method stands.
+
+    Row j of `k` is stage j; row j of `dense` the coefficients of ``x`` to the power of j + 1, with
+    ``x = (t - t0)/(t1 - t0)``.
+    """
+
+    started: bool
+    t0: float
+    t1: float
+    y0: Floats
+    y1: Floats
+    f0: Floats
+    t: float
+    y: Floats
+    f: Floats
+    h: float
+    h_before: float
+    error_before: float
+    controlled: int
+    rejected: int
+    k: Floats
+    dense: Floats
+    scale: Floats
+    error: Floats
+    trial: Floats
+    rate: Floats
+
+
+@record
 class Engine:
     """One run."""
 
@@ -245,10 +275,17 @@ class Engine:
     work: Work
     v: Floats
     """Values: of the trial, or of the motion."""
+    shown: Floats
+    """Values at a point of the motion, where it is looked at."""
     pre: Floats
     """What ``pre()`` reads at an instant."""
     mode: Mode
     trial: Trial
+    step: Step
+    rounding: Floats
+    """What the rates of stored quantities may be wrong by, in the time of the run."""
+    largest_state: Floats
+    scale_energy: float
     state: Ints
     """Of each machine, now."""
     t: float
@@ -323,6 +360,23 @@ def make_trial(m: Model) -> Trial:
     trial.factor = make_block(1)
     trial.through = ints(m.machines)
     return trial
+
+
+def make_step(n: int) -> Step:
+    """Return room for steps of n states."""
+    s = Step()
+    s.y0 = floats(n)
+    s.y1 = floats(n)
+    s.f0 = floats(n)
+    s.y = floats(n)
+    s.f = floats(n)
+    s.k = floats(7 * n)
+    s.dense = floats(4 * n)
+    s.scale = floats(n)
+    s.error = floats(n)
+    s.trial = floats(n)
+    s.rate = floats(n)
+    return s
 
 
 def make_mode(m: Model) -> Mode:
@@ -427,6 +481,7 @@ def make_engine(m: Model) -> Engine:
     e.modes = records(Mode, KEPT)
     e.work = make_work(m)
     e.v = floats(2 * m.slots)
+    e.shown = floats(2 * m.slots)
     e.pre = floats(m.slots)
     e.trial = make_trial(m)
     e.largest = floats(m.classes)
@@ -434,6 +489,9 @@ def make_engine(m: Model) -> Engine:
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
+    e.step = make_step(e.states)
+    e.rounding = floats(m.storages)
+    e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
     e.at = ints(m.watches)
     e.landed = ints(m.machines)

@@ -48,6 +48,8 @@ class Model:
     """The first state of each machine among all states; ``machines + 1`` entries."""
     start: Ints
     is_law: Ints
+    laws: int
+    """How many machines stand for laws of junctions."""
     on_first: Ints
     """Of each state: what it switches on, in `on_switch`."""
     on_switch: Ints
@@ -58,6 +60,8 @@ class Model:
     """Of each machine: its rules, in order."""
     rule_source: Ints
     rule_target: Ints
+    rule_value: Ints
+    """The guard as it is: an expression."""
     rule_watched: Ints
     """Whether the guard may become true while time passes."""
     rule_test: Ints
@@ -182,10 +186,8 @@ class Model:
     """Storages that are not linear."""
     group_first: Ints
     group_storage: Ints
-    group_points: Ints
-    """Points of Gauss's formula for the energy; 0: found with error control."""
     point_first: Ints
-    """Of each group: where its points stand in `point_at` and `point_weight`."""
+    """Of each group: points of Gauss's formula for its energy; none: found with error control."""
     point_at: Floats
     point_weight: Floats
 
@@ -237,54 +239,56 @@ class Model:
     max_events: int
     method: int
     """0: rk45, 1: radau."""
+    slides: int
+    """1: time goes on along surfaces into which both sides push; 0: refused."""
     decided: int
     """1: least leakage decides what a guard reads and the equations leave open."""
-    floats_inside: Outside
+    answers: Outside
 
 
 @given
 def value(m: Model, k: int, v: Floats) -> float:
     """Return expression k of the model at the values `v`."""
-    return float(m.floats_inside.value(k, v))
+    return float(m.answers.value(k, v))
 
 
 @given
 def machine_name(m: Model, k: int) -> Text:
     """Return the name of machine k."""
-    return str(m.floats_inside.machines[k])
+    return str(m.answers.machines[k])
 
 
 @given
 def state_name(m: Model, k: int) -> Text:
     """Return the name of state k, counted over all machines."""
-    return str(m.floats_inside.states[k])
+    return str(m.answers.states[k])
 
 
 @given
 def stored_name(m: Model, k: int) -> Text:
     """Return the name of stored quantity k, or of an integrated signal behind them."""
-    return str(m.floats_inside.stored[k])
+    return str(m.answers.stored[k])
 
 
 @given
 def output_name(m: Model, k: int) -> Text:
     """Return the name of output k."""
-    return str(m.floats_inside.outputs[k])
+    return str(m.answers.outputs[k])
 
 
 @given
 def node_name(m: Model, k: int) -> Text:
     """Return the name of node k."""
-    return str(m.floats_inside.nodes[k])
+    return str(m.answers.nodes[k])
 
 
 @given
 def bond_name(m: Model, k: int) -> Text:
     """Return the name of bond variable k: efforts, then flows."""
-    return str(m.floats_inside.bonds[k])
+    return str(m.answers.bonds[k])
 
 
 @given
 def rule_text(m: Model, k: int) -> Text:
     """Return the guard of rule k as written."""
-    return str(m.floats_inside.rules[k])
+    return str(m.answers.rules[k])

@@ -10,7 +10,7 @@ from hybond.export.portable.words import given
 @given
 def evaluate_pair(m: Model, k: int, s: Stack) -> None:
     """Leave pair k of the model on top of the stack."""
-    m.floats_inside.pair(k, s)
+    m.answers.pair(k, s)
 
 
 def holds(m: Model, k: int, s: Stack) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hybond.export.portable.engine import Engine, Mode
+from hybond.export.portable.engine import OK, Engine, Mode
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.model import value
 from hybond.export.portable.newton import solve
@@ -63,6 +63,10 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
     for k in range(m.integrals):
         v[m.signal_slot + k] = y[m.storages + k]
     status = solve(e, mode, v)
+    if status != OK:
+        # a trial point beyond where the laws hold: the solver shortens its step
+        e.refusal = True
+        return status
     w = e.work.w
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
