@@ -13,6 +13,7 @@ from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.export.tables.expressions import Expressions
+from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import options_of
 from hybond.model.expressions import (
     Binary,
@@ -98,6 +99,7 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _storages(t)
     _signals(t)
     _priors(t)
+    put_laws(t)
     _outputs(t, options.outputs)
     return t
 
@@ -394,9 +396,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
             f"{name}_constant": _FLOATS,
         }
         _put(t, f"{name}_first", own, **columns)
-    drifts = [
-        partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows
-    ]
+    drifts = [partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows]
     t.ints["drift_value"] = [-1 if e == Number(0.0) else t.values.number(e) for e in drifts]
     _put(
         t,
@@ -524,9 +524,7 @@ def _priors(t: ModelTables) -> None:
         machine.append(owner.index if owner is not None and node.implied else -1)
         state.append(owner.states.index("impact") if owner and "impact" in owner.states else -1)
         assert node.law is not None
-        slots = {
-            t.slots.index[n] for e in node.law.expressions for a in prior(e) for n in names(a)
-        }
+        slots = {t.slots.index[n] for e in node.law.expressions for a in prior(e) for n in names(a)}
         read.append([(k,) for k in sorted(slots)])
     t.numbers["priors"] = len(nodes)
     _put(t, "prior_first", acting, prior_switch=_INTS)
