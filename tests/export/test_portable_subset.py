@@ -8,6 +8,8 @@ import pytest
 
 import hybond.export.portable
 from hybond.export.translate import PortableError, load, load_texts
+from hybond.export.translate.effects import effects_of
+from hybond.export.translate.reach import reached
 
 PORTABLE = Path(hybond.export.portable.__file__).parent
 FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "words"))
@@ -15,7 +17,7 @@ FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "w
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_the_runtime_is_portable(path: Path) -> None:
-    load([path])
+    effects_of(load([path]))
 
 
 HEAD = """
@@ -96,7 +98,7 @@ REFUSED = [
     ("if n > 0:\n    return a", "may end without a result"),
     ("return a\na = 0.0", "never reached"),
     ("x = 1.0\nreturn a", "never reads 'x'"),
-    ("double = 1.0\nreturn double", "can be called 'double'"),
+    ("_x = 1.0\nreturn _x", "can be called '_x'"),
     ("x = None\nreturn a", "no type yet"),
     ("try:\n    pass\nfinally:\n    pass\nreturn a", "Try is not a statement"),
     ("return f(a, n)", None),
@@ -127,9 +129,8 @@ def test_what_is_not_portable_is_refused(body: str, said: str | None) -> None:
         ("def f(a: int = 1) -> int:\n    return a", "without defaults"),
         ("def f(a: int):\n    return a", "what it returns"),
         ("def f(a: list[float]) -> int:\n    return 1", "not a type"),
-        ("def f(a: int) -> int:\n    return 1", "never reads 'a'"),
         ("def _f(a: int) -> int:\n    return a", "can be called '_f'"),
-        ("def exp(a: float) -> float:\n    return a", "can be called 'exp'"),
+        ("def floats(a: float) -> float:\n    return a", "can be called 'floats'"),
         ("limit = 1.0", "Assign does not stand"),
         ("import os", "only `import math`"),
         ("class A:\n    x: int", "plain @record"),
@@ -143,12 +144,63 @@ def test_declarations_that_are_refused(text: str, said: str) -> None:
     assert said in caught.value.why
 
 
-def test_one_name_is_one_thing_in_all_modules() -> None:
+def test_one_name_is_one_record_in_all_modules() -> None:
+    a = "from hybond.export.portable.words import record\n@record\nclass A:\n    x: int\n"
+    with pytest.raises(PortableError, match=r"'A' is declared in b\.py, too"):
+        load_texts({"a": a, "b": a})
+
+
+def test_functions_of_one_name_are_printed_with_their_modules() -> None:
     f = "def f(a: int) -> int:\n    return a\n"
-    with pytest.raises(PortableError, match=r"'f' is declared in a\.py, too"):
-        load_texts({"a": f, "b": f})
+    program = load_texts({"a": f, "b": f + "def g(a: int) -> int:\n    return f(a)\n"})
+    assert sorted(program.functions) == ["a_f", "b_f", "g"]
+    assert reached(program, ["g"]).functions == {"g", "b_f"}
 
 
 def test_constants_are_worked_out() -> None:
     text = "import math\nfrom typing import Final\nA: Final = 2.0\nB: Final = math.sqrt(A) / 2**3\n"
     assert load_texts({"c": text}).constants["B"].value == 2.0**0.5 / 8
+
+
+ORDER = """
+from hybond.export.portable.words import Floats, Ints
+def step(v: Ints) -> int:
+    v[0] += 1
+    return v[0]
+def look(v: Ints) -> int:
+    return v[0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "fine"),
+    [
+        ("n = v[0] + step(v)", False),
+        ("n = step(v) + step(v)", False),
+        ("n = step(v) + 1", True),
+        ("n = look(v) + v[0]", True),
+        ("v[v[0]] = step(v)", False),
+        ("v[n] = step(v)", True),
+        ("v[0] += step(v)", False),
+        ("n = n + 1 if step(v) > 0 and step(v) > 1 else step(v)", True),
+    ],
+)
+def test_the_order_of_evaluation_does_not_matter(line: str, fine: bool) -> None:
+    program = load_texts(
+        {"s": f"{ORDER}def f(v: Ints, n: int) -> int:\n    {line}\n    return n\n"}
+    )
+    if fine:
+        effects_of(program)
+        return
+    with pytest.raises(PortableError, match="a call changes Ints") as caught:
+        effects_of(program)
+    assert caught.value.where == "s.py:9"
+
+
+def test_a_table_of_the_model_is_not_changed() -> None:
+    text = (
+        "from hybond.export.portable.words import Ints, given\n@given\nclass Tables:\n"
+        "    first: Ints\ndef f(m: Tables) -> None:\n    row = m.first\n    row[0] = 1\n"
+    )
+    with pytest.raises(PortableError, match=r"Tables\.first is given by the model, and changed"):
+        effects_of(load_texts({"s": text}))

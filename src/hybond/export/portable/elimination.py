@@ -213,11 +213,7 @@ def add_row(e: Elimination) -> int:
         k = e.met[i]
         if k >= e.unknowns or math.fabs(e.total[k]) < 0.1 * biggest:
             continue
-        if (
-            pivot < 0
-            or e.used[k] < e.used[pivot]
-            or (e.used[k] == e.used[pivot] and k < pivot)
-        ):
+        if pivot < 0 or e.used[k] < e.used[pivot] or (e.used[k] == e.used[pivot] and k < pivot):
             pivot = k
     solve_for(e, pivot)
     return USED

@@ -211,9 +211,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     for k in range(n):
         same = mode.same[k]
         w.base[k] = w.base[same] if same < k else row_times(mode.power, k, w.xi)
-        w.base_size[k] = (
-            w.base_size[same] if same < k else row_size(mode.power, k, w.known_size)
-        )
+        w.base_size[k] = w.base_size[same] if same < k else row_size(mode.power, k, w.known_size)
     for i in range(mode.structures):
         total = 0.0
         size = 0.0

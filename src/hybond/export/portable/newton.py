@@ -127,8 +127,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
             # flat here (a quadratic law at zero flow), yet not satisfied: look aside
             aside += 1
             for j in range(frees):
-                r[j] += math.pow(10.0, -3.0 * float(aside)) * max(scale, 1e-6) * (
-                    1.0 + 0.1 * float(j)
+                r[j] += (
+                    math.pow(10.0, -3.0 * float(aside)) * max(scale, 1e-6) * (1.0 + 0.1 * float(j))
                 )
             update = math.inf
             continue
@@ -286,7 +286,14 @@ def slopes_at(e: Engine, mode: Mode, v: Floats, block: Block) -> None:
             hidden_slopes(e, mode, -1 - d, v, i * n, block.at)
         else:
             put_slopes(
-                e, m.slope_first, d, m.slope_column, m.slope_value, m.slope_constant, v, i * n,
+                e,
+                m.slope_first,
+                d,
+                m.slope_column,
+                m.slope_value,
+                m.slope_constant,
+                v,
+                i * n,
                 block.at,
             )
 
@@ -304,7 +311,14 @@ def frozen_at(e: Engine, mode: Mode, v: Floats, block: Block) -> None:
             hidden_slopes(e, mode, -1 - d, v, i * n, block.at)
         else:
             put_slopes(
-                e, m.frozen_first, d, m.frozen_column, m.frozen_value, m.frozen_constant, v, i * n,
+                e,
+                m.frozen_first,
+                d,
+                m.frozen_column,
+                m.frozen_value,
+                m.frozen_constant,
+                v,
+                i * n,
                 block.at,
             )
 

@@ -231,9 +231,7 @@ def apply(s: Stack, which: int) -> None:
     k = s.top
     if is_impulsive(s, k):
         s.refused = FUNCTION
-    put_plain(
-        s, k, function_of(which, s.finite[k], 0.0), function_of(which, s.before[k], 0.0)
-    )
+    put_plain(s, k, function_of(which, s.finite[k], 0.0), function_of(which, s.before[k], 0.0))
 
 
 def apply_to_two(s: Stack, which: int) -> None:

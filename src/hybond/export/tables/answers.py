@@ -137,9 +137,7 @@ class Answers:
             case Call(function, args):
                 self._call(function, args, s, prior=prior)
 
-    def _decide(
-        self, args: Sequence[Expr], s: pairs.Stack, *, prior: bool, every: bool
-    ) -> None:
+    def _decide(self, args: Sequence[Expr], s: pairs.Stack, *, prior: bool, every: bool) -> None:
         for a in args:
             self._walk(a, s, prior=prior)
             if pairs.pop_truth(s) is not every:

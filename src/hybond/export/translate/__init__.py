@@ -8,9 +8,10 @@ Modules
 -------
 A module has a docstring, imports, constants, records and functions, in this order or mixed.
 Imports are ``from __future__ import annotations``, ``import math``, ``from typing import Final``,
-words from ``portable.words``, and names from other portable modules of the same folder. All
-constants, records and functions of all modules together have different names, none begins with an
-underscore, and none is a word or a library function of C or Java (the checker says which).
+words from ``portable.words``, and names from other portable modules of the same folder. No name
+begins with an underscore. Records of all modules have different names. A constant or function is
+printed with the name of its module before it where another module, or C or Java, has its name; a
+variable or field that is a word there gets an underscore at its end.
 
 A constant is ``NAME: Final = 1e-12``: a number, True or False, a text, or arithmetic of numbers and
 earlier constants; or ``float_table(...)``, ``int_table(...)``, a table that nothing writes to.
@@ -23,10 +24,11 @@ a field of type ``Outside`` exists in Python only.
 
 Types
 -----
-``int`` (32 bits), ``float`` (64 bits), ``bool``, ``Text`` (literals and names of the model, only
-handed on), ``Floats``, ``Ints`` (arrays of fixed length, made by ``floats(n)`` and ``ints(n)``,
-zeros at first; their length is not asked, sizes are passed along), records, ``Records[Kind]`` (an
-array of references made by ``records(Kind, n)``, all None at first) and ``Kind | None``.
+``int`` (32 bits), ``float`` (64 bits), ``bool``, ``Text`` (literals and names of the model, handed
+on, or compared with ``""``), ``Floats``, ``Ints`` (arrays of fixed length, made by ``floats(n)``
+and ``ints(n)``, zeros at first; their length is not asked, sizes are passed along), records,
+``Records[Kind]`` (an array of references made by ``records(Kind, n)``, all None at first) and
+``Kind | None``.
 ``some(x)`` is x, which is not None. An int goes where a float is wanted; nothing else changes by
 itself.
 
@@ -39,7 +41,7 @@ reason in a record.
 A local variable is declared by its first assignment, with or without annotation, and has one type.
 It is not read before it is certainly assigned; in a loop, what an earlier round assigned does not
 count. The variable of a ``for`` belongs to its loop; it is ``_`` where nothing reads it. Every
-parameter and variable is read somewhere.
+variable is read somewhere.
 
 Statements: an expression's value to a name, an element or a field; ``+=`` and its kind; ``if``,
 ``elif``, ``else``; ``while``; ``for i in range(...)`` with a step that is a literal; ``break``,

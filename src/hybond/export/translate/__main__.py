@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from hybond.export.translate import PortableError, load
+from hybond.export.translate.effects import effects_of
 
 
 def main(words: list[str]) -> int:
@@ -16,7 +17,7 @@ def main(words: list[str]) -> int:
     code = 0
     for name in words[1:]:
         try:
-            load([Path(name)])
+            effects_of(load([Path(name)]))
         except (PortableError, OSError, SyntaxError) as error:
             print(f"{name}: {error}")
             code = 2

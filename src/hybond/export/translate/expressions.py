@@ -211,7 +211,7 @@ def _name(node: ast.expr, scope: Scope) -> Expr:
         return Local(name, scope.types[name])
     known = scope.around.constants.get(name)
     if known is not None:
-        return Global(name, known.type)
+        return Global(known.name, known.type)
     raise scope.refuse(node, f"{name!r} is neither a variable nor a constant")
 
 
@@ -289,6 +289,9 @@ def _compare(node: ast.expr, scope: Scope) -> Expr:
             raise scope.refuse(node, "`is` is for None alone")
         return Binary("==" if op == "is" else "!=", left, right, BOOL)
     types = {left.type, right.type}
+    if types == {TEXT} and op in ("==", "!=") and right == Value("", TEXT):
+        empty = Word("empty", (left,), BOOL)
+        return empty if op == "==" else Unary("not", empty, BOOL)
     numbers = types <= {INT, FLOAT}
     if op is None or not (numbers or (types == {BOOL} and op in ("==", "!="))):
         raise scope.refuse(node, f"{left.type} is compared with {right.type}")
@@ -335,7 +338,7 @@ def _named_call(name: str, node: ast.Call, scope: Scope) -> Expr:
     if name in around.functions:
         signature = around.functions[name]
         wanted = tuple(t for _, t in signature.parameters)
-        return Call(name, _arguments(name, wanted, node, scope), signature.result)
+        return Call(signature.name, _arguments(name, wanted, node, scope), signature.result)
     if name in around.records:
         _arguments(name, (), node, scope)
         return Word("record", (), Type("record", name))

@@ -23,7 +23,7 @@ from hybond.export.translate.expressions import (
     Scope,
     Surroundings,
 )
-from hybond.export.translate.reserved import GLOBALS, LOCALS
+from hybond.export.translate.reserved import GLOBALS
 from hybond.export.translate.statements import Body
 from hybond.export.translate.tree import (
     BOOL,
@@ -59,8 +59,8 @@ class Program:
 
     @property
     def constants(self) -> dict[str, Constant]:
-        """All constants by name."""
-        return {k: v for m in self.modules for k, v in m.constants.items()}
+        """All constants by their printed name."""
+        return {v.name: v for m in self.modules for v in m.constants.values()}
 
     @property
     def records(self) -> dict[str, Record]:
@@ -69,8 +69,8 @@ class Program:
 
     @property
     def functions(self) -> dict[str, Function]:
-        """All functions by name."""
-        return {k: v for m in self.modules for k, v in m.functions.items()}
+        """All functions by their printed name."""
+        return {v.name: v for m in self.modules for v in m.functions.values()}
 
 
 def load(paths: Iterable[Path]) -> Program:
@@ -154,16 +154,32 @@ def _in_order(raw: Mapping[str, _Raw]) -> list[_Raw]:
 
 
 def _distinct(modules: Iterable[_Raw]) -> None:
-    """Refuse a name that stands for two things, or that a language needs."""
-    seen: dict[str, str] = {}
+    """Decide what constants and functions are called where all modules stand in one file.
+
+    That is their own name, and with the module's before it where several modules or a language have
+    it. Two records of one name are refused.
+    """
+    homes: dict[str, list[_Raw]] = {}
     for r in modules:
         for name, node in r.declarations.items():
-            if name in GLOBALS or name.startswith("_") or name in WORDS or name in OTHER_WORDS:
+            is_record = isinstance(node, ast.ClassDef)
+            words = GLOBALS if is_record else frozenset()
+            if name.startswith("_") or name in {*WORDS, *OTHER_WORDS, *words}:
                 raise r.refuse(node.lineno, f"nothing can be called {name!r}", "another name")
-            if name in seen:
-                why = f"{name!r} is declared in {seen[name]}, too"
-                raise r.refuse(node.lineno, why, "one name, one thing, in all modules")
-            seen[name] = r.file
+            homes.setdefault(name, []).append(r)
+    for name, found in homes.items():
+        for r in found:
+            shown = name
+            if len(found) > 1 or name in GLOBALS:
+                node = r.declarations[name]
+                if any(isinstance(o.declarations[name], ast.ClassDef) for o in found):
+                    other = next(o for o in found if o is not r)
+                    why = f"{name!r} is declared in {other.file}, too"
+                    raise r.refuse(node.lineno, why, "one name, one record, in all modules")
+                shown = f"{r.name.upper() if name.isupper() else r.name}_{name}"
+                if shown in homes:
+                    raise r.refuse(node.lineno, f"{shown!r} is declared, too", "another name")
+            r.printed[name] = shown
 
 
 @dataclass
@@ -178,6 +194,8 @@ class _Raw:
     words: set[str] = field(default_factory=set)
     seen: dict[str, str] = field(default_factory=dict)
     """What is imported from other portable modules: name to module."""
+    printed: dict[str, str] = field(default_factory=dict)
+    """What is declared here, by the names that it has in one file."""
 
     @classmethod
     def of(cls, name: str, file: str, text: str) -> _Raw:
@@ -296,7 +314,7 @@ class _Raw:
                 case ast.AnnAssign(target=ast.Name(id=name), value=None):
                     note = " ".join(self.comments.between(last + 1, line.lineno - 1))
                     note = self.comments.behind.get(line.lineno, note)
-                    if name in LOCALS or name.startswith("_"):
+                    if name.startswith("_"):
                         raise self.refuse(line.lineno, f"no field can be called {name!r}")
                     if ast.unparse(line.annotation) != "Outside":
                         found = annotated_type(line.annotation, around)
@@ -326,12 +344,22 @@ class _Raw:
         behind = self.comments.behind.get(node.end_lineno or node.lineno, "")
         behind = behind or self._docstring_below(node)
         place = f"{self.file}:{node.lineno}"
-        return Constant(name, found, value, above, behind, place)
+        return Constant(self.printed[name], found, value, above, behind, place)
 
     def _before(self, node: ast.stmt) -> int:
         """Return the last line of what stands before a statement of the module."""
         k = self.tree.body.index(node)
         return (self.tree.body[k - 1].end_lineno or 0) if k else 0
+
+    def _next(self, node: ast.stmt) -> int:
+        """Return the first line of what stands behind a statement of the module."""
+        k = self.tree.body.index(node) + 1
+        if k == len(self.tree.body):
+            return 1 + max([node.end_lineno or 0, *self.comments.own, *self.comments.blank])
+        following = self.tree.body[k]
+        if isinstance(following, ast.ClassDef | ast.FunctionDef):
+            return min([following.lineno, *(d.lineno for d in following.decorator_list)])
+        return following.lineno
 
     def _docstring_below(self, node: ast.stmt) -> str:
         k = self.tree.body.index(node) + 1
@@ -375,12 +403,14 @@ class _Raw:
         for a in given.args:
             if a.annotation is None:
                 raise self.refuse(node.lineno, f"{a.arg!r} has no annotation")
-            if a.arg in LOCALS or a.arg.startswith("_"):
+            if a.arg.startswith("_"):
                 raise self.refuse(node.lineno, f"no parameter can be called {a.arg!r}")
             parameters.append((a.arg, annotated_type(a.annotation, around)))
         if node.returns is None:
             raise self.refuse(node.lineno, f"{node.name} does not say what it returns")
-        signature = Signature(node.name, tuple(parameters), annotated_type(node.returns, around))
+        signature = Signature(
+            self.printed[node.name], tuple(parameters), annotated_type(node.returns, around)
+        )
         first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
         above = self.comments.between(self._before(node) + 1, first - 1)
         body = None if "given" in marks else Block(())
@@ -401,9 +431,8 @@ class _Raw:
 
     def body(self, node: ast.FunctionDef, signature: Signature, around: Surroundings) -> Block:
         types = dict(signature.parameters)
-        scope = Scope(around, types, set(types))
-        end = node.end_lineno or node.lineno
-        reading = Body(scope, signature.result, self.comments, end)
+        scope = Scope(around, dict(types), set(types))
+        reading = Body(scope, signature.result, self.comments)
         reading.last = (node.returns.end_lineno or node.lineno) if node.returns else node.lineno
         statements = node.body
         match statements:
@@ -412,10 +441,10 @@ class _Raw:
                 reading.last = text.end_lineno or text.lineno
         if not statements:
             return Block(())
-        block = reading.block(statements, end)
+        block = reading.block(statements, self._next(node) - 1)
         if reading.alive and signature.result != VOID:
             raise self.refuse(node.lineno, f"{node.name} may end without a result")
-        unread = [n for n in scope.types if n not in scope.read]
+        unread = [n for n in scope.types if n not in scope.read and n not in types]
         if unread:
             raise self.refuse(node.lineno, f"{node.name} never reads {unread[0]!r}")
         return block

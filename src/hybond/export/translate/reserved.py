@@ -1,4 +1,4 @@
-"""Names that portable modules leave to the languages they are printed in."""
+"""Names that belong to the languages that portable modules are printed in."""
 
 from __future__ import annotations
 
@@ -48,6 +48,17 @@ C_LIBRARY = _names(
 """Functions of the headers that the printed C includes, and their neighbours."""
 
 LOCALS = C_WORDS | JAVA_WORDS
-"""What no variable or field may be called."""
+"""What no variable or field is called in print."""
 GLOBALS = LOCALS | TYPES | C_LIBRARY
-"""What no constant, record or function may be called."""
+"""What no constant, record or function is called in print."""
+
+
+def permitted(name: str) -> str:
+    """Return what a variable or field is called in print.
+
+    Examples
+    --------
+    >>> permitted("new"), permitted("old")
+    ('new_', 'old')
+    """
+    return f"{name}_" if name in LOCALS else name

@@ -16,7 +16,6 @@ from hybond.export.translate.expressions import (
     fits,
     of_type,
 )
-from hybond.export.translate.reserved import LOCALS
 from hybond.export.translate.tree import (
     INT,
     NONE,
@@ -75,26 +74,26 @@ class Body:
     result : Type
         What the function returns.
     comments : Comments
-    end : int
-        The last line of the function.
     """
 
     scope: Scope
     result: Type
     comments: Comments
-    end: int
     loops: list[Loop] = field(default_factory=list)
     alive: bool = True
     """Whether the next statement can be reached."""
     last: int = 0
     """The last line that has been read."""
+    limit: int = 0
+    """The last line on which a comment may belong to the statement that is read."""
 
     def block(self, nodes: Sequence[ast.stmt], limit: int) -> Block:
         """Return a block; `limit` is the last line on which a comment may belong to it."""
         read: list[Statement] = []
-        for node in nodes:
+        for k, node in enumerate(nodes):
             if not self.alive:
                 raise self.scope.refuse(node, "this is never reached")
+            self.limit = nodes[k + 1].lineno - 1 if k + 1 < len(nodes) else limit
             read.append(self.statement(node, first=not read))
         column = nodes[0].col_offset
         below = self.comments.between(self.last + 1, limit, column)
@@ -132,7 +131,7 @@ class Body:
         if any(loop.variable == name for loop in self.loops):
             raise scope.refuse(node, f"{name!r} is the variable of a loop around this")
         if name not in scope.types:
-            if name in LOCALS or name.startswith("_"):
+            if name.startswith("_"):
                 raise scope.refuse(node, f"no variable can be called {name!r}")
             if wanted in (NONE, VOID):
                 raise scope.refuse(node, f"{name!r} has no type yet", f"{name}: Kind | None = None")
@@ -206,7 +205,7 @@ def _if(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     branches: list[tuple[Expr, Block]] = []
     others: list[Notes] = []
     ends: list[set[str]] = []
-    end = node.end_lineno or node.lineno
+    end = body.limit
     here: ast.If | None = node
     orelse: Block | None = None
     alive = False
@@ -216,7 +215,7 @@ def _if(body: Body, node: ast.stmt, notes: Notes) -> Statement:
         following = here.orelse
         chained = len(following) == 1 and isinstance(following[0], ast.If)
         is_elif = chained and following[0].col_offset == here.col_offset
-        limit = (_first_line(following[0]) - 1) if following else end
+        limit = following[0].lineno - 1 if following else end
         branches.append((cond, body.block(here.body, limit)))
         if body.alive:
             ends.append(set(scope.assigned))
@@ -242,10 +241,6 @@ def _if(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     return If(tuple(branches), orelse, notes, tuple(others))
 
 
-def _first_line(node: ast.stmt) -> int:
-    return node.lineno
-
-
 def _else_notes(body: Body, first: ast.stmt) -> Notes:
     """Return the notes of an ``else``, whose line the tree does not tell."""
     above = body.comments.between(body.last + 1, first.lineno - 1)
@@ -265,7 +260,7 @@ def _while(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     before = set(scope.assigned)
     loop = Loop()
     body.loops.append(loop)
-    block = body.block(node.body, node.end_lineno or node.lineno)
+    block = body.block(node.body, body.limit)
     body.loops.pop()
     body.alive = not forever or bool(loop.at_breaks)
     scope.assigned = set.intersection(*loop.at_breaks) if forever and loop.at_breaks else before
@@ -285,7 +280,7 @@ def _for(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     if not isinstance(node.target, ast.Name):
         raise scope.refuse(node, "a loop has one variable")
     name = node.target.id
-    if name in LOCALS or (name.startswith("_") and name != "_"):
+    if name.startswith("_") and name != "_":
         raise scope.refuse(node, f"no variable can be called {name!r}")
     if name in scope.types:
         why = f"{name!r} is a variable of the function, too"
@@ -297,7 +292,7 @@ def _for(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     scope.types[name] = INT
     scope.assigned.add(name)
     body.loops.append(Loop(name))
-    block = body.block(node.body, node.end_lineno or node.lineno)
+    block = body.block(node.body, body.limit)
     body.loops.pop()
     del scope.types[name]
     scope.read.discard(name)
