@@ -83,11 +83,11 @@ def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     if forget:
         s.error_before = SMALLEST_ERROR
         limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
-        s.h = first_step(e, limit)
+        s.h = first_step(e, limit, 4.0)
     return OK
 
 
-def first_step(e: Engine, limit: float) -> float:
+def first_step(e: Engine, limit: float, order: float) -> float:
     """Choose the first step, with one evaluation of the field. After control.first_step."""
     s = e.step
     n = e.states
@@ -110,7 +110,7 @@ def first_step(e: Engine, limit: float) -> float:
     h1 = math.inf
     if d2 > 0.0 and d1 < math.inf:
         if d1 > 0.0:
-            h1 = d1 / d2 * math.pow(0.01 / d1 * (d2 / d1), 1.0 / 5.0)
+            h1 = d1 / d2 * math.pow(0.01 / d1 * (d2 / d1), 1.0 / (order + 1.0))
         h1 = max(h1 if d1 > 0.0 else 0.0, math.pow(d2, -0.5))
     return min(100.0 * h0, min(h1, limit))
 

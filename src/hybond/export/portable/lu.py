@@ -4,11 +4,12 @@ Matrices are arrays row after row. Factors stand where the matrix stood.
 """
 
 import math
+from typing import Final
 
 from hybond.export.portable.words import Floats, Ints
 
-REGULAR = 0
-SINGULAR = 1
+REGULAR: Final = 0
+SINGULAR: Final = 1
 
 
 def lu_factor(n: int, a: Floats, row: Ints) -> int:

@@ -19,7 +19,7 @@ def qr_reflect(m: int, n: int, a: Floats, scale: Floats, column: Ints, pivot: bo
         column[j] = j
     for k in range(steps):
         if pivot:
-            _bring_largest(m, n, a, k, column)
+            bring_largest(m, n, a, k, column)
         size = 0.0
         for i in range(k, m):
             size = math.hypot(size, a[i * n + k])
@@ -43,7 +43,7 @@ def qr_reflect(m: int, n: int, a: Floats, scale: Floats, column: Ints, pivot: bo
     return steps
 
 
-def _bring_largest(m: int, n: int, a: Floats, k: int, column: Ints) -> None:
+def bring_largest(m: int, n: int, a: Floats, k: int, column: Ints) -> None:
     """Exchange column k with the one whose part below row k is largest."""
     best = k
     most = -1.0

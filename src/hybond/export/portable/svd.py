@@ -13,12 +13,12 @@ from typing import Final
 
 from hybond.export.portable.words import Floats, floats, record
 
-SWEEPS: Final = 60
-ORTHOGONAL: Final = 1e-15
+SVD_SWEEPS: Final = 60
+RIGHT_ANGLE: Final = 1e-15
 """Cosine of an angle that counts as right."""
-NOTHING: Final = 1e-25
+NO_COLUMN: Final = 1e-25
 """A column below this part of the largest is zero."""
-EPS: Final = 2.220446049250313e-16
+ROUNDING_UNIT: Final = 2.220446049250313e-16
 
 
 @record
@@ -70,11 +70,11 @@ def svd_of_columns(d: Svd, m: int, n: int) -> None:
         d.v[k] = 0.0
     for k in range(n):
         d.v[k * n + k] = 1.0
-    for _ in range(SWEEPS):
-        if _sweep(d, m, n):
+    for _ in range(SVD_SWEEPS):
+        if turn_all_pairs(d, m, n):
             break
     for k in range(n):
-        d.s[k] = math.sqrt(_product(m, d.u, k * m, k * m))
+        d.s[k] = math.sqrt(inner_product(m, d.u, k * m, k * m))
     for k in range(n):
         best = k
         for j in range(k + 1, n):
@@ -84,37 +84,37 @@ def svd_of_columns(d: Svd, m: int, n: int) -> None:
             kept = d.s[k]
             d.s[k] = d.s[best]
             d.s[best] = kept
-            _exchange(m, d.u, k * m, best * m)
-            _exchange(n, d.v, k * n, best * n)
+            exchange_columns(m, d.u, k * m, best * m)
+            exchange_columns(n, d.v, k * n, best * n)
 
 
-def _sweep(d: Svd, m: int, n: int) -> bool:
+def turn_all_pairs(d: Svd, m: int, n: int) -> bool:
     """Turn all pairs of columns once; return whether all were orthogonal."""
     most = 0.0
     for k in range(n):
-        d.length[k] = _product(m, d.u, k * m, k * m)
+        d.length[k] = inner_product(m, d.u, k * m, k * m)
         most = max(most, d.length[k])
     still = True
-    small = NOTHING * NOTHING * most
+    small = NO_COLUMN * NO_COLUMN * most
     for p in range(n - 1):
         for q in range(p + 1, n):
             if d.length[p] <= small or d.length[q] <= small:
                 continue
-            across = _product(m, d.u, p * m, q * m)
-            if math.fabs(across) <= ORTHOGONAL * math.sqrt(d.length[p]) * math.sqrt(d.length[q]):
+            across = inner_product(m, d.u, p * m, q * m)
+            if math.fabs(across) <= RIGHT_ANGLE * math.sqrt(d.length[p]) * math.sqrt(d.length[q]):
                 continue
             still = False
             zeta = (d.length[q] - d.length[p]) / (2.0 * across)
             t = math.copysign(1.0, zeta) / (math.fabs(zeta) + math.hypot(1.0, zeta))
             c = 1.0 / math.hypot(1.0, t)
-            _turn(m, d.u, p * m, q * m, c, c * t)
-            _turn(n, d.v, p * n, q * n, c, c * t)
-            d.length[p] = _product(m, d.u, p * m, p * m)
-            d.length[q] = _product(m, d.u, q * m, q * m)
+            turn_columns(m, d.u, p * m, q * m, c, c * t)
+            turn_columns(n, d.v, p * n, q * n, c, c * t)
+            d.length[p] = inner_product(m, d.u, p * m, p * m)
+            d.length[q] = inner_product(m, d.u, q * m, q * m)
     return still
 
 
-def _product(n: int, a: Floats, p: int, q: int) -> float:
+def inner_product(n: int, a: Floats, p: int, q: int) -> float:
     """Return the inner product of the n numbers from p on and those from q on."""
     total = 0.0
     for k in range(n):
@@ -122,7 +122,7 @@ def _product(n: int, a: Floats, p: int, q: int) -> float:
     return total
 
 
-def _turn(n: int, a: Floats, p: int, q: int, c: float, s: float) -> None:
+def turn_columns(n: int, a: Floats, p: int, q: int, c: float, s: float) -> None:
     """Turn two columns in their plane."""
     for k in range(n):
         x = a[p + k]
@@ -131,7 +131,7 @@ def _turn(n: int, a: Floats, p: int, q: int, c: float, s: float) -> None:
         a[q + k] = s * x + c * y
 
 
-def _exchange(n: int, a: Floats, p: int, q: int) -> None:
+def exchange_columns(n: int, a: Floats, p: int, q: int) -> None:
     """Exchange two columns."""
     for k in range(n):
         kept = a[p + k]
@@ -207,7 +207,7 @@ def least_squares(
     rounding times the larger size. As numpy.linalg.lstsq, rcond being `relative`, or None.
     """
     svd(d, m, n, a)
-    part = relative if relative >= 0.0 else EPS * float(max(m, n))
+    part = relative if relative >= 0.0 else ROUNDING_UNIT * float(max(m, n))
     first = d.s[0] if n > 0 else 0.0
     rank = min(rank_above(d, n, part * first), m)
     smallest_solution(d, m, n, rank, c, b, x)

@@ -40,7 +40,7 @@ def record(kind: type[T]) -> type[T]:
         for name, value in zero.items():
             setattr(self, name, value)
 
-    kind.__init__ = begin  # type: ignore[assignment]
+    kind.__init__ = begin  # type: ignore[method-assign]
     return kind
 
 
