@@ -83,11 +83,11 @@ def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     if forget:
         s.error_before = SMALLEST_ERROR
         limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
-        s.h = first_step(e, limit)
+        s.h = first_step(e, limit, 4.0)
     return OK
 
 
-def first_step(e: Engine, limit: float) -> float:
+def first_step(e: Engine, limit: float, order: float) -> float:
     """Choose the first step, with one evaluation of the field. After control.first_step."""
     s = e.step
     n = e.states
@@ -95,7 +95,7 @@ def first_step(e: Engine, limit: float) -> float:
     d0 = error_norm(n, s.y, s.scale)
     d1 = error_norm(n, s.f, s.scale)
     h0 = 1e-6 * unit
-    if 0.0 < d1 and d1 < math.inf:
+    if d1 > 0.0 and d1 < math.inf:
         h0 = max(0.01 * d0, 10.0) / d1
     h0 = min(h0, 1e-3 * unit) if h0 > 0.0 else 1e-6 * unit
     for k in range(n):
@@ -110,7 +110,7 @@ def first_step(e: Engine, limit: float) -> float:
     h1 = math.inf
     if d2 > 0.0 and d1 < math.inf:
         if d1 > 0.0:
-            h1 = d1 / d2 * math.pow(0.01 / d1 * math.pow(d2 / d1, 4.0), 1.0 / 5.0)
+            h1 = d1 / d2 * math.pow(0.01 / d1 * (d2 / d1), 1.0 / (order + 1.0))
         h1 = max(h1 if d1 > 0.0 else 0.0, math.pow(d2, -0.5))
     return min(100.0 * h0, min(h1, limit))
 

@@ -7,8 +7,10 @@ from typing import Final
 
 from hybond.export.portable.blocks import Block, Places, Rows, make_block, make_places, make_rows
 from hybond.export.portable.elimination import Elimination, make_elimination
+from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
+from hybond.export.portable.radau_room import Radau, make_radau
 from hybond.export.portable.svd import Svd, make_svd
 from hybond.export.portable.words import (
     Floats,
@@ -313,6 +315,10 @@ class Engine:
     """Below it the impulse of a bond variable counts as zero."""
     moved: int
     """What the last entry into a mode did."""
+    laws: Laws
+    open_modes: Records[Mode]
+    """Equations with the laws of junctions left open."""
+    radau: Radau
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -499,6 +505,9 @@ def make_engine(m: Model) -> Engine:
     e.given = ints(m.junctions)
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
+    e.open_modes = records(Mode, OPEN_KEPT)
+    e.laws = make_laws(m)
+    e.radau = make_radau(e.states if m.method == 1 else 0)
     return e
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from hybond.export.portable.engine import Engine, say_fault
+from hybond.export.portable.engine import Engine
+from hybond.export.portable.laws import enter_with_laws
 from hybond.export.portable.trial import try_mode
 from hybond.export.portable.words import Floats, Ints
 
@@ -14,5 +15,5 @@ def enter(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool, st
     chosen, unless an impulse or a violation asks for others. After Trials.enter.
     """
     if e.model.laws > 0:
-        return say_fault(e, "HB-E633", "laws of junctions are not part of the export yet", "")
+        return enter_with_laws(e, t, x, s, state, jump, stay)
     return try_mode(e, t, x, s, state, jump)

@@ -5,7 +5,7 @@ Given ``w = M l + q``, each port takes part in one of these ways:
 ONE_SIDED    ``0 <= l``, ``w + shift >= 0``, one of them zero
 TWO_SIDED    the net variable in ``limit * Sgn(common variable)``: dry friction
 CUT          ``l = 0``: OFF, where `l` is the common variable
-HELD         ``w = 0``, `l` of either sign: OFF, where `w` is the common variable
+SHUT         ``w = 0``, `l` of either sign: OFF, where `w` is the common variable
 FORWARD      friction that surely slides forward: ``net = limit``; `l` is the net variable
 BACKWARD     the same, backward
 
@@ -26,7 +26,7 @@ from hybond.export.portable.words import Floats, Ints, floats, ints, record
 ONE_SIDED: Final = 0
 TWO_SIDED: Final = 1
 CUT: Final = 2
-HELD: Final = 3
+SHUT: Final = 3
 FORWARD: Final = 4
 BACKWARD: Final = 5
 
@@ -157,7 +157,7 @@ def solve_laws(p: LawProblem, start: Ints) -> bool:
         p.l[k] = 0.0
         p.branch[k] = 0
         p.open[k] = 0
-        if p.role[k] == HELD:
+        if p.role[k] == SHUT:
             holds_any = True
         if p.role[k] == TWO_SIDED or p.role[k] >= FORWARD:
             rubs = True
@@ -340,7 +340,7 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
     many = 0
     free = 0
     for k in range(n):
-        if p.role[k] == HELD:
+        if p.role[k] == SHUT:
             p.held[many] = k
             many += 1
         else:
@@ -453,7 +453,7 @@ def solve_with_friction(p: LawProblem, moved: Floats, start: Ints) -> bool:
         if role == CUT:
             x.whole[at + k] = 1.0
             row += 1
-        elif role == HELD:
+        elif role == SHUT:
             for j in range(n):
                 x.whole[at + j] = p.m[k * n + j]
             x.right[row] = -p.q[k]

@@ -16,7 +16,7 @@ from hybond.export.portable.lu import REGULAR, SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.scaling import balance_sides
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
-NOISE: Final = 1e-14
+NO_COEFFICIENT: Final = 1e-14
 """What elimination leaves of a zero, coefficients being scaled to about one."""
 FAR: Final = 1e4
 """Scaled entries beyond it say that the guessed choice is too near a singular one to reduce by."""
@@ -119,7 +119,7 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
         for j in range(n):
             inner = -x.reduced[i * (n + 1) + 1 + j]
             # else a pair that nothing couples gets a unit from rounding
-            x.inner[i * n + j] = 0.0 if math.fabs(inner) < NOISE else inner
+            x.inner[i * n + j] = 0.0 if math.fabs(inner) < NO_COEFFICIENT else inner
         x.constant[i] = x.reduced[i * (n + 1)]
         x.begin[i] = start[i] ^ x.is_a[i] if guessed else 0
     status = lemke(x.lcp, n, x.inner, x.constant, x.begin)

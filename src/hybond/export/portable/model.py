@@ -225,6 +225,47 @@ class Model:
     """Of each: where what it reads so stands in `prior_slot`; then the next one's."""
     prior_slot: Ints
 
+    # laws of junctions: a port for each junction whose law is left open
+    ports: int
+    port_machine: Ints
+    port_node: Ints
+    port_junction: Ints
+    port_domain: Ints
+    port_two_sided: Ints
+    """Whether the common variable may have either sign: dry friction."""
+    port_planar: Ints
+    """Whether it is one of two that share a disk."""
+    port_impulsive: Ints
+    law_rebounds: Ints
+    """Of each machine: whether it is a law with restitution."""
+    port_limit: Ints
+    """Options of laws: an expression, -1 if it is constant, -2 if there is none."""
+    port_limit_constant: Floats
+    port_breakaway: Ints
+    port_breakaway_constant: Floats
+    port_gap: Ints
+    port_gap_constant: Floats
+    port_gap_pair: Ints
+    """The gap among the pairs; -1 if it is constant."""
+    port_gate: Ints
+    port_gate_constant: Floats
+    port_restitution: Ints
+    port_restitution_constant: Floats
+    port_stiffness: Ints
+    port_stiffness_constant: Floats
+    pair_first: Ints
+    """Rows ``2 k`` and ``2 k + 1``: common and net variable of port k, by bond variables."""
+    pair_column: Ints
+    pair_value: Floats
+    limit_first: Ints
+    """The same rows: slopes by bond variables of limit and breakaway of port k."""
+    limit_column: Ints
+    limit_slope: Ints
+    limit_slope_constant: Floats
+    orient: Ints
+    """Whether the net variable of each port is given, for all states of the other machines, the
+    last of which runs fastest."""
+
     # what is printed
     outputs: int
     output_value: Ints

@@ -21,6 +21,7 @@ from hybond.export.portable.instant import (
 )
 from hybond.export.portable.interval import interval_after, is_timed
 from hybond.export.portable.jump import is_constrained, on_constraints
+from hybond.export.portable.laws import observe
 from hybond.export.portable.locate import Locator, locate, make_locator, watch
 from hybond.export.portable.report import (
     Report,
@@ -32,9 +33,11 @@ from hybond.export.portable.report import (
 from hybond.export.portable.scale import start_scale
 from hybond.export.portable.settle import Settling, make_settling, settle
 from hybond.export.portable.stepping import between, retry, start, step
-from hybond.export.portable.values import begin_field, evaluate
+from hybond.export.portable.values import begin_field, evaluate, set_state
 from hybond.export.portable.words import Floats, floats, record
 
+VAIN: Final = 3
+"""Instants in a row without any change after which rounding is swept out of what is stored."""
 IDLE: Final = 100
 """Instants in a row without any change that end a run."""
 MOMENT: Final = 1e-13
@@ -104,6 +107,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, e.t, cause)
     if cause != START:
         keep_left(e, r.report)
+    e.laws.sweep = r.idle >= VAIN
     if settle(e, r.settling, i) != OK:
         return REFUSED
     if i.steps > 0:
@@ -192,6 +196,7 @@ def land(e: Engine, g: Locator) -> int:
 
 def note(e: Engine, r: Run, t: float) -> int:
     """Note a step that ends at `t`, and put the state back on its constraints."""
+    m = e.model
     for k in range(e.states):
         e.y[k] = e.step.y1[k]
     if t != e.step.t1:
@@ -201,6 +206,9 @@ def note(e: Engine, r: Run, t: float) -> int:
             return REFUSED
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
+    if m.laws > 0:
+        set_state(e, e.mode, e.shown, t, e.y)
+        observe(e, e.shown)
     e.t = t
     report_step(e, r.report)
     return OK

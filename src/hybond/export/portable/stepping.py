@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.export.portable.dopri import dopri_retry, dopri_start, dopri_step
 from hybond.export.portable.engine import Engine
+from hybond.export.portable.radau import radau_between
+from hybond.export.portable.radau_method import radau_retry, radau_start, radau_step
 from hybond.export.portable.words import Floats
+
+RADAU: Final = 1
 
 
 def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
+    if e.model.method == RADAU:
+        return radau_start(e, t, y, t_bound, jumped)
     return dopri_start(e, t, y, t_bound, jumped)
 
 
 def step(e: Engine, t_end: float) -> int:
     """Make one step that satisfies the tolerance, not beyond `t_end`."""
     e.refusal = False
+    if e.model.method == RADAU:
+        return radau_step(e, t_end)
     return dopri_step(e, t_end)
 
 
 def retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     e.refusal = False
+    if e.model.method == RADAU:
+        return radau_retry(e, t_end)
     return dopri_retry(e, t_end)
 
 
@@ -31,6 +43,9 @@ def between(e: Engine, t: float, y: Floats) -> None:
     """
     s = e.step
     n = e.states
+    if e.model.method == RADAU:
+        radau_between(e.radau, t, y)
+        return
     if t == s.t0 or t == s.t1:
         for k in range(n):
             y[k] = s.y0[k] if t == s.t0 else s.y1[k]

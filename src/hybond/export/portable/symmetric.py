@@ -9,7 +9,7 @@ from typing import Final
 from hybond.export.portable.words import Floats
 
 EIGEN_ROUNDS: Final = 60
-NO_ENTRY: Final = 1e-17
+BESIDE_ZERO: Final = 1e-17
 """An entry beside the diagonal below this part of the whole is zero."""
 
 
@@ -26,7 +26,7 @@ def eigenvalues(n: int, a: Floats, values: Floats, vectors: Floats) -> None:
     for k in range(n * n):
         whole = math.hypot(whole, a[k])
     for _ in range(EIGEN_ROUNDS):
-        if clear_all_entries(n, a, vectors, NO_ENTRY * whole):
+        if clear_all_entries(n, a, vectors, BESIDE_ZERO * whole):
             break
     for k in range(n):
         values[k] = a[k * n + k]

@@ -13,6 +13,7 @@ from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.export.tables.expressions import Expressions
+from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import options_of
 from hybond.model.expressions import (
     Binary,
@@ -98,6 +99,7 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _storages(t)
     _signals(t)
     _priors(t)
+    put_laws(t)
     _outputs(t, options.outputs)
     return t
 
