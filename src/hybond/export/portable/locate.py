@@ -14,6 +14,7 @@ from typing import Final
 
 from hybond.export.portable.dopri import spacing
 from hybond.export.portable.engine import OK, REFUSED, Engine, Mode, say_fault
+from hybond.export.portable.landing_records import in_force
 from hybond.export.portable.model import rule_text, value
 from hybond.export.portable.newton import sizes_of, solve
 from hybond.export.portable.paired import holds
@@ -25,9 +26,7 @@ from hybond.export.portable.values import set_state
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
-FRACTION: Final = float_table(
-    0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0
-)
+FRACTION: Final = float_table(0.0, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837, 1.0)
 """Where in a step guards are sampled: unevenly, so that no periodic signal looks constant."""
 TERMS: Final = 6
 GRID: Final = 65
@@ -173,6 +172,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[r] != state[k] or m.rule_watched[r] == 0:
+                continue
+            if not in_force(m, e.landings, k, r):
                 continue
             g.rule[g.guards] = r
             g.atom_first[g.guards] = g.atoms
@@ -556,9 +557,7 @@ def grid_time(g: Locator, k: int) -> float:
     return g.t[0] + (g.t[SAMPLES - 1] - g.t[0]) * (float(k) / float(GRID - 1))
 
 
-def dips(
-    e: Engine, g: Locator, a: int, sign: float, near: float, end: float
-) -> None:
+def dips(e: Engine, g: Locator, a: int, sign: float, near: float, end: float) -> None:
     """Add minima of ``sign * comparison`` near zero, between samples where it is positive."""
     last = GRID - 1
     d = g.d
@@ -595,9 +594,7 @@ def dips(
             dip(e, g, a, min(edge, away), max(edge, away), sign, end)
 
 
-def dip(
-    e: Engine, g: Locator, a: int, first: int, stop: int, sign: float, end: float
-) -> None:
+def dip(e: Engine, g: Locator, a: int, first: int, stop: int, sign: float, end: float) -> None:
     """Add the instant between two points of the grid where ``sign * comparison`` is least.
 
     Golden section; it ends where zero is reached.

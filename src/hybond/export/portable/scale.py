@@ -100,6 +100,8 @@ def error_norm(n: int, error: Floats, scale: Floats) -> float:
             continue
         share = error[k] / scale[k]
         total += share * share
-    return math.sqrt(total / float(many)) if many > 0 and total >= 0.0 else (
-        0.0 if many == 0 else math.nan
+    return (
+        math.sqrt(total / float(many))
+        if many > 0 and total >= 0.0
+        else (0.0 if many == 0 else math.nan)
     )
