@@ -324,7 +324,7 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:
     """Whether a column is one that is replaced."""
     k = column - shift
-    return 0 <= k and k < known.unknowns and told[k] != 0
+    return k >= 0 and k < known.unknowns and told[k] != 0
 
 
 def is_free(e: Elimination, k: int) -> bool:

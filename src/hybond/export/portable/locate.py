@@ -586,7 +586,7 @@ def dips(e: Engine, g: Locator, a: int, sign: float, near: float, end: float) ->
         edge = 0 if side == 0 else last
         away = AROUND if side == 0 else last - AROUND
         at = d[0] if side == 0 else d[SAMPLES - 1]
-        if not (0.0 < at and at <= near and fine[edge] <= fine[away]):
+        if not (at > 0.0 and at <= near and fine[edge] <= fine[away]):
             continue
         begin = grid_time(g, edge)
         there = grid_time(g, away)
