@@ -135,7 +135,8 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
     total = 0.0
     if points > 0:
         for i in range(points):
-            total += m.point_weight[first + i] * power_at(e, g, x, m.point_at[first + i])
+            power = power_at(e, g, x, m.point_at[first + i])
+            total += m.point_weight[first + i] * power
         return total
     # halves until each piece is as good as it can be, from the left
     low = 0.0

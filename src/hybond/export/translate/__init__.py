@@ -40,7 +40,8 @@ reason in a record.
 
 A local variable is declared by its first assignment, with or without annotation, and has one type.
 It is not read before it is certainly assigned; in a loop, what an earlier round assigned does not
-count. The variable of a ``for`` belongs to its loop; it is ``_`` where nothing reads it. Every
+count. The variable of a ``for`` belongs to its loop, and no
+variable that has a value there has its name; it is ``_`` where nothing reads it. Every
 variable is read somewhere.
 
 Statements: an expression's value to a name, an element or a field; ``+=`` and its kind; ``if``,

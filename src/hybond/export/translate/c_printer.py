@@ -48,7 +48,8 @@ class CPrinter(Braces):
     """
 
     def __init__(self, program: Program, roots: Iterable[str]) -> None:
-        super().__init__(effects_of(program))
+        roots = tuple(roots)
+        super().__init__(effects_of(program, roots))
         self.program = program
         self.reached: Reached = reached(program, roots)
         self.given: Mapping[str, list[str]] = {}

@@ -69,8 +69,14 @@ class Effects:
         return found
 
 
-def effects_of(program: Program) -> Effects:
+def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
     """Return what the functions of a program change.
+
+    Parameters
+    ----------
+    program : Program
+    roots : iterable of str
+        Functions that are called from outside, where their results may be changed.
 
     Raises
     ------
@@ -79,6 +85,7 @@ def effects_of(program: Program) -> Effects:
     """
     found = Effects()
     functions = program.functions
+    found.written.update(("result", name, "") for name in roots)
     _close_changes(found, program)
     _close_written(found, program)
     for record in program.records.values():

@@ -390,9 +390,9 @@ def _builtin(name: str, node: ast.Call, scope: Scope) -> Expr:
         raise scope.refuse(node, f"{name} of {shown}", "two of one type: float(i)")
     match name:
         case "float":
-            return Word("float", args, FLOAT)
+            return args[0] if args[0].type == FLOAT else Word("float", args, FLOAT)
         case "int":
-            return Word("int", args, INT)
+            return args[0] if args[0].type == INT else Word("int", args, INT)
     return Word(name, args, args[0].type)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
 from hybond.export.translate.c_printer import decimal, helper_of
@@ -17,6 +17,7 @@ from hybond.export.translate.tree import (
     Binary,
     Constant,
     Function,
+    Member,
     Module,
     Record,
     Type,
@@ -60,9 +61,12 @@ class JavaPrinter(Braces):
     member = "."
 
     def __init__(self, program: Program, roots: Iterable[str]) -> None:
-        super().__init__(effects_of(program))
+        roots = tuple(roots)
+        super().__init__(effects_of(program, roots))
         self.program = program
         self.reached: Reached = reached(program, roots)
+        self.given: Mapping[str, list[str]] = {}
+        """The text of given functions, which stands where they are declared."""
 
     def type_name(self, t: Type) -> str:
         """Return a type."""
@@ -138,6 +142,8 @@ class JavaPrinter(Braces):
             f = module.functions.get(name)
             if f is not None and f.name in self.reached.functions and f.body is not None:
                 lines += ["", *self.definition(f)]
+            elif f is not None and self.given.get(name):
+                lines += ["", *self.given[name]]
         return [ascii_only(line) for line in lines]
 
     def constant(self, c: Constant) -> list[str]:
@@ -165,7 +171,7 @@ class JavaPrinter(Braces):
         """Return a record as a class."""
         lines = block_comment(prose(record.doc), opener="/**") if record.doc else []
         lines.append(f"private static final class {record.name} {{")
-        for m in record.members:
+        for m in self.members(record):
             entry = f"    {self.declarator(m.name, m.type)};"
             note = f" // {plain(m.note)}" if m.note else ""
             if len(entry) + len(note) > 95:
@@ -173,6 +179,11 @@ class JavaPrinter(Braces):
                 note = ""
             lines.append(entry + note)
         return [*lines, "}"]
+
+    def members(self, record: Record) -> list[Member]:
+        """Return the fields that are printed: of a given record those that are read."""
+        read = self.reached.fields
+        return [m for m in record.members if not record.given or (record.name, m.name) in read]
 
     def definition(self, f: Function) -> list[str]:
         """Return a method."""

@@ -100,6 +100,7 @@ private static void put_line() {
 }
 
 IMPORTS = [
+    "java.io.BufferedOutputStream",
     "java.io.PrintStream",
     "java.math.BigDecimal",
     "java.math.MathContext",

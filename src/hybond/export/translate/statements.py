@@ -282,20 +282,24 @@ def _for(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     name = node.target.id
     if name.startswith("_") and name != "_":
         raise scope.refuse(node, f"no variable can be called {name!r}")
-    if name in scope.types:
+    if name in scope.assigned:
         why = f"{name!r} is a variable of the function, too"
         raise scope.refuse(node, why, "the variable of a loop belongs to it alone")
     bounds = [of_type(a, INT, scope) for a in call.args[:2]]
     start, stop = (Value(0, INT), bounds[0]) if len(bounds) == 1 else bounds
     step = _step(call.args[2], scope) if len(call.args) == 3 else 1
     before = set(scope.assigned)
+    other, read = scope.types.get(name), name in scope.read
     scope.types[name] = INT
     scope.assigned.add(name)
     body.loops.append(Loop(name))
     block = body.block(node.body, body.limit)
     body.loops.pop()
     del scope.types[name]
-    scope.read.discard(name)
+    if other is not None:  # a variable of blocks before
+        scope.types[name] = other
+    if not read:
+        scope.read.discard(name)
     scope.assigned = before
     body.alive = True
     return For(name, start, stop, step, block, notes)
