@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hybond.export.portable.engine import Engine
-from hybond.export.portable.motion import REFUSED, Run, make_run, run_to_end
+from hybond.export.portable.engine import REFUSED, Engine
+from hybond.export.portable.motion import Run, make_run, run_to_end
 from hybond.export.portable.report import Report, put_fault, put_final, put_header
 
 
