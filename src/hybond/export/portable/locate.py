@@ -1,10 +1,10 @@
 """Locating guards inside a step, on its dense output.
 
-A guard is a level: none that leaves the current state is true when a step begins. Within a step its
-comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the guard
-itself is asked, so that an even number of crossings or a touch is not lost. The instant found is the
-first at which the guard holds, on the comparison that made it true (Illinois method), confirmed by
-the test that settling applies. After modes/locate.py.
+A guard is a level: none that leaves the current state is true when a step begins. Within a step
+its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
+guard itself is asked, so that an even number of crossings or a touch is not lost. The instant found
+is the first at which the guard holds, on the comparison that made it true (Illinois method),
+confirmed by the test that settling applies. After modes/locate.py.
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ def locate(e: Engine, g: Locator) -> int:
         g.t[SAMPLES - 1] = high
         sample(e, g)
         find_shape(g)
-        if g.failed:
+        if has_failed(g):
             return REFUSED
         if depth < DEEPEST and not is_resolved(e, g):
             middle = 0.5 * (low + high)
@@ -218,11 +218,16 @@ def locate(e: Engine, g: Locator) -> int:
             left += 2
             continue
         first_of_block(e, g)
-        if g.failed:
+        if has_failed(g):
             return REFUSED
         if g.at < math.inf:
             return OK
     return OK
+
+
+def has_failed(g: Locator) -> bool:
+    """Whether a guard or a law had no value."""
+    return g.failed
 
 
 def first_of_block(e: Engine, g: Locator) -> None:

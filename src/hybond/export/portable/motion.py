@@ -160,7 +160,10 @@ def rest_now(e: Engine, r: Run) -> int:
 
 
 def flow(e: Engine, r: Run) -> int:
-    """Let time pass in the mode; return why it ended, -1 if the run stops. After Executive._flow."""
+    """Let time pass in the mode; return why it ended, -1 if the run stops.
+
+    After Executive._flow.
+    """
     m = e.model
     g = r.locator
     if mode_of(e, e.state) != OK:
@@ -219,10 +222,9 @@ def land(e: Engine, g: Locator) -> int:
             return REFUSED
         if g.at < math.inf:
             return OK
-    if e.step.t1 != longest:
-        # the instant was not found again: the step as it was
-        if retry(e, longest) != OK:
-            return REFUSED
+    # the instant was not found again: the step as it was
+    if e.step.t1 != longest and retry(e, longest) != OK:
+        return REFUSED
     g.at = at
     return OK
 

@@ -7,7 +7,7 @@ from itertools import product
 from typing import Any
 
 from hybond.equations.calculus import gradient, partial_time, reads_bonds
-from hybond.equations.element_parts import Dynamic, Part, Parts
+from hybond.equations.element_parts import Dynamic, Part, Parts, Source
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
@@ -326,8 +326,9 @@ def levels_of(g: FlatGraph, k: int) -> list[float]:
 
 def _parts(t: ModelTables, found: list[Part]) -> None:
     dynamics: list[Dynamic] = []
-    sources = []
-    power, laws, dynamic, source, rows = [], [], [], [], []
+    sources: list[Source] = []
+    rows: list[list[tuple[int, float]]] = []
+    power, laws, dynamic, source = [], [], [], []
     for part in found:
         power.append(len(rows))
         rows += [sorted(r.items()) for r in part.power]
