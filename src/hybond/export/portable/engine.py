@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.export.portable.blocks import Block, Places, Rows, make_block, make_places, make_rows
 from hybond.export.portable.elimination import Elimination, make_elimination
+from hybond.export.portable.landing_records import Landings, make_landings
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
@@ -319,6 +320,7 @@ class Engine:
     open_modes: Records[Mode]
     """Equations with the laws of junctions left open."""
     radau: Radau
+    landings: Landings
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -507,6 +509,7 @@ def make_engine(m: Model) -> Engine:
     e.next_break = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
     e.laws = make_laws(m)
+    e.landings = make_landings(m)
     e.radau = make_radau(e.states if m.method == 1 else 0)
     return e
 

@@ -246,9 +246,8 @@ def is_hidden_affine(m: Model, mode: Mode, c: int) -> bool:
     """
     for i in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
         k = mode.constraints.column.at[i] - m.storages
-        if k >= 0 and mode.source[k] >= 0:
-            if m.source_curved[mode.source[k]] != 0:
-                return False
+        if k >= 0 and mode.source[k] >= 0 and m.source_curved[mode.source[k]] != 0:
+            return False
     return True
 
 

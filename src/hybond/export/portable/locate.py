@@ -1,10 +1,10 @@
 """Locating guards inside a step, on its dense output.
 
-A guard is a level: none that leaves the current state is true when a step begins. Within a step its
-comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the guard
-itself is asked, so that an even number of crossings or a touch is not lost. The instant found is the
-first at which the guard holds, on the comparison that made it true (Illinois method), confirmed by
-the test that settling applies. After modes/locate.py.
+A guard is a level: none that leaves the current state is true when a step begins. Within a step
+its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
+guard itself is asked, so that an even number of crossings or a touch is not lost. The instant found
+is the first at which the guard holds, on the comparison that made it true (Illinois method),
+confirmed by the test that settling applies. After modes/locate.py.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Final
 
 from hybond.export.portable.dopri import spacing
 from hybond.export.portable.engine import OK, REFUSED, Engine, Mode, say_fault
+from hybond.export.portable.landing_records import in_force
 from hybond.export.portable.model import rule_text, value
 from hybond.export.portable.newton import sizes_of, solve
 from hybond.export.portable.paired import holds
@@ -172,6 +173,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[r] != state[k] or m.rule_watched[r] == 0:
                 continue
+            if not in_force(m, e.landings, k, r):
+                continue
             g.rule[g.guards] = r
             g.atom_first[g.guards] = g.atoms
             for a in range(m.atom_first[r], m.atom_first[r + 1]):
@@ -202,7 +205,7 @@ def locate(e: Engine, g: Locator) -> int:
         g.t[SAMPLES - 1] = high
         sample(e, g)
         find_shape(g)
-        if g.failed:
+        if has_failed(g):
             return REFUSED
         if depth < DEEPEST and not is_resolved(e, g):
             middle = 0.5 * (low + high)
@@ -215,11 +218,16 @@ def locate(e: Engine, g: Locator) -> int:
             left += 2
             continue
         first_of_block(e, g)
-        if g.failed:
+        if has_failed(g):
             return REFUSED
         if g.at < math.inf:
             return OK
     return OK
+
+
+def has_failed(g: Locator) -> bool:
+    """Whether a guard or a law had no value."""
+    return g.failed
 
 
 def first_of_block(e: Engine, g: Locator) -> None:

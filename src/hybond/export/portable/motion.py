@@ -21,6 +21,13 @@ from hybond.export.portable.instant import (
 )
 from hybond.export.portable.interval import interval_after, is_timed
 from hybond.export.portable.jump import is_constrained, on_constraints
+from hybond.export.portable.landing import (
+    before_event,
+    keep_still,
+    land_contacts,
+    observe_event,
+    stuck,
+)
 from hybond.export.portable.laws import observe
 from hybond.export.portable.locate import Locator, locate, make_locator, watch
 from hybond.export.portable.report import (
@@ -91,11 +98,17 @@ def run_to_end(e: Engine, r: Run) -> int:
     begin(e)
     interval_after(e, 0.0)
     status = settle_now(e, r, START)
+    if status == OK:
+        status = rest_now(e, r)
     while status == OK and e.t < e.until:
         cause = flow(e, r)
         if cause < 0:
             return REFUSED
         status = settle_now(e, r, cause)
+        if status == OK:
+            status = rest_now(e, r)
+        if status == OK and stuck(e):
+            status = ACCUMULATES
     if status != REFUSED:
         report_end(e, r.report)
     return status
@@ -108,10 +121,12 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if cause != START:
         keep_left(e, r.report)
     e.laws.sweep = r.idle >= VAIN
+    before_event(e)
     if settle(e, r.settling, i) != OK:
         return REFUSED
     if i.steps > 0:
         r.events += 1
+        observe_event(e, i)
         report_event(e, r.report, i)
     if i.steps > 0 or cause != GUARD:
         r.idle = 0
@@ -126,8 +141,29 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     return OK
 
 
+def rest_now(e: Engine, r: Run) -> int:
+    """Land what was hit and does not rebound: time goes on from the limit of its impacts.
+
+    After Executive._rest.
+    """
+    landed = 1
+    while landed > 0:
+        if e.landings.touches == 0:
+            return OK
+        landed = land_contacts(e, r.settling, r.instant)
+        if landed < 0:
+            return REFUSED
+        if landed > 0:
+            r.events += 1
+            report_event(e, r.report, r.instant)
+    return OK
+
+
 def flow(e: Engine, r: Run) -> int:
-    """Let time pass in the mode; return why it ended, -1 if the run stops. After Executive._flow."""
+    """Let time pass in the mode; return why it ended, -1 if the run stops.
+
+    After Executive._flow.
+    """
     m = e.model
     g = r.locator
     if mode_of(e, e.state) != OK:
@@ -186,10 +222,9 @@ def land(e: Engine, g: Locator) -> int:
             return REFUSED
         if g.at < math.inf:
             return OK
-    if e.step.t1 != longest:
-        # the instant was not found again: the step as it was
-        if retry(e, longest) != OK:
-            return REFUSED
+    # the instant was not found again: the step as it was
+    if e.step.t1 != longest and retry(e, longest) != OK:
+        return REFUSED
     g.at = at
     return OK
 
@@ -206,6 +241,7 @@ def note(e: Engine, r: Run, t: float) -> int:
             return REFUSED
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
+    keep_still(e, e.y)
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)

@@ -24,6 +24,7 @@ from hybond.export.portable.instant import (
     note_step,
 )
 from hybond.export.portable.interval import interval_after
+from hybond.export.portable.landing_records import in_force
 from hybond.export.portable.model import machine_name, rule_text, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.trial import a_priori, refuse_pair, show_trial
@@ -227,7 +228,7 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             continue
         chosen = False
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[r] != e.trial.state[k]:
+            if m.rule_source[r] != e.trial.state[k] or not in_force(m, e.landings, k, r):
                 continue
             if e.trial.loose > 0 and is_indeterminate(e, r):
                 why = "a guard reads what the equations leave open"
