@@ -227,6 +227,8 @@ class CPrinter(Braces):
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
+        if not self.members(record):
+            lines.append("    int nothing;")
         for m in self.members(record):
             entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
             note = f" // {plain(m.note)}" if m.note else ""
