@@ -98,10 +98,11 @@ _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "export": "hybond.export",
     "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; `causality` and `draw` can be called."""
+"""Rooms that are public as such; `causality`, `draw` and `export` can be called."""
 
 __all__ = [
     "C",
@@ -145,6 +146,7 @@ __all__ = [
     "draw_modes",
     "dumps",
     "ensemble",
+    "export",
     "junction_matrix",
     "library",
     "load",
