@@ -20,6 +20,7 @@ from hybond.model.expressions import (
     Or,
     Pre,
     Table,
+    posterior_names,
     simplify,
     to_text,
 )
@@ -262,8 +263,6 @@ class Pairs:
         return finite, (None if i2 is None else f"({left})*({i2})")
 
     def _reads_impulse(self, e: Expr) -> bool:
-        from hybond.model.expressions import posterior_names
-
         return any(self.impulse(n) is not None for n in posterior_names(e))
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import product
 from typing import Any
 
 from hybond.equations.parameters import parameter_values
+from hybond.equations.symbolic.rational import Rational
 from hybond.equations.symbolic.show import to_expr
 from hybond.errors import HybondError, ModelError
 from hybond.export.modelica.expressions import Pairs, inner, modelica, number
@@ -31,6 +33,7 @@ from hybond.model.expressions import (
     parse,
     simplify,
     substitute,
+    transform,
     uses_pre,
 )
 from hybond.model.graph import FlatGraph, Mode
@@ -44,6 +47,10 @@ SLACK = 1e-8
 """Part of the terms of a value below which a law takes it for zero. A mode that ties stored
 quantities together does so to the tolerance of the integration."""
 TOLERANCE = 1e-10
+NEAR = 1e-7
+"""Part of the experiment within which impacts are close to each other."""
+BURST = 40
+"""Impacts close to each other that are taken for an accumulation."""
 IMPULSE = 1e-7
 """Part of what a storage would hold of all energy, below which an impulse is rounding: the state
 at an event is known to the tolerance of its location."""
@@ -59,6 +66,7 @@ class ModelText:
     def __init__(self, model: Model) -> None:
         self.model = model
         self.graph: FlatGraph = model.flatten()
+        _refuse(self.graph)
         self.ids = Identifiers()
         self.form = Form(self.graph)
         seen = without_impulses(self.graph)
@@ -218,7 +226,7 @@ class ModelText:
 
     def _expr(self, form: Form, row: dict[int, Any]) -> Expr:
         """Return a solved row as an expression in canonical names."""
-        eq, total = form.eq, None
+        eq, terms = form.eq, []
         laws: dict[str, Expr] = {}
         for k, c in row.items():
             factor = c
@@ -230,15 +238,8 @@ class ModelText:
                     laws[atom] = self._law(form, k, kind)
             term = to_expr(factor, meaning=form.ring.meaning, order=_order)
             term = substitute(term, laws)
-            if term == Number(0.0):
-                continue
-            if total is None:
-                total = term
-            elif isinstance(term, Neg):
-                total = Binary("-", total, term.arg)
-            else:
-                total = Binary("+", total, term)
-        return Number(0.0) if total is None else _tidy(total)
+            terms.append(term)
+        return _total(terms)
 
     def _law(self, form: Form, k: int, kind: str) -> Expr:
         """Return a source or law as an expression; a long one gets a variable."""
@@ -355,8 +356,6 @@ class ModelText:
                     yield row, mode
 
     def _modes(self, machines: Any) -> Iterator[Mode]:
-        from itertools import product
-
         start = list(self.graph.start_mode)
         for states in product(*(range(len(self.graph.machines[m].states)) for m in machines)):
             for m, k in zip(machines, states, strict=True):
@@ -389,7 +388,6 @@ class ModelText:
 
     def text(self) -> str:
         """Return the model."""
-        self._refuse()
         states = list(self._states())
         rates = [*self._rates(), *self._integrals()]
         self._outputs()
@@ -408,17 +406,6 @@ class ModelText:
             lines.append(f"  annotation(experiment({about}));")
         lines.append(f"end {self.name};")
         return "\n".join(lines) + "\n"
-
-    def _refuse(self) -> None:
-        for machine in self.graph.machines:
-            law = machine.law
-            if law is not None and (law.planar or law.second is not None):
-                raise _cannot("friction in two directions", machine.path, "export C or an FMU")
-            if law is not None and law.impulsive and self.jumping:
-                raise _cannot("friction that carries impulses", machine.path, "export C or an FMU")
-        for node in self.graph.nodes:
-            if node.impulsive and self.jumping:
-                raise _cannot("a resistor that carries impulses", node.path, "export C or an FMU")
 
     def _parameters(self) -> Iterator[str]:
         known = {**self.values, **{f"p:{p}": v for p, v in self.graph.parameters.items()}}
@@ -638,7 +625,15 @@ class ModelText:
             plain = unbracketed(text or "0")
             yield f"{jump} = {f'if {written} then 0 else {text}' if written else plain};"
             yield f"{new} = {x} + {jump};"
+        impacts = any(any(m.fieldless) for m in self.graph.machines)
+        if impacts:
+            yield from self._accumulation()
         yield f"when {calm} == {self.settled} then"
+        if impacts:
+            last, burst = self.ids.of("last", "last_write"), self.ids.of("burst", "writes_in_burst")
+            near = f"time - pre({last}) < {self._near()}"
+            yield f"  {burst} = if {near} then pre({burst}) + 1 else 0;"
+            yield f"  {last} = time;"
         for k in sorted(self.jumping):
             yield f"  reinit({self.ids.of(f'x:{k}', '')}, {self._new(f'x:{k}')});"
         for i in self.graph.integrals:
@@ -647,6 +642,21 @@ class ModelText:
                 name = self.ids.of(f"s:{i.index}", "")
                 yield f"  reinit({name}, {name} + {impulse});"
         yield "end when;"
+
+    def _near(self) -> str:
+        """Return the time within which impacts follow each other that accumulate."""
+        until = _seconds(self.graph.experiment.get("until")) or 1.0
+        return number(float(f"{NEAR * until:.3g}"))
+
+    def _accumulation(self) -> Iterator[str]:
+        """Yield the end of runs in which impacts accumulate: Modelica has no rest after them."""
+        last, burst = self.ids.of("last", "last_write"), self.ids.of("burst", "writes_in_burst")
+        self.declared += [
+            f'discrete Real {last}(start = -1, fixed = true, unit = "s") '
+            '"when an impact was last written";',
+            f'Integer {burst}(start = 0, fixed = true) "impacts close to each other";',
+        ]
+        yield f'assert({burst} < {BURST}, "impacts accumulate here, and have no end in Modelica");'
 
     def _written(self) -> str:
         """Return the condition that what a mode sets has been written, and is not set again.
@@ -707,14 +717,28 @@ def _cannot(what: str, where: str, hint: str) -> ModelError:
     return ModelError(f"Modelica has no words for {what}", code="HB-E680", where=where, hint=hint)
 
 
+def _refuse(graph: FlatGraph) -> None:
+    """Refuse what Modelica has no words for, before anything is derived."""
+    laws = [m for m in graph.machines if m.law is not None]
+    hint = "export C or an FMU"
+    for machine in laws:
+        law = machine.law
+        assert law is not None
+        if law.planar or law.second is not None:
+            raise _cannot("friction in two directions", machine.path, hint)
+        if law.impulsive:
+            raise _cannot("friction that carries impulses", machine.path, hint)
+    for node in graph.nodes:
+        if node.impulsive and graph.machines:
+            raise _cannot("a resistor that carries impulses", node.path, hint)
+
+
 def _plainly(resolve: Callable[[str, bool], str]) -> Callable[[str, bool], str]:
     """Let names that are Modelica already pass."""
     return lambda path, prior: path[1:] if path.startswith("=") else resolve(path, prior)
 
 
 def _atom(name: str) -> Any:
-    from hybond.equations.symbolic.rational import Rational
-
     return Rational.atom(name)
 
 
@@ -722,13 +746,10 @@ def _order(atom: str) -> tuple[int, str]:
     return (0 if atom.startswith("p:") else 1, atom)
 
 
-def _tidy(e: Expr) -> Expr:
-    return e
-
-
 def _total(terms: list[Expr]) -> Expr:
     total: Expr | None = None
-    for term in terms:
+    for given in terms:
+        term = transform(given, _sign_first)
         if term == Number(0.0):
             continue
         if total is None:
@@ -740,11 +761,28 @@ def _total(terms: list[Expr]) -> Expr:
     return Number(0.0) if total is None else total
 
 
+def _sign_first(e: Expr) -> Expr:
+    """Return a product with its sign in front: ``-(a*b)`` rather than ``(-a)*b``."""
+    match e:
+        case Number(value=value) if value < 0.0:
+            return Neg(Number(-value, e.dimension))
+        case Binary(op=("*" | "/") as op, left=Neg(arg=left), right=Neg(arg=right)):
+            return Binary(op, left, right)
+        case Binary(op=("*" | "/") as op, left=Neg(arg=left)):
+            return Neg(Binary(op, left, e.right))
+        case Binary(op=("*" | "/") as op, right=Neg(arg=right)):
+            return Neg(Binary(op, e.left, right))
+        case Binary(op="+", right=Neg(arg=right)):
+            return Binary("-", e.left, right)
+        case Binary(op="-", right=Neg(arg=right)):
+            return Binary("+", e.left, right)
+        case Neg(arg=Neg(arg=inside)):
+            return inside
+    return e
+
+
 def _seconds(value: Any) -> float | None:
     if isinstance(value, str):
         quantity = try_quantity(value)
         return None if quantity is None else float(quantity.value)
     return float(value) if isinstance(value, int | float) else None
-
-
-__all__ = ["ModelText", "inner"]

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from hybond.export.modelica.model import ModelText
 from hybond.model.builder import Model
-from hybond.model.inputs import Pwm
-
-INDENT = "  "
 
 
 def to_modelica(model: Model) -> str:
@@ -47,6 +44,3 @@ def to_modelica(model: Model) -> str:
     end oscillator;
     """
     return ModelText(model).text()
-
-
-__all__ = ["Pwm", "to_modelica"]
