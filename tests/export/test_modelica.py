@@ -85,7 +85,9 @@ def test_every_example_is_written_or_refused_with_its_reason(name: str) -> None:
     text = to_modelica(load(name))
     assert text.startswith(f"model {name} ") or text.startswith(f"model {name}\n")
     assert text.endswith(f"end {name};\n") and text.isascii()
-    declared = re.findall(r"^  (?:parameter |discrete )?(?:Real|Integer|Boolean) (\w+)", text, re.M)
+    declared = re.findall(
+        r"^  (?:parameter |constant |discrete )?(?:Real|Integer|Boolean) (\w+)", text, re.M
+    )
     assert len(set(declared)) == len(declared)
     body = text.partition("\nequation\n")[2]
     body = re.sub(r'"[^"]*"|annotation.*', "", body)
@@ -179,6 +181,26 @@ def test_parameters_stay_parameters() -> None:
     assert "parameter Real J = m*l^2/3;" in text
     assert 'parameter Real k(unit = "J") = 1000;' in text or 'unit = "N.m"' in text
     assert "der(turn_p) = -k*spring_q;" in text and "der(spring_q) = turn_p/J;" in text
+
+
+def test_a_parameter_that_is_changed_in_the_text_acts_as_in_hybond() -> None:
+    model = load("diode_inductor")
+    text = to_modelica(model)
+    changed = text.replace('I_th(unit = "A") = 0.01', 'I_th(unit = "A") = 0.3')
+    changed = changed.replace('t_off(unit = "s") = 0.05', 't_off(unit = "s") = 0.02')
+    assert changed.count("0.3;") == 1 and changed.count("0.02;") == 1
+    run = hb.simulate(model, parameters={"I_th": "0.3 A", "t_off": "20 ms"})
+    found = in_peer(changed, run.t_end)
+    for t in (0.01, 0.03, run.events[2].t - 1e-3, run.events[2].t + 1e-3):
+        k = int(np.argmin(np.abs(np.array(found.time) - t)))
+        ours = run.sample([float(found.time[k])], ["L.p"])["L.p"][0]
+        assert found["L_p"][k] == pytest.approx(ours, rel=1e-6, abs=1e-9)
+
+
+def test_a_parameter_whose_value_went_into_numbers_is_a_constant() -> None:
+    text = to_modelica(load("bouncing_ball_contact"))
+    assert 'constant Real h0(unit = "m") = 1;' in text  # where the ball starts
+    assert 'parameter Real g(unit = "m/s2") = 9.81;' in text
 
 
 def test_names_of_the_language_and_of_each_other_are_kept_apart() -> None:

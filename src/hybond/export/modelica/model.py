@@ -13,6 +13,7 @@ from hybond.errors import HybondError, ModelError
 from hybond.export.modelica.expressions import Pairs, inner, modelica, number
 from hybond.export.modelica.identifiers import Identifiers, quoted, unit_text
 from hybond.export.modelica.inputs import InputText, input_text
+from hybond.export.modelica.live import Live
 from hybond.export.modelica.rules import Transition, transitions
 from hybond.export.modelica.solve import ONE, Form, without_impulses
 from hybond.export.modelica.trees import Trees, check_count, unbracketed
@@ -79,7 +80,8 @@ class ModelText:
         self._reserve()
         self.after = Trees(self.graph, self._state)
         self.before = Trees(self.graph, self._was)
-        self.rules = [transitions(self.graph, m) for m in self.graph.machines]
+        self.live = Live(model, self.graph)
+        self.rules = [transitions(self.graph, m, self.live) for m in self.graph.machines]
         self.jumping = self._jumping()
         laws = any(m.law is not None for m in self.graph.machines)
         self.careful = bool(self.jumping) or laws or self._reads_pre()
@@ -423,7 +425,12 @@ class ModelText:
                     remark = f" {quoted(written)}" if text == number(value) else ""
             elif own not in self.model.parameters:
                 unit = self._unit(self._own_unit(own))
-            yield f"parameter Real {name}{unit} = {text}{remark};"
+            kind = "parameter"
+            if own in self.live.fixed:
+                # its value has gone into numbers: a tool must not offer to change it
+                kind, text = "constant", number(value)
+                remark = remark or (f" {quoted(str(written))}" if unit == "" and written else "")
+            yield f"{kind} Real {name}{unit} = {text}{remark};"
         if any(key.startswith("size:") for key in self.made):
             yield (
                 f"parameter Real {self.ids.of('slack', 'law_slack')} = {number(SLACK)} "
@@ -498,7 +505,8 @@ class ModelText:
 
     def _integrals(self) -> Iterator[str]:
         for i in self.graph.integrals:
-            yield f"der({self.ids.of(f's:{i.index}', '')}) = {modelica(i.rate, self._after)};"
+            rate = modelica(self.live.signal(i.path, i.rate), self._after)
+            yield f"der({self.ids.of(f's:{i.index}', '')}) = {rate};"
 
     def _outputs(self) -> None:
         """Declare the named signals, and those that the experiment plots."""
@@ -515,7 +523,7 @@ class ModelText:
             if isinstance(e, Name) and e.path.startswith("s:"):
                 continue
             name = self.ids.of(f"signal:{path}", path)
-            text = modelica(e, self._after)
+            text = modelica(self.live.signal(path, e), self._after)
             logical = isinstance(e, Compare | And | Or | Not | Bool)
             unit = "" if logical else self._unit(graph.dimensions.get(path))
             self.declared.append(f"{'Boolean' if logical else 'Real'} {name}{unit} {quoted(path)};")

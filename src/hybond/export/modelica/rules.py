@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hybond.errors import ModelError
+from hybond.export.modelica.live import Live
 from hybond.model.expressions import And, Compare, Expr, Number, Pre
 from hybond.model.graph import FlatGraph, Machine
 
@@ -19,9 +20,13 @@ class Transition:
     guard: Expr
 
 
-def transitions(graph: FlatGraph, machine: Machine) -> list[Transition]:
+def transitions(graph: FlatGraph, machine: Machine, live: Live) -> list[Transition]:
     """Return the transitions of a machine, in the order in which they count."""
-    found = [Transition(machine.index, r.source, r.target, r.guard) for r in machine.rules]
+    prefix = machine.path.rpartition(".")[0]
+    found = [
+        Transition(machine.index, r.source, r.target, live.expression(r.text, prefix, r.guard))
+        for r in machine.rules
+    ]
     law = machine.law
     if law is None or "impact" not in machine.states:
         return found
