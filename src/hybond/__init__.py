@@ -116,15 +116,17 @@ _HOME = {
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
     "state_equations": "hybond.equations.derive",
+    **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.state_space"),
 }
 _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "export": "hybond.export",
     "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; `causality` and `draw` can be called."""
+"""Rooms that are public as such; `causality`, `draw` and `export` can be called."""
 
 __all__ = [
     "FMU",
@@ -155,6 +157,7 @@ __all__ = [
     "Se",
     "Sf",
     "Signal",
+    "StateSpace",
     "Submodel",
     "TF",
     "UnitError",
@@ -171,6 +174,7 @@ __all__ = [
     "draw_modes",
     "dumps",
     "ensemble",
+    "export",
     "junction_matrix",
     "library",
     "load",
@@ -183,6 +187,7 @@ __all__ = [
     "save",
     "simulate",
     "state_equations",
+    "state_space",
     "structure",
     "switching",
 ]
