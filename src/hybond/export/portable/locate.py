@@ -175,6 +175,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
                 continue
             if not in_force(m, e.landings, k, r):
                 continue
+            if e.planar.leading and m.law_planar[k] != 0:
+                continue
             g.rule[g.guards] = r
             g.atom_first[g.guards] = g.atoms
             for a in range(m.atom_first[r], m.atom_first[r + 1]):
