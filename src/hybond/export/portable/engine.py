@@ -12,6 +12,7 @@ from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
 from hybond.export.portable.radau_room import Radau, make_radau
+from hybond.export.portable.slide_records import Slide, make_slide
 from hybond.export.portable.svd import Svd, make_svd
 from hybond.export.portable.words import (
     Floats,
@@ -283,8 +284,11 @@ class Engine:
     pre: Floats
     """What ``pre()`` reads at an instant."""
     mode: Mode
+    mode_at: int
+    """Where it stands in `modes`."""
     trial: Trial
     step: Step
+    slide: Slide
     rounding: Floats
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     largest_state: Floats
@@ -498,6 +502,7 @@ def make_engine(m: Model) -> Engine:
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
     e.step = make_step(e.states)
+    e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
