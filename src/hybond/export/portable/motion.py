@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.export.portable.blend import combine_here, onto_surfaces
 from hybond.export.portable.descent import (
     ENDLESS,
     IS_DOWN,
@@ -35,7 +36,7 @@ from hybond.export.portable.landing import (
     observe_event,
     stuck,
 )
-from hybond.export.portable.laws import observe
+from hybond.export.portable.laws import check_limits, limits_vary, observe
 from hybond.export.portable.locate import Locator, locate, make_locator, watch
 from hybond.export.portable.report import (
     Report,
@@ -46,6 +47,7 @@ from hybond.export.portable.report import (
 )
 from hybond.export.portable.scale import start_scale
 from hybond.export.portable.settle import Settling, make_settling, settle
+from hybond.export.portable.sliding import slide_after
 from hybond.export.portable.stepping import between, retry, start, step
 from hybond.export.portable.stops import arm_slips, begin_slips, follows_slip
 from hybond.export.portable.values import begin_field, evaluate, set_state
@@ -74,6 +76,7 @@ class Run:
     locator: Locator
     report: Report
     events: int
+    before: Floats
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
@@ -86,6 +89,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.instant = make_instant()
     r.locator = make_locator(e)
     r.report = report
+    r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
     return r
 
@@ -134,11 +138,17 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     before_event(e)
     if settle(e, r.settling, i) != OK:
         return REFUSED
+    settled = i.steps > 0
+    if settled:
+        observe_event(e, i)
+    for k in range(e.states):
+        r.before[k] = e.landings.before[k]
+    if slide_after(e, i, r.before) != OK:
+        return REFUSED
     if i.steps > 0:
         r.events += 1
-        observe_event(e, i)
         report_event(e, r.report, i)
-    if i.steps > 0 or cause != GUARD:
+    if settled or cause != GUARD:
         r.idle = 0
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
@@ -176,16 +186,19 @@ def flow(e: Engine, r: Run) -> int:
     """
     m = e.model
     g = r.locator
-    if mode_of(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return -1
     end = min(e.next_break, e.until)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return -1
     begin_field(e, e.mode)
     if m.disks > 0:
         begin_slips(e, e.t, e.y)
         begin_field(e, e.mode)
-    start_scale(e, e.mode)
+    if e.slide.k == 0:
+        start_scale(e, e.mode)
     if start(e, e.t, e.y, end, True) != OK:
         return -1
     beyond = 0.0
@@ -311,6 +324,8 @@ def note(e: Engine, r: Run, t: float) -> int:
             return REFUSED
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
+    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+        return REFUSED
     keep_still(e, e.y)
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
@@ -319,7 +334,16 @@ def note(e: Engine, r: Run, t: float) -> int:
         arm_slips(e, t, e.y)
     e.t = t
     report_step(e, r.report)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
     return OK
+
+
+def look_at_limits(e: Engine) -> int:
+    """Look at limits of friction at the present point of the motion."""
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    return check_limits(e, e.t, e.shown)
 
 
 def go_on(e: Engine) -> int:
