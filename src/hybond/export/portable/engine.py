@@ -11,6 +11,7 @@ from hybond.export.portable.landing_records import Landings, make_landings
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
+from hybond.export.portable.planar_records import Planar, make_planar
 from hybond.export.portable.radau_room import Radau, make_radau
 from hybond.export.portable.slide_records import Slide, make_slide
 from hybond.export.portable.svd import Svd, make_svd
@@ -325,6 +326,9 @@ class Engine:
     """Equations with the laws of junctions left open."""
     radau: Radau
     landings: Landings
+    planar: Planar
+    curved: bool
+    """Whether the last step is one of a descent: a cubic, whatever the method."""
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -515,6 +519,7 @@ def make_engine(m: Model) -> Engine:
     e.open_modes = records(Mode, OPEN_KEPT)
     e.laws = make_laws(m)
     e.landings = make_landings(m)
+    e.planar = make_planar(m)
     e.radau = make_radau(e.states if m.method == 1 else 0)
     return e
 

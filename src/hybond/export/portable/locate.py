@@ -179,6 +179,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
                 continue
+            if e.planar.leading and m.law_planar[k] != 0:
+                continue
             g.rule[g.guards] = r
             g.atom_first[g.guards] = g.atoms
             for a in range(m.atom_first[r], m.atom_first[r + 1]):

@@ -265,6 +265,17 @@ class Model:
     limit_column: Ints
     limit_slope: Ints
     limit_slope_constant: Floats
+    disks: int
+    """Friction in the plane: two junctions that share a disk."""
+    disk_machine: Ints
+    disk_port: Ints
+    """The two ports of each disk."""
+    disk_heading: Ints
+    """What it keeps between events, among the integrated signals: the direction of slip."""
+    disk_slow: Ints
+    """The speed at which slip ends, or below zero, up to which the direction counts."""
+    law_planar: Ints
+    """Of each machine: whether it is friction in the plane."""
     orient: Ints
     """Whether the net variable of each port is given, for all states of the other machines, the
     last of which runs fastest."""

@@ -9,6 +9,13 @@ import math
 from typing import Final
 
 from hybond.export.portable.blend import combine_here, onto_surfaces
+from hybond.export.portable.descent import (
+    ENDLESS,
+    IS_DOWN,
+    begin_descent,
+    end_descent,
+    step_descent,
+)
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.instant import (
@@ -42,9 +49,12 @@ from hybond.export.portable.scale import start_scale
 from hybond.export.portable.settle import Settling, make_settling, settle
 from hybond.export.portable.sliding import slide_after
 from hybond.export.portable.stepping import between, retry, start, step
+from hybond.export.portable.stops import arm_slips, begin_slips, follows_slip
 from hybond.export.portable.values import begin_field, evaluate, set_state
 from hybond.export.portable.words import Floats, floats, record
 
+SHORTER: Final = 30
+"""Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""
 IDLE: Final = 100
@@ -182,6 +192,9 @@ def flow(e: Engine, r: Run) -> int:
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
     begin_field(e, e.mode)
+    if m.disks > 0:
+        begin_slips(e, e.t, e.y)
+        begin_field(e, e.mode)
     if e.slide.k == 0:
         start_scale(e, e.mode)
     if start(e, e.t, e.y, end, True) != OK:
@@ -189,6 +202,8 @@ def flow(e: Engine, r: Run) -> int:
     beyond = 0.0
     while True:
         if step(e, end) != OK:
+            return -1
+        if m.disks > 0 and follow(e) != OK:
             return -1
         beyond = beyond + 1.0 if e.refusal else max(beyond - 0.1, 0.0)
         if e.refusal and beyond > BEYOND:
@@ -215,8 +230,63 @@ def flow(e: Engine, r: Run) -> int:
             continue
         if note(e, r, at) != OK:
             return -1
+        if m.disks > 0 and lead_to_rest(e, r, end) != OK:
+            return -1
         timed = e.t >= end and e.next_break <= end
         return timed_cause(e) if timed else GUARD
+
+
+def follow(e: Engine) -> int:
+    """Repeat a step shorter until it follows slip in the plane. After Executive._followed."""
+    for _ in range(SHORTER):
+        if follows_slip(e):
+            return OK
+        h = 0.25 * (e.step.t1 - e.step.t0)
+        if e.step.t0 + h == e.step.t0:
+            return say_fault(e, "HB-N408", "no step follows the slip", "")
+        if retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+    return OK
+
+
+def lead_to_rest(e: Engine, r: Run, end: float) -> int:
+    """Lead slip in the plane to its end, if it is about to end. After Executive._to_rest."""
+    m = e.model
+    p = e.planar
+    if not begin_descent(e, e.t, e.y):
+        return OK
+    p.leading = True
+    watch(e, r.locator, e.state)
+    p.leading = False
+    begin_field(e, e.mode)
+    while e.t < end:
+        found = step_descent(e, e.t, e.y, end)
+        if found == ENDLESS:
+            return REFUSED
+        if found == IS_DOWN or e.step.t1 == e.step.t0:
+            break
+        if locate(e, r.locator) != OK:
+            return REFUSED
+        if r.locator.at < math.inf:
+            for d in range(m.disks):
+                p.ends[d] = 0
+            if note(e, r, r.locator.at) != OK:
+                return REFUSED
+            break
+        if note(e, r, e.step.t1) != OK:
+            return REFUSED
+        if any_ends(e):
+            break
+    end_descent(e, e.t, e.y)
+    return OK
+
+
+def any_ends(e: Engine) -> bool:
+    """Whether the last step has brought a slip to rest."""
+    found = False
+    for d in range(e.model.disks):
+        found = found or e.planar.ends[d] != 0
+    return found
 
 
 def land(e: Engine, g: Locator) -> int:
@@ -258,6 +328,8 @@ def note(e: Engine, r: Run, t: float) -> int:
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)
+    if m.disks > 0:
+        arm_slips(e, t, e.y)
     e.t = t
     report_step(e, r.report)
     return OK

@@ -187,6 +187,15 @@ def kind_name(kind: int) -> Text:
     return "pinnacle" if kind == PINNACLE else "continuous"
 
 
+def is_engines_own(e: Engine, signal: int) -> bool:
+    """Whether an integrated signal is one that friction in the plane keeps for itself."""
+    m = e.model
+    found = False
+    for d in range(m.disks):
+        found = found or m.disk_heading[d] == signal or m.disk_slow[d] == signal
+    return found
+
+
 def put_final(e: Engine, r: Report) -> None:
     """Print the final state."""
     if not r.events:
@@ -195,6 +204,8 @@ def put_final(e: Engine, r: Report) -> None:
     put_number(e.t)
     put_line()
     for k in range(e.states):
+        if is_engines_own(e, k - e.model.storages):
+            continue
         put_text("state ")
         put_text(stored_name(e.model, k))
         put_text(" ")
