@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         UnitError,
         UsageError,
     )
+    from hybond.export import export
     from hybond.files import dumps, load, loads, save
     from hybond.model import switching
     from hybond.model.builder import Model
@@ -95,9 +96,10 @@ _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "export": "hybond.export",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; the first two can be called."""
+"""Rooms that are public as such; all but the last can be called."""
 
 __all__ = [
     "C",
@@ -140,6 +142,7 @@ __all__ = [
     "draw_modes",
     "dumps",
     "ensemble",
+    "export",
     "junction_matrix",
     "load",
     "loads",

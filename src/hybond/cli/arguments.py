@@ -32,6 +32,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format (TOML, JSON)",
+    "export": "write a model as a program, or for another tool",
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
@@ -252,6 +253,24 @@ def _parser() -> Parser:
     convert.add_argument("source", metavar="IN", help="a model file, .toml or .json")
     convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")
     convert.add_argument("--force", action="store_true", help="write into a model that is there")
+
+    export = _verb(
+        verbs,
+        "export",
+        "hybond export ball.toml --to c",
+        "hybond export ball.toml --to java --out -",
+    )
+    export.add_argument("file", metavar="FILE", help="a model file")
+    export.add_argument("--to", metavar="TARGET", required=True, help="c or java")
+    export.add_argument("--out", metavar="FILE", help="the file to write; - prints it")
+    export.add_argument("--force", action="store_true", help="replace a file that is there")
+    _settings(export)
+    export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    export.add_argument("--solver", metavar="NAME", help="rk45 or radau")
+    export.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
+    export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
+    export.add_argument("--max-step", metavar="H", help="longest step")
+    export.add_argument("--points", metavar="N", type=int, help="rows of the table")
     return parser
 
 

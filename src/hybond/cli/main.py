@@ -107,6 +107,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.convert import convert
 
             return convert(given)
+        case "export":
+            from hybond.cli.export import export_model
+
+            return export_model(given)
         case _:
             from hybond.cli.demo import demo
 

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from hybond._version import __version__
 from hybond.export.identifiers import identifier
-from hybond.export.program import NAMES, Exported, exported
+from hybond.export.program import NAMES, Exported, exported, runtime
 from hybond.export.story import story, title_of
 from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
 from hybond.export.translate.java_words import IMPORTS, java_words
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
+from hybond.export.translate.reserved import TYPES
 from hybond.export.translate.tree import Member
 from hybond.model.builder import Model
 
@@ -87,12 +88,12 @@ def class_name(text: str) -> str:
 
     Examples
     --------
-    >>> class_name("bouncing_ball"), class_name("RC 2")
-    ('BouncingBall', 'RC2')
+    >>> class_name("bouncing_ball"), class_name("RC 2"), class_name("engine")
+    ('BouncingBall', 'RC2', 'EngineModel')
     """
     parts = identifier(text).split("_")
     found = "".join(p[:1].upper() + p[1:] for p in parts if p)
-    return f"{found}Model" if found in ("Model", "Engine", "Report", "String", "Math") else found
+    return f"{found}Model" if found in TYPES or found in runtime().records else found
 
 
 def _how_to(name: str) -> list[str]:

@@ -1,7 +1,7 @@
 """Which way a state on switching surfaces goes on: through them, or along some of them.
 
-With weights in [0, 1] of the states above, Filippov's inclusion asks for functions that move up only
-where the weight is 1 and down only where it is 0. After modes/sliding/filippov.py.
+With weights in [0, 1] of the states above, Filippov's inclusion asks for functions that move up
+only where the weight is 1 and down only where it is 0. After modes/sliding/filippov.py.
 """
 
 from __future__ import annotations

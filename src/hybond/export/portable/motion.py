@@ -134,7 +134,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, e.t, cause)
     if cause != START:
         keep_left(e, r.report)
-    e.laws.sweep = r.idle >= VAIN
+    if e.model.laws > 0:
+        e.laws.sweep = r.idle >= VAIN
     before_event(e)
     if settle(e, r.settling, i) != OK:
         return REFUSED

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
-from hybond.export.tables.contacts import Forced, rules_of
+from hybond.export.tables.contacts import rules_of
 from hybond.model.expressions import Expr, differentiate, names, simplify
-from hybond.model.graph import Rule
 
 if TYPE_CHECKING:
     from hybond.export.tables.make import ModelTables
@@ -21,16 +20,14 @@ def put_surfaces(t: ModelTables) -> None:
     """Put the switching surfaces of all machines into the tables."""
     g = t.graph
     surfaces = surfaces_of(g)
-    forced = rules_of(g)
-    first = _first(forced)
+    # what was found of a surface is kept from model to model: its rules are equal, not the same
+    rules = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
     t.numbers["surfaces"] = len(surfaces)
     t.ints["surface_machine"] = [s.machine for s in surfaces]
     t.ints["surface_below"] = [s.below for s in surfaces]
     t.ints["surface_above"] = [s.above for s in surfaces]
-    t.ints["surface_up"] = [first[s.machine] + _place(forced[s.machine], s.up) for s in surfaces]
-    t.ints["surface_down"] = [
-        first[s.machine] + _place(forced[s.machine], s.down) for s in surfaces
-    ]
+    t.ints["surface_up"] = [rules.index((s.machine, s.up)) for s in surfaces]
+    t.ints["surface_down"] = [rules.index((s.machine, s.down)) for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
     t.ints["surface_twin"] = [
         int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
@@ -46,11 +43,6 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["surface_rest"] = _first(rests)
     t.ints["rest_value"] = [t.values.number(e) for row in rests for e in row]
     t.ints["rest_moves"] = [int(moves(e)) for row in rests for e in row]
-
-
-def _place(rules: Sequence[Forced], rule: Rule) -> int:
-    """Return the number of a rule among those of its machine, which equal graphs share."""
-    return next(k for k, f in enumerate(rules) if f.rule == rule)
 
 
 def _first(rows: Sequence[Sequence[object]]) -> list[int]:

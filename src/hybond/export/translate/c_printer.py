@@ -118,9 +118,11 @@ class CPrinter(Braces):
     def needed(self, module: Module) -> bool:
         """Say whether anything of a module is printed."""
         found = self.reached
-        own = (*module.constants.values(), *module.functions.values())
-        some = found.functions | found.constants
-        return any(x.name in some for x in own) or any(r in found.records for r in module.records)
+        return (
+            any(c.name in found.constants for c in module.constants.values())
+            or any(f.name in found.functions for f in module.functions.values())
+            or any(name in found.records for name in module.records)
+        )
 
     def typedefs(self) -> list[str]:
         """Return the names of all records, which may refer to each other."""
@@ -225,6 +227,8 @@ class CPrinter(Braces):
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
+        if not self.members(record):
+            lines.append("    int nothing;")
         for m in self.members(record):
             entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
             note = f" // {plain(m.note)}" if m.note else ""
@@ -235,9 +239,8 @@ class CPrinter(Braces):
         return [*lines, "};"]
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: of a given record those that are read."""
-        read = self.reached.fields
-        return [m for m in record.members if not record.given or (record.name, m.name) in read]
+        """Return the fields that are printed: those that are used."""
+        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
 
     def definition(self, f: Function) -> list[str]:
         """Return a function."""

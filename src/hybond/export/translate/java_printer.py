@@ -124,9 +124,11 @@ class JavaPrinter(Braces):
     def needed(self, module: Module) -> bool:
         """Say whether anything of a module is printed."""
         found = self.reached
-        own = (*module.constants.values(), *module.functions.values())
-        some = found.functions | found.constants
-        return any(x.name in some for x in own) or any(r in found.records for r in module.records)
+        return (
+            any(c.name in found.constants for c in module.constants.values())
+            or any(f.name in found.functions for f in module.functions.values())
+            or any(name in found.records for name in module.records)
+        )
 
     def chapter(self, module: Module) -> list[str]:
         """Return what of a module is needed: constants, records, methods, as they stand there."""
@@ -181,9 +183,8 @@ class JavaPrinter(Braces):
         return [*lines, "}"]
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: of a given record those that are read."""
-        read = self.reached.fields
-        return [m for m in record.members if not record.given or (record.name, m.name) in read]
+        """Return the fields that are printed: those that are used."""
+        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
 
     def definition(self, f: Function) -> list[str]:
         """Return a method."""
