@@ -12,8 +12,9 @@ from hybond.model.expressions import Expr, differentiate, names, simplify
 if TYPE_CHECKING:
     from hybond.export.tables.make import ModelTables
 
-KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4}
-"""What a switching function reads: stored quantities, signals, time, inputs, bond variables."""
+KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4, "on": 5, "in": 5}
+"""What a switching function reads: stored quantities, signals, time, inputs, bond variables, and
+what is ON or the state of a machine."""
 
 
 def put_surfaces(t: ModelTables) -> None:
@@ -55,10 +56,13 @@ def _first(rows: Sequence[Sequence[object]]) -> list[int]:
 
 def _slopes(t: ModelTables, s: Surface) -> list[tuple[int, int, tuple[int, float]]]:
     """Return the derivatives of a switching function by what it reads."""
-    found = []
+    found: list[tuple[int, int, tuple[int, float]]] = []
     for name in sorted(names(s.g)):
         kind, _, index = name.partition(":")
         if kind not in KINDS:
+            continue
+        if KINDS[kind] == 5:
+            found.append((5, t.slots.index[name] - t.slots.on.start, (-1, 0.0)))
             continue
         slope: Expr = simplify(differentiate(s.g, name))
         place = int(index) if index else 0
