@@ -10,6 +10,7 @@ from hybond.errors import ModelError
 from hybond.export.formulas import PRIOR, Formulas
 from hybond.export.identifiers import distinct, identifier, spoken
 from hybond.export.tables import ModelTables, tables_of
+from hybond.export.translate.decided import decided
 from hybond.export.translate.modules import Program, load
 from hybond.export.translate.reach import reached
 from hybond.export.translate.tree import Block, Expr
@@ -90,7 +91,7 @@ class Exported:
 def exported(graph: FlatGraph, **options: object) -> Exported:
     """Return what a model adds to the runtime."""
     tables = tables_of(graph, **options)
-    program = runtime()
+    program = decided(runtime(), "Model", tables.numbers)
     index = tables.slots.index
     spoken_names = {name: spoken(graph, name) for name in index}
     taken = {PRIOR, *program.constants, *program.functions, *program.records, "MODEL"}

@@ -506,8 +506,10 @@ def make_engine(m: Model) -> Engine:
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
-    e.laws = make_laws(m)
-    e.radau = make_radau(e.states if m.method == 1 else 0)
+    if m.laws > 0:
+        e.laws = make_laws(m)
+    if m.method == 1:
+        e.radau = make_radau(e.states)
     return e
 
 

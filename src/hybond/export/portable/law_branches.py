@@ -25,8 +25,8 @@ from hybond.export.portable.law_problem import (
     BACKWARD,
     CUT,
     FORWARD,
-    SHUT,
     ONE_SIDED,
+    SHUT,
     TWO_SIDED,
     solve_laws,
 )

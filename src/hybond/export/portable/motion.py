@@ -107,7 +107,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, e.t, cause)
     if cause != START:
         keep_left(e, r.report)
-    e.laws.sweep = r.idle >= VAIN
+    if e.model.laws > 0:
+        e.laws.sweep = r.idle >= VAIN
     if settle(e, r.settling, i) != OK:
         return REFUSED
     if i.steps > 0:

@@ -237,9 +237,9 @@ class CPrinter(Braces):
         return [*lines, "};"]
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: of a given record those that are read."""
+        """Return the fields that are printed: those that something reads or writes."""
         read = self.reached.fields
-        return [m for m in record.members if not record.given or (record.name, m.name) in read]
+        return [m for m in record.members if (record.name, m.name) in read]
 
     def definition(self, f: Function) -> list[str]:
         """Return a function."""

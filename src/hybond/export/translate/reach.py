@@ -33,7 +33,6 @@ class Reached:
 def reached(program: Program, roots: Iterable[str]) -> Reached:
     """Return what calls of `roots` need."""
     functions = program.functions
-    all_records = program.records
     done: set[str] = set()
     constants: set[str] = set()
     records: set[str] = set()
@@ -41,10 +40,8 @@ def reached(program: Program, roots: Iterable[str]) -> Reached:
     fields: set[tuple[str, str]] = set()
 
     def take(t: Type) -> None:
-        if t.record and t.record not in records:
+        if t.record:
             records.add(t.record)
-            for member in all_records[t.record].members:
-                take(member.type)
 
     waiting = list(roots)
     while waiting:
