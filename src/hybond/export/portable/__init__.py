@@ -30,8 +30,8 @@ State and values
     `trial.seen_of(e, mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.
 
 Modes
-    `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left open:
-    fill ``given[j]`` (a junction each: tableau.NOT_OPEN, COMMON, NET) and call
+    `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left
+    open: fill ``given[j]`` (a junction each: tableau.NOT_OPEN, COMMON, NET) and call
     `equations.make_equations(e, mode, given)` on a `engine.make_mode(model)` of your own, whose
     ``state`` `interval.configuration` has filled. The last sources of such a mode are its ports, in
     the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
@@ -44,8 +44,8 @@ Entering a mode
     the trial in ``e.trial`` and ``e.v``, ``e.mode`` being its equations. It is made of
 
     * `trial.begin_trial(e, t, x, s, state)`: takes the mode, writes the values on entering it;
-    * `trial.take_factors(e, e.mode, e.v)`, `trial.jump_into(e, x, after)`: the jump (what it does is
-      ``e.moved``, impulses are ``e.impulses``);
+    * `trial.take_factors(e, e.mode, e.v)`, `trial.jump_into(e, x, after)`: the jump (what it does
+      is ``e.moved``, impulses are ``e.impulses``);
     * `trial.finish_trial(e, t, x, s)`: with ``e.trial.x`` and ``e.moved`` set, the signals;
     * ``e.trial.struck`` and ``e.trial.through``: the branches that carried the impulses, where
       others last; ``e.trial.dusted``.
@@ -53,9 +53,10 @@ Entering a mode
     `laws.observe(e, v)` is called at the end of each step, with the values there.
 
 Steps
-    `stepping.start(e, t, y, t_bound, jumped)`, `stepping.step(e, t_end)`, `stepping.retry(e, t_end)`
-    choose by ``model.method``; a step is in ``e.step`` (`engine.Step`: t0, t1, y0, y1, f0, f1 and
-    the coefficients of ``x ... x^4``, a row each, in ``dense``). `values.field(e, e.mode, t, y, rate)`
-    is the rate, `scale.tolerance(e, y0, y1, out)` the error that a step may make. A radau brings
-    `radau_start`, `radau_step` and `radau_retry` with the same arguments.
+    `stepping.start(e, t, y, t_bound, jumped)`, `stepping.step(e, t_end)` and
+    `stepping.retry(e, t_end)` choose by ``model.method``; a step is in ``e.step`` (`engine.Step`:
+    t0, t1, y0, y1, f0, f1 and the coefficients of ``x ... x^4``, a row each, in ``dense``).
+    `values.field(e, e.mode, t, y, rate)` is the rate, `scale.tolerance(e, y0, y1, out)` the error
+    that a step may make. A radau brings `radau_start`, `radau_step` and `radau_retry` with the same
+    arguments.
 """

@@ -201,7 +201,7 @@ def dopri_step(e: Engine, t_end: float) -> int:
 
 
 def not_finite(e: Engine) -> int:
-    """Say why no step is small enough: a law without a value, or a derivative that is not finite."""
+    """Say why no step is small enough: a law or a derivative has no finite value."""
     if e.refusal:
         return NOT_FINITE
     return say_fault(e, "HB-N202", "the derivative is not finite", "")

@@ -7,10 +7,12 @@ from typing import Final
 
 from hybond.export.portable.blocks import Block, Places, Rows, make_block, make_places, make_rows
 from hybond.export.portable.elimination import Elimination, make_elimination
+from hybond.export.portable.landing_records import Landings, make_landings
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
 from hybond.export.portable.radau_room import Radau, make_radau
+from hybond.export.portable.slide_records import Slide, make_slide
 from hybond.export.portable.svd import Svd, make_svd
 from hybond.export.portable.words import (
     Floats,
@@ -282,8 +284,11 @@ class Engine:
     pre: Floats
     """What ``pre()`` reads at an instant."""
     mode: Mode
+    mode_at: int
+    """Where it stands in `modes`."""
     trial: Trial
     step: Step
+    slide: Slide
     rounding: Floats
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     largest_state: Floats
@@ -319,6 +324,7 @@ class Engine:
     open_modes: Records[Mode]
     """Equations with the laws of junctions left open."""
     radau: Radau
+    landings: Landings
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -496,6 +502,7 @@ def make_engine(m: Model) -> Engine:
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
     e.step = make_step(e.states)
+    e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
@@ -508,6 +515,7 @@ def make_engine(m: Model) -> Engine:
     e.open_modes = records(Mode, OPEN_KEPT)
     if m.laws > 0:
         e.laws = make_laws(m)
+    e.landings = make_landings(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
     return e

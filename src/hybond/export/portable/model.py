@@ -60,6 +60,9 @@ class Model:
     """Of each machine: its rules, in order."""
     rule_source: Ints
     rule_target: Ints
+    rule_landed: Ints
+    """1 or -1: in force where the machine has landed, if the reaction has this sign."""
+    rule_reaction: Ints
     rule_value: Ints
     """The guard as it is: an expression."""
     rule_watched: Ints
@@ -265,6 +268,53 @@ class Model:
     orient: Ints
     """Whether the net variable of each port is given, for all states of the other machines, the
     last of which runs fastest."""
+
+    # contacts that may come to rest, and what they then carry
+    contacts: int
+    contact_at: Ints
+    """Of each state: the contact that it closes by an impact law, or -1."""
+    contact_machine: Ints
+    contact_state: Ints
+    contact_rest: Ints
+    """The state that the machine rests in."""
+    reactions: int
+    reaction_first: Ints
+    """Of each contact: its reactions."""
+    reaction_column: Ints
+    """The bond variable that the contact carries at rest."""
+    reaction_own: Floats
+    """Sign of the impact law's value in what must vanish at rest."""
+    reaction_law: Ints
+    reaction_law_constant: Floats
+    prescribed_first: Ints
+    """Of each reaction: bond variables whose sum must vanish at rest."""
+    prescribed_column: Ints
+    prescribed_sign: Floats
+
+    # switching surfaces: where two rules of a machine, forth and back, share one function
+    surfaces: int
+    surface_machine: Ints
+    surface_below: Ints
+    surface_above: Ints
+    """The states in which the machine is where the function is negative, and positive."""
+    surface_up: Ints
+    surface_down: Ints
+    """The rules that lead there."""
+    surface_value: Ints
+    surface_twin: Ints
+    """Of each pair of surfaces, row after row: whether they coincide."""
+    surface_first: Ints
+    """Of each surface: the slopes of its function."""
+    surface_kind: Ints
+    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable."""
+    surface_index: Ints
+    surface_slope: Ints
+    surface_constant: Floats
+    surface_rest: Ints
+    """Of each surface: what else the rule asks for that leads up, then that which leads down."""
+    rest_value: Ints
+    rest_moves: Ints
+    """Whether that changes while time passes."""
 
     # what is printed
     outputs: int

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.export.portable.blend import combine_here, onto_surfaces
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.instant import (
@@ -21,6 +22,13 @@ from hybond.export.portable.instant import (
 )
 from hybond.export.portable.interval import interval_after, is_timed
 from hybond.export.portable.jump import is_constrained, on_constraints
+from hybond.export.portable.landing import (
+    before_event,
+    keep_still,
+    land_contacts,
+    observe_event,
+    stuck,
+)
 from hybond.export.portable.laws import observe
 from hybond.export.portable.locate import Locator, locate, make_locator, watch
 from hybond.export.portable.report import (
@@ -32,6 +40,7 @@ from hybond.export.portable.report import (
 )
 from hybond.export.portable.scale import start_scale
 from hybond.export.portable.settle import Settling, make_settling, settle
+from hybond.export.portable.sliding import slide_after
 from hybond.export.portable.stepping import between, retry, start, step
 from hybond.export.portable.values import begin_field, evaluate, set_state
 from hybond.export.portable.words import Floats, floats, record
@@ -57,6 +66,7 @@ class Run:
     locator: Locator
     report: Report
     events: int
+    before: Floats
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
@@ -69,6 +79,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.instant = make_instant()
     r.locator = make_locator(e)
     r.report = report
+    r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
     return r
 
@@ -91,11 +102,17 @@ def run_to_end(e: Engine, r: Run) -> int:
     begin(e)
     interval_after(e, 0.0)
     status = settle_now(e, r, START)
+    if status == OK:
+        status = rest_now(e, r)
     while status == OK and e.t < e.until:
         cause = flow(e, r)
         if cause < 0:
             return REFUSED
         status = settle_now(e, r, cause)
+        if status == OK:
+            status = rest_now(e, r)
+        if status == OK and stuck(e):
+            status = ACCUMULATES
     if status != REFUSED:
         report_end(e, r.report)
     return status
@@ -109,12 +126,20 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         keep_left(e, r.report)
     if e.model.laws > 0:
         e.laws.sweep = r.idle >= VAIN
+    before_event(e)
     if settle(e, r.settling, i) != OK:
+        return REFUSED
+    settled = i.steps > 0
+    if settled:
+        observe_event(e, i)
+    for k in range(e.states):
+        r.before[k] = e.landings.before[k]
+    if slide_after(e, i, r.before) != OK:
         return REFUSED
     if i.steps > 0:
         r.events += 1
         report_event(e, r.report, i)
-    if i.steps > 0 or cause != GUARD:
+    if settled or cause != GUARD:
         r.idle = 0
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
@@ -127,17 +152,39 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     return OK
 
 
+def rest_now(e: Engine, r: Run) -> int:
+    """Land what was hit and does not rebound: time goes on from the limit of its impacts.
+
+    After Executive._rest.
+    """
+    landed = 1
+    while landed > 0:
+        if e.landings.touches == 0:
+            return OK
+        landed = land_contacts(e, r.settling, r.instant)
+        if landed < 0:
+            return REFUSED
+        if landed > 0:
+            r.events += 1
+            report_event(e, r.report, r.instant)
+    return OK
+
+
 def flow(e: Engine, r: Run) -> int:
-    """Let time pass in the mode; return why it ended, -1 if the run stops. After Executive._flow."""
+    """Let time pass in the mode; return why it ended, -1 if the run stops.
+
+    After Executive._flow.
+    """
     m = e.model
     g = r.locator
-    if mode_of(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return -1
     end = min(e.next_break, e.until)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
     begin_field(e, e.mode)
-    start_scale(e, e.mode)
+    if e.slide.k == 0:
+        start_scale(e, e.mode)
     if start(e, e.t, e.y, end, True) != OK:
         return -1
     beyond = 0.0
@@ -187,10 +234,9 @@ def land(e: Engine, g: Locator) -> int:
             return REFUSED
         if g.at < math.inf:
             return OK
-    if e.step.t1 != longest:
-        # the instant was not found again: the step as it was
-        if retry(e, longest) != OK:
-            return REFUSED
+    # the instant was not found again: the step as it was
+    if e.step.t1 != longest and retry(e, longest) != OK:
+        return REFUSED
     g.at = at
     return OK
 
@@ -207,6 +253,9 @@ def note(e: Engine, r: Run, t: float) -> int:
             return REFUSED
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
+    keep_still(e, e.y)
+    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+        return REFUSED
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)

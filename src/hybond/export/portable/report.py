@@ -14,6 +14,7 @@ from hybond.export.portable.instant import (
     Instant,
 )
 from hybond.export.portable.model import (
+    Model,
     machine_name,
     output_name,
     state_name,
@@ -148,12 +149,20 @@ def put_transition(e: Engine, i: Instant, f: int, step: int) -> None:
     put_text(" ")
     put_text(machine_name(m, machine))
     put_text(" ")
-    put_text(state_name(m, m.state_first[machine] + i.source.at[f]))
+    put_state(m, machine, i.source.at[f])
     put_text(" -> ")
-    put_text(state_name(m, m.state_first[machine] + i.target.at[f]))
+    put_state(m, machine, i.target.at[f])
     put_text(" ")
     put_text(kind_name(i.kind.at[step]))
     put_line()
+
+
+def put_state(m: Model, machine: int, state: int) -> None:
+    """Print a state of a machine; a negative one says that it slides."""
+    if state < 0:
+        put_text("sliding")
+    else:
+        put_text(state_name(m, m.state_first[machine] + state))
 
 
 def cause_name(cause: int) -> Text:

@@ -304,12 +304,16 @@ def give_hidden(e: Engine, mode: Mode, pivot: int, value0: int) -> None:
         c = table.entry[pivot * table.columns + k]
         if k < m.storages:
             add_rates(m, row, k, c)
-        elif mode.source[k - m.storages] >= 0:
-            if m.source_rate[mode.source[k - m.storages]] >= 0:
-                give(finite, value0 + (k - m.storages) + mode.sources, c)
+        elif has_rate(m, mode, k - m.storages):
+            give(finite, value0 + (k - m.storages) + mode.sources, c)
     for k in range(2 * m.bonds):
         if row[k] != 0.0:
             give(finite, k, row[k])
+
+
+def has_rate(m: Model, mode: Mode, k: int) -> bool:
+    """Whether the value of source k of a mode moves with time."""
+    return mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0
 
 
 def add_rates(m: Model, row: Floats, k: int, c: float) -> None:

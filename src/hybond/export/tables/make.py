@@ -7,14 +7,16 @@ from itertools import product
 from typing import Any
 
 from hybond.equations.calculus import gradient, partial_time, reads_bonds
-from hybond.equations.element_parts import Dynamic, Part, Parts
+from hybond.equations.element_parts import Dynamic, Part, Parts, Source
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
+from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions
 from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import options_of
+from hybond.export.tables.surfaces import put_surfaces
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -100,6 +102,8 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _signals(t)
     _priors(t)
     put_laws(t)
+    put_surfaces(t)
+    put_contacts(t)
     _outputs(t, options.outputs)
     return t
 
@@ -167,10 +171,19 @@ def _machines(t: ModelTables) -> None:
     _put(t, "on_first", on, on_switch=_INTS)
     t.ints["switch_node"] = switches
     t.ints["switch_machine"] = [_machine_of(g, g.nodes[k]).index for k in switches]
-    rules = [[(r.source, r.target) for r in m.rules] for m in g.machines]
-    _put(t, "rule_first", rules, rule_source=_INTS, rule_target=_INTS)
+    forced = rules_of(g)
+    rules = [[(f.rule.source, f.rule.target, f.sign, f.reaction) for f in own] for own in forced]
+    _put(
+        t,
+        "rule_first",
+        rules,
+        rule_source=_INTS,
+        rule_target=_INTS,
+        rule_landed=_INTS,
+        rule_reaction=_INTS,
+    )
     tests, watched, plain, atoms = [], [], [], []
-    for rule in (r for m in g.machines for r in m.rules):
+    for rule in (f.rule for own in forced for f in own):
         t.pairs.append(rule.guard)
         t.rules.append(rule.text)
         test, differences = seen_in_motion(rule)
@@ -315,8 +328,9 @@ def levels_of(g: FlatGraph, k: int) -> list[float]:
 
 def _parts(t: ModelTables, found: list[Part]) -> None:
     dynamics: list[Dynamic] = []
-    sources = []
-    power, laws, dynamic, source, rows = [], [], [], [], []
+    sources: list[Source] = []
+    rows: list[list[tuple[int, float]]] = []
+    power, laws, dynamic, source = [], [], [], []
     for part in found:
         power.append(len(rows))
         rows += [sorted(r.items()) for r in part.power]
