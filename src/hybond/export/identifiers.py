@@ -40,6 +40,17 @@ def identifier(text: str) -> str:
     return f"x{said}" if said[0].isdigit() else said
 
 
+def slot_name(said: str) -> str:
+    """Return the identifier of a value that a person calls so.
+
+    Examples
+    --------
+    >>> slot_name("ball.p"), slot_name('"contact -> v".e'), slot_name("time")
+    ('BALL_P', 'CONTACT_TO_V_E', 'NOW')
+    """
+    return "NOW" if said == "time" else identifier(said).upper()
+
+
 def distinct(wanted: Iterable[str], taken: Collection[str]) -> list[str]:
     """Return names that differ from each other and from those that are taken.
 
@@ -90,4 +101,4 @@ def _bond_variable(graph: FlatGraph, kind: str, bond: int) -> str:
         if not node.is_junction and len(node.ends) == 1 and not node.implied:
             return f"{node.path}.{kind}"
     label, _, written = about.name.partition(": ")
-    return f"{label if written else about.name}.{kind}"
+    return f'"{label if written else about.name}".{kind}'

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from hybond.errors import ModelError
 from hybond.export.formulas import PRIOR, Formulas
-from hybond.export.identifiers import distinct, identifier, spoken
+from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.export.tables import ModelTables, tables_of
-from hybond.export.translate.decided import decided
 from hybond.export.translate.modules import Program, load
 from hybond.export.translate.reach import reached
+from hybond.export.translate.specialise import specialised
 from hybond.export.translate.tree import Block, Expr
 from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
@@ -20,6 +20,8 @@ from hybond.model.graph import FlatGraph
 
 ROOTS = ("make_engine", "make_report", "run_program")
 """What the printed main calls."""
+OPTIONS = ("points",)
+"""Whole numbers of the model that the options of the printed program change."""
 NAMES = {
     "machine_name": "machines",
     "state_name": "states",
@@ -91,11 +93,11 @@ class Exported:
 def exported(graph: FlatGraph, **options: object) -> Exported:
     """Return what a model adds to the runtime."""
     tables = tables_of(graph, **options)
-    program = decided(runtime(), "Model", tables.numbers)
+    program = specialised(runtime(), _facts(tables))
     index = tables.slots.index
     spoken_names = {name: spoken(graph, name) for name in index}
     taken = {PRIOR, *program.constants, *program.functions, *program.records, "MODEL"}
-    shown = distinct((identifier(spoken_names[n]).upper() for n in index), taken)
+    shown = distinct((slot_name(spoken_names[n]) for n in index), taken)
     formulas = Formulas(dict(zip(index, shown)))
     values = [
         Case(k, _said(e, text, spoken_names), formulas.number(e))
@@ -116,6 +118,16 @@ def exported(graph: FlatGraph, **options: object) -> Exported:
     found = Exported(tables, program, slots, points, values, pairs, roots, early)
     _check(found)
     return found
+
+
+def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:
+    """Return what is known of a model while it is printed: what it has none of, and its method."""
+    known = {"method": int(tables.numbers["method"])}
+    for member in runtime().records["Model"].members:
+        number = tables.numbers.get(member.name)
+        if member.type.kind == "int" and number == 0 and member.name not in OPTIONS:
+            known[member.name] = 0
+    return {("Model", name): number for name, number in known.items()}
 
 
 def _pair_text(tables: ModelTables, k: int) -> str:

@@ -227,6 +227,8 @@ class CPrinter(Braces):
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
+        if not self.members(record):
+            lines.append("    int nothing;")
         for m in self.members(record):
             entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
             note = f" // {plain(m.note)}" if m.note else ""
@@ -237,9 +239,8 @@ class CPrinter(Braces):
         return [*lines, "};"]
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: those that something reads or writes."""
-        read = self.reached.fields
-        return [m for m in record.members if (record.name, m.name) in read]
+        """Return the fields that are printed: those that are used."""
+        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
 
     def definition(self, f: Function) -> list[str]:
         """Return a function."""

@@ -183,9 +183,8 @@ class JavaPrinter(Braces):
         return [*lines, "}"]
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: those that something reads or writes."""
-        read = self.reached.fields
-        return [m for m in record.members if (record.name, m.name) in read]
+        """Return the fields that are printed: those that are used."""
+        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
 
     def definition(self, f: Function) -> list[str]:
         """Return a method."""

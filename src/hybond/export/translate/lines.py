@@ -59,7 +59,7 @@ def _break(text: str, room: int) -> int:
 def _good(text: str, k: int) -> bool:
     if text[k - 1] in ",;":
         return True
-    return re.match(r" (&&|\|\||[-+*/?:%&|^]|[<>=!]=?|==) ", text[k : k + 4]) is not None
+    return re.match(r" (&&|\|\||[-+*/?:%&|^]|[<>=!]=|[<>]) ", text[k : k + 4]) is not None
 
 
 def prose(doc: str) -> list[str]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from hybond.export.translate.modules import Program
-from hybond.export.translate.tree import Call, Field, Global, Type
+from hybond.export.translate.tree import Call, Field, Global, Type, Word
 from hybond.export.translate.walks import every
 
 
@@ -35,14 +35,9 @@ def reached(program: Program, roots: Iterable[str]) -> Reached:
     functions = program.functions
     done: set[str] = set()
     constants: set[str] = set()
-    records: set[str] = set()
+    types: set[Type] = set()
     words: set[str] = set()
     fields: set[tuple[str, str]] = set()
-
-    def take(t: Type) -> None:
-        if t.record:
-            records.add(t.record)
-
     waiting = list(roots)
     while waiting:
         name = waiting.pop()
@@ -50,13 +45,11 @@ def reached(program: Program, roots: Iterable[str]) -> Reached:
             continue
         done.add(name)
         f = functions[name]
-        take(f.signature.result)
-        for _, t in f.signature.parameters:
-            take(t)
+        types.update([f.signature.result, *(t for _, t in f.signature.parameters)])
         if f.body is None:
             continue
         for e in every(f.body):
-            take(e.type)
+            types.add(e.type)
             match e:
                 case Call(function):
                     waiting.append(function)
@@ -64,8 +57,9 @@ def reached(program: Program, roots: Iterable[str]) -> Reached:
                     constants.add(named)
                 case Field(base, member):
                     fields.add((base.type.record, member))
-                case _ if hasattr(e, "word"):
-                    words.add(_word(e.word, e.type))
+                case Word(word, _, t):
+                    words.add(_word(word, t))
+    records = _records(program, types, fields)
     return Reached(
         frozenset(done),
         frozenset(constants),
@@ -73,6 +67,22 @@ def reached(program: Program, roots: Iterable[str]) -> Reached:
         frozenset(words),
         frozenset(fields),
     )
+
+
+def _records(
+    program: Program, types: Iterable[Type], fields: Collection[tuple[str, str]]
+) -> set[str]:
+    """Return the records of some types, and those that their fields lead to."""
+    found: set[str] = set()
+    waiting = [t.record for t in types if t.record]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            for member in program.records[name].members:
+                if member.type.record and (name, member.name) in fields:
+                    waiting.append(member.type.record)
+    return found
 
 
 def _word(word: str, t: Type) -> str:
