@@ -16,6 +16,7 @@ LAYERS = [
     ["_version"],
     ["chronicle", "errors", "names", "uncollected", "units"],
     ["model"],
+    ["blocks"],
     ["files"],
     ["library"],
     ["causality"],
@@ -33,7 +34,9 @@ LAYERS = [
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 
 # Display methods that import rightwards when they are called: the function, the rooms it may use.
+# and the one place where a model asks for a ready part by its name, which is a file to read.
 DISPLAY: dict[str, set[str]] = {
+    "hybond.model.hierarchy._submodel": {"library"},
     "hybond.causality.report.CausalityReport._repr_svg_": {"draw"},
     "hybond.model.builder.Model.draw": {"draw"},
     "hybond.result.Result.plot": {"draw"},

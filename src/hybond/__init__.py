@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
+    from hybond import library
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
     from hybond.analysis.structure.structure import structure
+    from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
@@ -43,10 +45,26 @@ if TYPE_CHECKING:
         UsageError,
     )
     from hybond.export import export
-    from hybond.files import dumps, load, loads, save
+    from hybond.files.load import load, loads
+    from hybond.files.save import dumps, save
     from hybond.model import switching
     from hybond.model.builder import Model
-    from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Submodel, Zero
+    from hybond.model.parts import (
+        GY,
+        TF,
+        Block,
+        C,
+        G,
+        I,
+        Integral,
+        One,
+        R,
+        Sampled,
+        Se,
+        Sf,
+        Submodel,
+        Zero,
+    )
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
@@ -71,10 +89,14 @@ _HOME = {
     ),
     **dict.fromkeys(("dumps", "load", "loads", "save"), "hybond.files"),
     **dict.fromkeys(
-        ("GY", "TF", "C", "G", "I", "Integral", "One", "R", "Se", "Sf", "Submodel", "Zero"),
+        (
+            *("C", "I", "R", "G", "Se", "Sf", "TF", "GY", "One", "Zero"),
+            *("Block", "Integral", "Sampled", "Submodel"),
+        ),
         "hybond.model.parts",
     ),
     "Ensemble": "hybond.sweep.collection",
+    "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
@@ -97,11 +119,14 @@ _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
     "export": "hybond.export",
+    "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; all but the last can be called."""
+"""Rooms that are public as such; `causality`, `draw` and `export` can be called."""
 
 __all__ = [
+    "FMU",
+    "Block",
     "C",
     "CausalityError",
     "Coverage",
@@ -123,6 +148,7 @@ __all__ = [
     "One",
     "R",
     "Result",
+    "Sampled",
     "Se",
     "Sf",
     "Signal",
@@ -144,6 +170,7 @@ __all__ = [
     "ensemble",
     "export",
     "junction_matrix",
+    "library",
     "load",
     "loads",
     "newton_law_model",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import runners_of
 from hybond.errors import HybondError, UsageError
 from hybond.kernel.marcher import ONLY, Marcher, marcher
 from hybond.model.builder import Model
@@ -68,6 +69,7 @@ def simulate(
     keep: int | None = None,
     max_events: int | None = None,
     journal: str | Path | None = None,
+    fmus: bool = False,
 ) -> Result:
     """Simulate a model from t = 0.
 
@@ -126,6 +128,9 @@ def simulate(
     journal : str or Path
         A CSV file to which events are written as they happen: time, cause, the states of the
         machines, stored quantities and signals after it.
+    fmus : bool
+        Whether the functional mock-up units that the model names may run. They are machine code
+        and can do what any program can: say so for files that you trust.
 
     Returns
     -------
@@ -201,12 +206,16 @@ def simulate(
             theta=stepping_theta(theta if theta is not None else experiment.get("theta", 0.5)),
             max_writes=writes,
             progress=progress,
+            runners=runners_of(graph, fmus=fmus),
         )
         ignored = _ignored_impact(impact, experiment)
         if ignored is not None:
             executive.trace.warn(ignored)
         executive.trace.kernel = f"not used: {ONLY}"
-        return _finish(graph, program, executive, end, name, on_error)
+        try:
+            return _finish(graph, program, executive, end, name, on_error)
+        finally:
+            executive.sampling.close()
     if theta is not None:
         raise UsageError(
             f"theta is given, but solver {name!r} has none",
@@ -239,11 +248,13 @@ def simulate(
         march=fast if isinstance(fast, Marcher) else None,
         keep=keep,
         journal=None if journal is None else _opened(journal, graph),
+        runners=runners_of(graph, fmus=fmus),
     )
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
         return _finish(graph, program, executive, end, name, on_error, chosen)
     finally:
+        executive.sampling.close()
         if executive.journal is not None:
             executive.journal.close()
 

@@ -102,7 +102,7 @@ def test_a_folder_one_may_not_write_to(shell: Any) -> None:
 def test_help_has_an_example_for_each_verb(shell: Any) -> None:
     whole = shell("--help")
     assert whole.code == 0
-    for verb in ("demo", "new", "check", "draw", "run", "sweep", "explain", "convert"):
+    for verb in ("demo", "new", "check", "draw", "run", "sweep", "explain", "convert", "library"):
         assert f"    {verb}" in whole.out
         done = shell(verb, "--help")
         assert done.code == 0 and f"hybond {verb}" in done.out.split("\nexample")[1]
@@ -117,7 +117,7 @@ def test_version(shell: Any) -> None:
 def test_every_verb_is_in_the_page(shell: Any) -> None:
     page = Path(__file__).parents[2] / "docs" / "cli.md"
     text = page.read_text(encoding="utf-8")
-    for verb in ("demo", "new", "check", "draw", "run", "sweep", "explain", "convert"):
+    for verb in ("demo", "new", "check", "draw", "run", "sweep", "explain", "convert", "library"):
         assert f"`hybond {verb}" in text
 
 

@@ -33,6 +33,7 @@ VERBS = {
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format (TOML, JSON)",
     "export": "write a model as a program, or for another tool",
+    "library": "list the ready parts, or show one",
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
@@ -271,6 +272,15 @@ def _parser() -> Parser:
     export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
     export.add_argument("--max-step", metavar="H", help="longest step")
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
+    library = _verb(
+        verbs,
+        "library",
+        "hybond library",
+        "hybond library electrical.diode",
+        "hybond library electrical.diode --file > my_diode.toml",
+    )
+    library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
+    library.add_argument("--file", action="store_true", help="print its model file")
     return parser
 
 
@@ -312,4 +322,7 @@ def _solver(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--max-step", metavar="H", help="longest step")
     impacts = "newton, newton_simultaneous, poisson, lzb, lzb_hertz"
+    parser.add_argument(
+        "--fmus", action="store_true", help="run the code of the FMUs that the model names"
+    )
     parser.add_argument("--impact", metavar="NAME", help=f"law of multiple impacts: {impacts}")

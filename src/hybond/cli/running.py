@@ -54,6 +54,7 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
             max_step=getattr(given, "max_step", None),
             theta=getattr(given, "theta", None),
             impact=getattr(given, "impact", None),
+            fmus=getattr(given, "fmus", False),
             progress=progress,
             on_error="return",
         )

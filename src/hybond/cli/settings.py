@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from hybond.errors import ModelError, UsageError
+from hybond.library import find
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import KINDS
-from hybond.model.parts import InputPart, Integral, Part, SubmodelPart
+from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart
 from hybond.names import did_you_mean, join
 
 
@@ -115,15 +116,18 @@ def _set(model: Model, names: list[str], value: str, known: Mapping[str, Model])
         new_part = _changed(part, rest[0], value)
         return None if new_part is None else _copy(model, "elements", name, new_part)
     if isinstance(part, SubmodelPart) and rest:
+        if len(rest) == 1 and rest[0] in part.inputs:
+            inputs = {**part.inputs, rest[0]: value}
+            return _copy(model, "elements", name, replace(part, inputs=inputs))
         inner = _inner(part, known)
         if inner is None or (len(rest) == 1 and rest[0] in inner.parameters):
             return None
         new_inner = _set(inner, rest, value, known)
         if new_inner is None:
             return None
-        return _copy(model, "elements", name, SubmodelPart(new_inner, part.parameters))
+        return _copy(model, "elements", name, replace(part, model=new_inner))
     signal = model.signals.get(name)
-    if isinstance(signal, Integral) and rest == ["start"]:
+    if isinstance(signal, Integral | Sampled) and rest == ["start"]:
         return _copy(model, "signals", name, replace(signal, start=value))
     if name in model.machines and rest == ["start"]:
         return _copy(model, "machines", name, replace(model.machines[name], start=value))
@@ -151,7 +155,9 @@ def _starts(part: Part) -> tuple[str, ...]:
 
 
 def _inner(part: SubmodelPart, known: Mapping[str, Model]) -> Model | None:
-    return part.model if isinstance(part.model, Model) else known.get(part.model)
+    if isinstance(part.model, Model):
+        return part.model
+    return known.get(part.model) or find(part.model)
 
 
 def _copy(model: Model, group: str, name: str, part: object) -> Model:
@@ -175,7 +181,7 @@ def _paths(model: Model, prefix: str, known: Mapping[str, Model]) -> Iterator[st
         elif part.kind not in ("0", "1"):
             yield from (join(path, key) for key in (part.kind, *_starts(part)))
     for name, signal in model.signals.items():
-        if isinstance(signal, Integral):
+        if isinstance(signal, Integral | Sampled):
             yield join(prefix, name, "start")
     for name in model.machines:
         yield join(prefix, name, "start")

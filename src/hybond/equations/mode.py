@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import partial_time, reads_bonds
+from hybond.equations.damped import damped
 from hybond.equations.element_parts import Dynamic
 from hybond.equations.leakage import (
     Projection,
@@ -238,6 +239,9 @@ class ModeEquations:
                 update <= 1e-9 * scale and update >= 0.5 * previous
             ):
                 return self._found(v, r, base + self.n2 @ r)
+        carefully = self._by_shorter_steps(v, x, xi, base)
+        if carefully is not None:
+            return self._found(v, carefully, base + self.n2 @ carefully)
         self.guess = None
         names = ", ".join(self.graph.nodes[d.node].path for d in self.rows if d.node >= 0)
         raise NumericsError(
@@ -246,6 +250,22 @@ class ModeEquations:
             where=self.graph.mode_text(self.mode),
             hint="check these laws for jumps or missing slopes; start closer to a solution",
         )
+
+    def _by_shorter_steps(
+        self, v: list[float], x: Vector, xi: Vector, base: Vector
+    ) -> Vector | None:
+        """Return the free unknowns where full steps of Newton did not find them, or None."""
+
+        def system(r: Vector) -> tuple[Vector, Matrix]:
+            self.newton_steps += 1
+            return self._system(v, x, xi, base + self.n2 @ r)
+
+        zero = np.zeros(self.n2.shape[1])
+        for start in (zero,) if self.guess is None else (self.guess, zero):
+            found = damped(system, _least_squares, start, tolerance=NEWTON_TOLERANCE)
+            if found is not None:
+                return found
+        return None
 
     def _found(self, v: list[float], r: Vector, w: Vector) -> Vector:
         self.guess = r

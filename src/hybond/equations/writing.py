@@ -13,6 +13,7 @@ from hybond.model.expressions import names as names_of
 from hybond.model.expressions import to_latex as expr_latex
 from hybond.model.expressions import to_text as expr_text
 from hybond.model.graph import Mode
+from hybond.units import format_quantity
 
 Terms = dict[Cube, list[tuple[str, Any]]]
 """Per Boolean product: name of a variable and its coefficient."""
@@ -136,6 +137,9 @@ class _Writer:
     def equals(self, left: str, right: str) -> str:
         raise NotImplementedError
 
+    def every(self, time: str) -> str:
+        raise NotImplementedError
+
     # -- equations
 
     def equations(self) -> list[str]:
@@ -168,15 +172,25 @@ class _Writer:
         return found
 
     def _integrals(self) -> list[str]:
-        """Return the rates of the integrated signals that the equations read."""
+        """Return the rates of the integrated signals that the equations read, or their samples."""
         eq = self.eq
         read = {n for row in (*eq.rows, *eq.outputs) for n in eq.names_in(row)}
         read |= {n for k in (*eq.sources, *eq.laws) for n in names_of(self._law(k))}
+        samples = {k: s for s in eq.graph.samples if s.block is None for k in s.signals}
+        blocks = {k for s in eq.graph.samples if s.block is not None for k in s.signals}
         found, seen = [], set()
         while wanted := sorted(n for n in read if n.startswith("s:") and n not in seen):
             for name in wanted:
                 seen.add(name)
                 integral = eq.graph.integrals[int(name[2:])]
+                if int(name[2:]) in blocks:
+                    continue
+                if int(name[2:]) in samples:
+                    sample = samples[int(name[2:])]
+                    now = self.equals(self.variable(integral.path), self.formula(sample.values[0]))
+                    found.append(now + self.every(format_quantity(sample.every, "s")))
+                    read |= names_of(sample.values[0])
+                    continue
                 row = eq.signal_row(integral.rate)
                 value = (
                     self.formula(integral.rate) if row is None else self._sum(self._terms(row, 1.0))
@@ -283,6 +297,9 @@ class _Text(_Writer):
     def equals(self, left: str, right: str) -> str:
         return f"{left} = {right}"
 
+    def every(self, time: str) -> str:
+        return f"  every {time}"
+
 
 class _Latex(_Writer):
     times = r" \, "
@@ -312,6 +329,9 @@ class _Latex(_Writer):
 
     def equals(self, left: str, right: str) -> str:
         return f"{left} &= {right}"
+
+    def every(self, time: str) -> str:
+        return rf" \quad\text{{every {time}}}"
 
     def where(self) -> list[str]:
         return [line.replace("&= ", "= ") for line in super().where()]

@@ -38,7 +38,7 @@ PORTABLE = Path(__file__).parent / "portable"
 @lru_cache(maxsize=1)
 def runtime() -> Program:
     """Return the runtime, read and checked."""
-    return load([PORTABLE / "run.py", PORTABLE / "lookup.py"])
+    return load([PORTABLE / "run.py", PORTABLE / "unit.py", PORTABLE / "lookup.py"])
 
 
 @dataclass(frozen=True, slots=True)

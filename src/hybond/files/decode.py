@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hybond.blocks.fmu import fmu_block
 from hybond.errors import FileError, ModelError
 from hybond.files.check import check, describe
 from hybond.files.elements import read_element
@@ -11,7 +12,7 @@ from hybond.files.place import Place, shortened
 from hybond.files.schema import VERSION, File
 from hybond.files.submodel_files import Reading, is_file
 from hybond.model.builder import Model
-from hybond.model.parts import InputPart, Integral, MachinePart, SubmodelPart
+from hybond.model.parts import InputPart, Integral, MachinePart, Sampled, SubmodelPart
 
 
 def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
@@ -48,6 +49,7 @@ def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: s
 def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
     """Return the model of data that `check` has accepted as a `Submodel`."""
     model = Model(data.get("name", name), title=data.get("title", ""))
+    model.about = data.get("about", model.about)
     model.domain = data.get("domain", model.domain)
     model.indeterminate = data.get("indeterminate", model.indeterminate)
     for key, value in data.get("parameters", {}).items():
@@ -62,9 +64,7 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     for key, value in data.get("signals", {}).items():
         _name(model, key, place / "signals" / key)
         model.signals[key] = (
-            value
-            if isinstance(value, str)
-            else Integral(value["integral"], value.get("start", 0.0))
+            value if isinstance(value, str) else _dynamic(value, place / "signals" / key)
         )
     for key, value in data.get("inputs", {}).items():
         _name(model, key, place / "inputs" / key)
@@ -73,6 +73,15 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
         _name(model, key, place / "machines" / key)
         states = {state: tuple(on) for state, on in value["states"].items()}
         model.machines[key] = MachinePart(states, value["start"], tuple(value.get("rules", ())))
+    for key, value in data.get("blocks", {}).items():
+        at = place / "blocks" / key
+        _name(model, key, at)
+        model.blocks[key] = fmu_block(
+            value["fmu"],
+            reading.unit(value["fmu"], at / "fmu"),
+            where=str(at),
+            **{k: v for k, v in value.items() if k != "fmu"},
+        )
     causality = data.get("causality", {})
     model.pins = dict(causality.get("pins", {}))
     model.reference_states = dict(causality.get("reference", {}))
@@ -103,6 +112,25 @@ def _name(model: Model, name: str, place: Place) -> None:
         raise FileError(
             shortened(error.why, 120), code=error.code, where=str(place), hint=error.hint
         ) from None
+
+
+def _dynamic(data: dict[str, Any], place: Place) -> Integral | Sampled:
+    start = data.get("start", 0.0)
+    of_samples = sorted(data.keys() & {"sample", "every", "phase"})
+    if "integral" in data and of_samples:
+        raise place.refuse(
+            f"a signal is an integral or a sample; this has {of_samples[0]!r} as well",
+            code="HB-F113",
+            hint='{ integral = "v.f" } or { sample = "v.f", every = "1 ms" }',
+        )
+    for key in ("sample", "every") if of_samples else ("integral",):
+        if key not in data:
+            raise place.refuse(
+                f"{key!r} is missing", code="HB-F111", hint=f"add {key} = ... in this place"
+            )
+    if not of_samples:
+        return Integral(data["integral"], start)
+    return Sampled(data["sample"], data["every"], start, data.get("phase", 0.0))
 
 
 def _input(data: dict[str, Any], place: Place) -> InputPart:

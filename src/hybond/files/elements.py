@@ -42,7 +42,7 @@ def read_element(data: Any, place: Place) -> Part | SubmodelPart:
         )
     check(data, ELEMENTS[kind], place)
     if kind == "submodel":
-        return SubmodelPart(value, dict(data.get("parameters", {})))
+        return SubmodelPart(value, dict(data.get("parameters", {})), dict(data.get("inputs", {})))
     options = {key: option for key, option in data.items() if key != kind}
     if kind == "junction":
         return Part(str(value), None, options)
@@ -70,7 +70,7 @@ def _kind(data: dict[str, Any], place: Place) -> str:
         raise place.refuse(
             "the element has no kind", code="HB-F113", hint="kinds: " + ", ".join(ELEMENTS)
         )
-    options = {"domain", "impulsive", "parameters", "e", "f", "q", "p"}
+    options = {"domain", "impulsive", "parameters", "inputs", "e", "f", "q", "p"}
     strange = next((key for key in data if key not in options), next(iter(data)))
     if strange in options:
         raise place.refuse(

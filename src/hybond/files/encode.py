@@ -12,7 +12,15 @@ from hybond.files.place import Path, dotted
 from hybond.files.schema import VERSION
 from hybond.files.submodel_files import is_file
 from hybond.model.builder import RESERVED, Model
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart
+from hybond.model.parts import (
+    BlockPart,
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+)
 
 
 def to_data(model: Model, *, inline: bool = False) -> dict[str, Any]:
@@ -56,6 +64,8 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
     data: dict[str, Any] = {"name": model.name}
     if model.title:
         data["title"] = model.title
+    if model.about:
+        data["about"] = model.about
     if model.domain != "generic":
         data["domain"] = model.domain
     if model.indeterminate != "error":
@@ -67,6 +77,7 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
         "signals": {k: _signal(v) for k, v in model.signals.items()},
         "inputs": {k: _input(v, (*path, "inputs", k)) for k, v in model.inputs.items()},
         "machines": {k: _machine(v) for k, v in model.machines.items()},
+        "blocks": {k: _block(v, (*path, "blocks", k)) for k, v in model.blocks.items()},
         "causality": _causality(model),
         "ports": model.ports,
         "models": {
@@ -126,8 +137,11 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     if isinstance(part, SubmodelPart):
         if not isinstance(part.model, str | Model):
             raise _refuse(f"{part.model!r} is not a model", path, "HB-F110")
-        data = {"submodel": models.name(part.model)}
-        return {**data, "parameters": part.parameters} if part.parameters else data
+        given = {"parameters": part.parameters, "inputs": part.inputs}
+        return {
+            "submodel": models.name(part.model),
+            **{key: values for key, values in given.items() if values},
+        }
     if not isinstance(part, Part):
         raise _refuse(f"{part!r} is not an element", path, "HB-F110")
     if part.kind in ("0", "1"):
@@ -135,11 +149,14 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     return {part.kind: part.value, **part.options}
 
 
-def _signal(signal: str | Integral) -> Any:
-    if not isinstance(signal, Integral):
+def _signal(signal: str | Integral | Sampled) -> Any:
+    if isinstance(signal, str):
         return signal
     start = {} if repr(signal.start) == "0.0" else {"start": signal.start}
-    return {"integral": signal.rate, **start}
+    if isinstance(signal, Integral):
+        return {"integral": signal.rate, **start}
+    phase = {} if repr(signal.phase) == "0.0" else {"phase": signal.phase}
+    return {"sample": signal.value, "every": signal.every, **start, **phase}
 
 
 def _input(given: InputPart, path: Path) -> dict[str, Any]:
@@ -160,6 +177,23 @@ def _input(given: InputPart, path: Path) -> dict[str, Any]:
     if given.pwm is not None:
         data["pwm"] = given.pwm
     return data
+
+
+def _block(block: BlockPart, path: Path) -> Any:
+    if block.fmu is None:
+        raise _refuse(
+            "a Python function cannot be written to a model file",
+            path,
+            "HB-F110",
+            "write what it does as sampled signals, or as an FMU",
+        )
+    outputs: Any = list(block.outputs)
+    if block.description is not None and outputs == list(block.description.of("output")):
+        outputs = None
+    phase = None if repr(block.phase) == "0.0" else block.phase
+    options = {"inputs": block.inputs, "parameters": block.parameters, "outputs": outputs}
+    given = {k: v for k, v in {"phase": phase, **options}.items() if v}
+    return {"fmu": block.fmu, "every": block.every, **given}
 
 
 def _machine(machine: MachinePart) -> dict[str, Any]:

@@ -138,6 +138,7 @@ class SubmodelElement(Struct, forbid_unknown_fields=True):
 
     submodel: Annotated[str, Meta(min_length=1)]
     parameters: dict[str, Scalar] | UnsetType = UNSET
+    inputs: dict[str, Scalar] | UnsetType = UNSET
 
 
 ELEMENTS: dict[str, type[Struct]] = {
@@ -161,10 +162,13 @@ class Graph(Struct, forbid_unknown_fields=True):
     bonds: list[str] | UnsetType = UNSET
 
 
-class Integrated(Struct, forbid_unknown_fields=True):
-    """A signal that is the integral of an expression over time."""
+class Dynamic(Struct, forbid_unknown_fields=True):
+    """A signal that is the integral of an expression over time, or samples one."""
 
-    integral: str
+    integral: str | UnsetType = UNSET
+    sample: str | UnsetType = UNSET
+    every: Scalar | UnsetType = UNSET
+    phase: Scalar | UnsetType = UNSET
     start: Scalar | UnsetType = UNSET
 
 
@@ -227,19 +231,32 @@ class Causality(Struct, forbid_unknown_fields=True):
     reference: dict[str, str] | UnsetType = UNSET
 
 
+class Block(Struct, forbid_unknown_fields=True):
+    """A functional mock-up unit as a block of signals."""
+
+    fmu: Annotated[str, Meta(min_length=1)]
+    every: Scalar
+    phase: Scalar | UnsetType = UNSET
+    inputs: dict[str, Scalar] | UnsetType = UNSET
+    parameters: dict[str, Scalar] | UnsetType = UNSET
+    outputs: list[str] | UnsetType = UNSET
+
+
 class Submodel(Struct, forbid_unknown_fields=True):
     """A model inside a model: the sections of a file."""
 
     name: Annotated[str, Meta(min_length=1)] | UnsetType = UNSET
     title: str | UnsetType = UNSET
+    about: str | UnsetType = UNSET
     domain: str | UnsetType = UNSET
     indeterminate: Literal["error", "least leakage"] | UnsetType = UNSET
     parameters: dict[str, Scalar] | UnsetType = UNSET
     elements: dict[str, dict[str, Any]] | UnsetType = UNSET
     graph: Graph | UnsetType = UNSET
-    signals: dict[str, str | Integrated] | UnsetType = UNSET
+    signals: dict[str, str | Dynamic] | UnsetType = UNSET
     inputs: dict[str, Waveform] | UnsetType = UNSET
     machines: dict[str, Machine] | UnsetType = UNSET
+    blocks: dict[str, Block] | UnsetType = UNSET
     causality: Causality | UnsetType = UNSET
     ports: dict[str, str] | UnsetType = UNSET
     models: dict[str, Submodel] | UnsetType = UNSET
@@ -251,6 +268,9 @@ class File(Submodel, forbid_unknown_fields=True):
     """A hybond model file, format version 1."""
 
     hybond: Literal[1] = msgspec.field(default=1)
+
+
+_OF_SAMPLES = ("sample", "every", "phase")
 
 
 def json_schema() -> dict[str, Any]:
@@ -269,6 +289,10 @@ def json_schema() -> dict[str, Any]:
         parts[model]["properties"]["elements"]["additionalProperties"] = one_element
     parts["File"]["required"] = ["hybond"]
     parts["LawOfR"].update(minProperties=1, maxProperties=1)
+    parts["Dynamic"]["oneOf"] = [
+        {"required": ["integral"], "not": {"anyOf": [{"required": [k]} for k in _OF_SAMPLES]}},
+        {"required": ["sample", "every"]},
+    ]
     parts["Waveform"]["oneOf"] = [{"required": [k]} for k in ("constant", "table", "pwm")]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -98,7 +98,19 @@ class Reading:
             self._models[path] = self._read(path, reference, place)
         return self._models[path]
 
-    def _resolve(self, reference: str, place: Place) -> Path:
+    def unit(self, reference: str, place: Place) -> Path | None:
+        """Return the path of the FMU that `reference` names, or None if not to follow.
+
+        Raises
+        ------
+        FileError
+            HB-F115 (outside the tree).
+        """
+        return self._resolve(reference, place, (".fmu",)) if self.follow else None
+
+    def _resolve(
+        self, reference: str, place: Place, kinds: tuple[str, ...] = (".toml", ".json")
+    ) -> Path:
         def refuse(why: str, hint: str) -> FileError:
             return place.refuse(f"{quoted(reference)} {why}", code="HB-F115", hint=hint)
 
@@ -109,9 +121,10 @@ class Reading:
         if PurePosixPath(reference).is_absolute() or PureWindowsPath(reference).drive:
             raise refuse("is an absolute path", "write it relative to this file")
         if ".." in PurePosixPath(reference).parts:
-            raise refuse("goes upwards", "keep submodels beside the model or below it")
-        if not reference.lower().endswith((".toml", ".json")):
-            raise refuse("is not a model file", "model files end in .toml or .json")
+            raise refuse("goes upwards", "keep files beside the model or below it")
+        if not reference.lower().endswith(kinds):
+            what = "an FMU" if kinds == (".fmu",) else "a model file"
+            raise refuse(f"is not {what}", f"its name ends in {' or '.join(kinds)}")
         try:
             path = (self._folder / reference).resolve()
         except (OSError, RuntimeError, ValueError):

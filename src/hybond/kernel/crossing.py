@@ -183,6 +183,8 @@ class Ahead:
         rows = [] if gone is None else self._rows[gone + 1 :]
         self.intervals, self._rows = [interval, *known], [self._row(t, interval), *rows]
         while (end := self.intervals[-1].end) < self.until and len(self.intervals) < AHEAD:
+            if any(s.due(end) for s in self.graph.samples):
+                break  # the reference samples
             following = interval_after(self.graph, end)
             self.intervals.append(following)
             self._rows.append(self._row(end, following))

@@ -7,7 +7,16 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import ModelError
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.model.parts import (
+    BlockPart,
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+    Value,
+)
 
 if TYPE_CHECKING:
     from hybond.model.graph import FlatGraph
@@ -55,13 +64,16 @@ class Model:
     ) -> None:
         self.name = name
         self.title = title
+        self.about = ""
+        """What the model is, in several lines; Markdown."""
         self.domain = domain
         self.parameters: dict[str, Value] = dict(parameters or {})
         self.elements: dict[str, Part | SubmodelPart] = {}
         self.bonds: list[str] = []
-        self.signals: dict[str, str | Integral] = {}
+        self.signals: dict[str, str | Integral | Sampled] = {}
         self.inputs: dict[str, InputPart] = {}
         self.machines: dict[str, MachinePart] = {}
+        self.blocks: dict[str, BlockPart] = {}
         self.ports: dict[str, str] = {}
         self.models: dict[str, Model] = {}
         self.experiment: dict[str, Any] = {}
@@ -94,8 +106,8 @@ class Model:
         """Add or change parameters."""
         self.parameters.update(parameters)
 
-    def signal(self, **signals: str | Integral) -> None:
-        """Add signals: an expression, or an `Integral`."""
+    def signal(self, **signals: str | Integral | Sampled) -> None:
+        """Add signals: an expression, an `Integral`, or what is `Sampled`."""
         for name, signal in signals.items():
             self._new_name(name)
             self.signals[name] = signal
@@ -110,6 +122,12 @@ class Model:
                 self.inputs[name] = InputPart(function=given)
             else:
                 self.inputs[name] = InputPart(constant=given)
+
+    def block(self, **blocks: BlockPart) -> None:
+        """Add blocks of signals: `hybond.Block`, `hybond.FMU`."""
+        for name, block in blocks.items():
+            self._new_name(name)
+            self.blocks[name] = block
 
     def machine(
         self,
@@ -206,7 +224,10 @@ class Model:
                 where=name,
                 hint="letters, digits and _; not a word of the expression language",
             )
-        taken = (self.elements, self.signals, self.inputs, self.machines, self.parameters)
+        taken = (
+            *(self.elements, self.signals, self.inputs, self.machines, self.blocks),
+            self.parameters,
+        )
         if any(name in group for group in taken):
             raise ModelError(
                 f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"

@@ -16,20 +16,23 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import (
-    And,
-    Bool,
     Compare,
     Expr,
-    If,
     Name,
-    Not,
     Number,
-    Or,
     Pre,
     children,
     parse,
 )
-from hybond.model.graph import Bond, FlatGraph, Integral, Machine, Node, Rule, Storage
+from hybond.model.graph import (
+    Bond,
+    FlatGraph,
+    Integral,
+    Machine,
+    Node,
+    Rule,
+    Storage,
+)
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
 from hybond.model.junction_laws import (
@@ -46,7 +49,8 @@ from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import InputPart, Value
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.planar_friction import paired, pairs_of
-from hybond.model.resolve import Resolver
+from hybond.model.resolve import Resolver, is_condition
+from hybond.model.sampled import samples_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean, join
 from hybond.uncollected import uncollected
@@ -98,6 +102,10 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     integrals = _integrals(opened, resolver, dimensions)
+    samples = samples_of(opened, resolver, dimensions)
+    for path in opened.given:
+        given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
+        _check_given(path, given, opened)
     for raw, node in zip(raw_nodes, nodes, strict=True):
         if raw.path in with_laws and raw.written is not None:
             check_units(node, raw.written, resolver, dimensions)
@@ -124,6 +132,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
         signals=signals,
         parameters={k: v.value for k, v in opened.parameters.items()},
         dimensions=dimensions,
+        samples=samples,
         experiment=dict(model.experiment),
         layout=opened.layout,
         warnings=law_warnings(machines),
@@ -136,6 +145,19 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     )
     check_readers(graph)
     return fieldless.checked(graph)
+
+
+def _check_given(path: str, given: Dimension | None, opened: Opened) -> None:
+    """Refuse an input of a submodel in another unit than its own value has."""
+    scope, part = opened.given[path]
+    own = _input(0, path, scope, part).dimension
+    if own is not None and given is not None and own != given:
+        raise UnitError(
+            f"the input is in {own}, and is given in {given}",
+            code="HB-U103",
+            where=path,
+            hint=f"give it in {own}",
+        )
 
 
 def _parametric(node: Node, raw: RawNode, resolver: Resolver) -> Parametric:
@@ -494,18 +516,3 @@ def _reads(tree: Expr) -> list[Expr]:
     if isinstance(tree, Compare) and tree.op in ("==", "!="):
         return []
     return list(dict.fromkeys(r for c in children(tree) for r in _reads(c)))
-
-
-def is_condition(e: Expr) -> bool:
-    """Whether `e` is true or false rather than a number."""
-    match e:
-        case Compare() | And() | Or() | Not() | Bool():
-            return True
-        case Name(path):
-            return path.startswith(("on:", "in:", "at:"))
-        case Pre(arg):
-            return is_condition(arg)
-        case If():
-            return is_condition(e.then) and is_condition(e.orelse)
-        case _:
-            return False

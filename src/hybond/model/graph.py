@@ -22,6 +22,7 @@ once and every mode evaluates the same tree:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -31,6 +32,7 @@ from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
+from hybond.model.parts import BlockPart
 from hybond.names import did_you_mean
 from hybond.units import Dimension, Domain
 
@@ -159,6 +161,49 @@ class Integral:
 
 
 @dataclass(frozen=True, slots=True)
+class Sample:
+    """Signals that are set at the instants ``phase + n*every`` and held between.
+
+    They are of the integrals, with the numbers `signals` and rate zero. Without a block there is
+    one, and it is set to the one of `values`; a block computes them from its inputs, `values`.
+    """
+
+    signals: tuple[int, ...]
+    values: tuple[Expr, ...]
+    every: float
+    phase: float
+    path: str
+    block: BlockPart | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Of the block, in SI."""
+
+    def next_after(self, t: float) -> float:
+        """Return the first instant after `t`, s.
+
+        Instant n is computed from n, so that instants do not drift.
+
+        Examples
+        --------
+        >>> from hybond.model.expressions import Number
+        >>> sample = Sample((0,), (Number(1.0),), every=0.1, phase=0.0, path="held")
+        >>> sample.next_after(-1.0), sample.next_after(0.0), sample.next_after(0.25)
+        (0.0, 0.1, 0.30000000000000004)
+        """
+        if t < self.phase:
+            return self.phase
+        n = math.floor((t - self.phase) / self.every)
+        n -= self.phase + n * self.every > t
+        while (instant := self.phase + n * self.every) <= t:
+            n += 1
+        return instant
+
+    def due(self, t: float) -> bool:
+        """Whether `t` is one of the instants."""
+        n = round((t - self.phase) / self.every)
+        return n >= 0 and t == self.phase + n * self.every
+
+
+@dataclass(frozen=True, slots=True)
 class Watch:
     """A comparison of time alone, ``time >= t_off``: constant between two timed events."""
 
@@ -197,6 +242,7 @@ class FlatGraph:
     """Values in SI by dotted path."""
     dimensions: Mapping[str, Dimension | None]
     """Dimension of each canonical name and of each signal path."""
+    samples: tuple[Sample, ...] = ()
     experiment: Mapping[str, Any] = field(default_factory=dict)
     layout: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()

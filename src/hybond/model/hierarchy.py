@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     Expr,
@@ -22,7 +22,16 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.parts import InputPart, Integral, MachinePart, Part, SubmodelPart, Value
+from hybond.model.parts import (
+    BlockPart,
+    InputPart,
+    Integral,
+    MachinePart,
+    Part,
+    Sampled,
+    SubmodelPart,
+    Value,
+)
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
@@ -84,7 +93,12 @@ class Opened:
     bonds: list[WrittenBond] = field(default_factory=list)
     signals: dict[str, tuple[Scope, str]] = field(default_factory=dict)
     integrals: dict[str, tuple[Scope, Integral]] = field(default_factory=dict)
+    sampled: dict[str, tuple[Scope, Sampled]] = field(default_factory=dict)
+    """Those of the integrals, with rate zero, that are set at instants."""
+    blocks: dict[str, tuple[Scope, BlockPart]] = field(default_factory=dict)
     inputs: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
+    given: dict[str, tuple[Scope, InputPart]] = field(default_factory=dict)
+    """Inputs of submodels that are signals of the model around them; and what they were."""
     machines: dict[str, tuple[Scope, MachinePart]] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     ports: dict[str, str] = field(default_factory=dict)
@@ -100,7 +114,8 @@ def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
     ------
     ModelError
         HB-M105 unknown submodel, HB-M106 submodels that contain each other, HB-M107 unknown
-        parameter, HB-M108 parameters that depend on each other, HB-M109 a bad bond.
+        parameter, HB-M108 parameters that depend on each other, HB-M109 a bad bond, HB-M111
+        unknown input of a submodel.
     """
     opened = Opened()
     left = dict(overrides)
@@ -162,14 +177,24 @@ def _open(
             k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
         }
         _open(inner, path, passed, opened, overrides, (*chain, inner), known)
+        _connect(part, inner, path, scope, opened)
+        _put(path, model.layout.get(name), opened.layout)
     for port, target in model.ports.items():
         opened.ports[join(prefix, port)] = join(prefix, target)
     for name, signal in model.signals.items():
         path = join(prefix, name)
         if isinstance(signal, Integral):
             opened.integrals[path] = (scope, signal)
+        elif isinstance(signal, Sampled):
+            opened.integrals[path] = (scope, Integral("0", signal.start))
+            opened.sampled[path] = (scope, signal)
         else:
             opened.signals[path] = (scope, signal)
+    for name, block in model.blocks.items():
+        path = join(prefix, name)
+        opened.blocks[path] = (scope, block)
+        for output, start in block.outputs.items():
+            opened.integrals[join(path, output)] = (scope, Integral("0", start))
     for name, given_input in model.inputs.items():
         opened.inputs[join(prefix, name)] = (scope, given_input)
     for name, machine in model.machines.items():
@@ -182,17 +207,49 @@ def _open(
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
 
 
+def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:
+    """Put the nodes of a submodel where it stands; one that stands nowhere keeps no places."""
+    for inner in [k for k in layout if k.startswith(f"{path}.")]:
+        x, y = layout.pop(inner)
+        if at is not None:
+            layout[inner] = (at[0] + x, at[1] + y)
+
+
+def _connect(part: SubmodelPart, inner: Model, path: str, scope: Scope, opened: Opened) -> None:
+    """Put in what the inputs of a submodel are in the model around it."""
+    for name, value in part.inputs.items():
+        own = join(path, name)
+        if own not in opened.inputs:
+            raise ModelError(
+                f"the submodel {inner.name!r} has no input {name!r}",
+                code="HB-M111",
+                where=own,
+                hint=did_you_mean(name, inner.inputs),
+            )
+        if isinstance(literal(value, own), Number):
+            opened.inputs[own] = (scope, InputPart(constant=value))
+        else:
+            opened.given[own] = opened.inputs.pop(own)
+            opened.signals[own] = (scope, value)
+
+
 def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Model:
     if isinstance(part.model, Model):
         return part.model
-    if part.model not in known:
+    if part.model in known:
+        return known[part.model]
+    from hybond.library import find
+    from hybond.library import names as ready_parts
+
+    ready = find(part.model)
+    if ready is None:
         raise ModelError(
             f"there is no submodel {part.model!r}",
             code="HB-M105",
             where=path,
-            hint=did_you_mean(str(part.model), known),
+            hint=did_you_mean(str(part.model), [*known, *ready_parts()]),
         )
-    return known[part.model]
+    return ready
 
 
 def _parameters(
@@ -213,6 +270,19 @@ def _parameters(
         if path in overrides:
             written[name] = overrides.pop(path)
             values.pop(name, None)
+    bare = [k for k, v in values.items() if v.dimension is None]
+    bare += [k for k, v in written.items() if v is not model.parameters[k] and _is_bare(v)]
+    if bare:
+        # a number without a unit is in SI, and of what the model's own value is made of
+        try:
+            own = _parameters(model, prefix, {}, {})
+        except HybondError:
+            own = {}  # what the model says itself has no value, and need not have one
+        for name in bare:
+            if name in written:
+                values[name] = constant(written.pop(name), {}, join(prefix, name))
+            if name in own:
+                values[name] = Number(values[name].value, own[name].dimension)
     pending = list(written)
     while pending:
         waiting = []
@@ -232,6 +302,14 @@ def _parameters(
             )
         pending = waiting
     return values
+
+
+def _is_bare(value: Value) -> bool:
+    """Whether a value is a number without a unit."""
+    if not isinstance(value, str):
+        return not isinstance(value, bool) and isinstance(value, int | float)
+    quantity = try_quantity(value)
+    return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
 def literal(value: Value, where: str) -> Expr:

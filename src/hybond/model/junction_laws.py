@@ -306,7 +306,7 @@ def _option(
     dimensions: Mapping[str, Dimension | None],
 ) -> Expr:
     """Return an option of a law in canonical names, its unit and kind checked."""
-    from hybond.model.flatten import is_condition
+    from hybond.model.resolve import is_condition
 
     value = written.part.options[option]
     at = f"elements.{node.path}.{option}"

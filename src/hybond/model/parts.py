@@ -35,8 +35,10 @@ class SubmodelPart:
     """An instance of a submodel, with parameters given in the scope that contains it."""
 
     model: Any
-    """A name in the models of the containing model, or a `Model`."""
+    """A name in the models of the containing model or of the library, or a `Model`."""
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    inputs: Mapping[str, Value] = field(default_factory=dict)
+    """Input of the submodel to what it is here: an expression of signals, a condition, a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +47,73 @@ class Integral:
 
     rate: str
     start: Value = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """A sampled signal: set to `value` at ``phase + n*every``, n = 0, 1, ..., and held between.
+
+    What the value reads is *a priori*: as it was just before the instant. All signals that are
+    sampled at one instant are so at once.
+
+    Parameters
+    ----------
+    value : str
+        An expression, or a condition, which counts as 1 or 0.
+    every : number or str
+        The period, s.
+    start : number or str
+        What the signal is before its first sample.
+    phase : number or str
+        The first instant, s.
+
+    Examples
+    --------
+    >>> Sampled("u + k*(ref - motor.f)", every="1 ms")
+    Sampled(value='u + k*(ref - motor.f)', every='1 ms', start=0.0, phase=0.0)
+    """
+
+    value: str
+    every: Value
+    start: Value = 0.0
+    phase: Value = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class BlockPart:
+    """A block of signals that is called at the instants ``phase + n*every``.
+
+    Its outputs are signals, ``block.output``, held from instant to instant.
+
+    Parameters
+    ----------
+    inputs : mapping
+        Name of an input to an expression, which is read a priori.
+    outputs : mapping
+        Name of an output to its value before the first instant, which has its unit.
+    every, phase : number or str
+        s.
+    function : callable
+        ``function(t, u) -> y``, where u and y are dicts by name; from Python only.
+    fmu : str
+        The file of a functional mock-up unit, as written.
+    description : object
+        What the FMU says of itself.
+    parameters : mapping
+        Values of its parameters.
+    units : mapping
+        Units of those inputs and parameters that have one.
+    """
+
+    inputs: Mapping[str, Value]
+    outputs: Mapping[str, Value]
+    every: Value
+    phase: Value = 0.0
+    function: Callable[[float, dict[str, float]], Mapping[str, float]] | None = None
+    fmu: str | None = None
+    description: Any = field(default=None, compare=False)
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +183,65 @@ def One(**options: Any) -> Part:
     return Part("1", None, options)
 
 
-def Submodel(model: Any, **parameters: Value) -> SubmodelPart:
-    """Return an instance of a submodel (a name or a `Model`) with its parameters."""
-    return SubmodelPart(model, parameters)
+def Block(
+    function: Callable[[float, dict[str, float]], Mapping[str, float]],
+    /,
+    *,
+    outputs: Mapping[str, Value] | Sequence[str],
+    every: Value,
+    inputs: Mapping[str, Value] | None = None,
+    phase: Value = 0.0,
+) -> BlockPart:
+    """Return a block of signals that a Python function computes at instants.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(t, u) -> y``: the time in s, the inputs by name in SI, the outputs by name. It
+        is called once per instant, in order, and may keep a state of its own; such a state
+        begins anew only if the caller sees to it.
+    outputs : sequence of str, or mapping
+        Names; with a mapping their values before the first instant, which carry their units.
+    every, phase : number or str
+        The instants are ``phase + n*every``.
+    inputs : mapping
+        Name to an expression, read a priori: as it is just before the instant.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("hover", domain="translational")
+    >>> m.add(body=hb.I("1 kg"), thrust=hb.Se("pilot.force"), weight=hb.Se("-9.81 N"), v=hb.One())
+    >>> m.bond("thrust -> v -> body", "weight -> v")
+    >>> m.block(pilot=hb.Block(
+    ...     lambda t, u: {"force": 9.81 - 5.0 * u["speed"]},
+    ...     inputs={"speed": "v.f - 1 [m/s]"}, outputs={"force": "0 N"}, every="10 ms"))
+    >>> round(float(hb.simulate(m, until="3 s")["v.f"].at(3.0)), 6)
+    1.0
+    """
+    values = outputs if isinstance(outputs, Mapping) else dict.fromkeys(outputs, 0.0)
+    return BlockPart(dict(inputs or {}), dict(values), every, phase, function)
+
+
+def Submodel(
+    model: Any, /, *, inputs: Mapping[str, Value] | None = None, **parameters: Value
+) -> SubmodelPart:
+    """Return an instance of a submodel with its parameters and inputs.
+
+    Parameters
+    ----------
+    model : str or Model
+        A name in the models of the containing model, a ready part of the library
+        (``"electrical.diode"``), or a `Model`.
+    inputs : mapping
+        Inputs of the submodel to what they are here: an expression of signals, a condition
+        (which counts as 1 or 0), a number or a quantity. The others keep their own value.
+    **parameters
+        Values of its parameters, in the parameters of the containing model.
+
+    Examples
+    --------
+    >>> Submodel("electrical.switch", inputs={"gate": "time > 1 [ms]"}, R_on="1 mohm").parameters
+    {'R_on': '1 mohm'}
+    """
+    return SubmodelPart(model, parameters, dict(inputs or {}))

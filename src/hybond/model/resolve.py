@@ -13,13 +13,17 @@ from collections.abc import Mapping, Sequence
 from hybond.errors import ModelError
 from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
+    And,
     Binary,
+    Bool,
     Compare,
     Expr,
+    If,
     Name,
     Neg,
     Not,
     Number,
+    Or,
     Pre,
     String,
     children,
@@ -101,7 +105,7 @@ class Resolver:
                 )
             return with_children(e, tuple(visit(c) for c in children(e)))
 
-        return transform(visit(tree), self._watch)
+        return transform(transform(visit(tree), _decided), self._watch)
 
     def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:
         """``machine.state == "open"`` is a Boolean; any other ``==`` is an error."""
@@ -189,11 +193,14 @@ class Resolver:
             self._open.append(path)
             scope, text = self.opened.signals[path]
             where = f"signals.{path}"
-            self._signals[path] = self.resolve(
+            tree = self.resolve(
                 parse(text, where=where) if isinstance(text, str) else Number(float(text)),
                 scope,
                 where,
             )
+            if path in self.opened.given and is_condition(tree):
+                tree = If(tree, Number(1.0), Number(0.0))
+            self._signals[path] = tree
             self._open.pop()
         return self._signals[path]
 
@@ -366,6 +373,39 @@ def balance(node: Node, variable: str, *, without: int | None = None) -> Expr:
         else:
             total = Binary("+" if end.inward else "-", total, term)
     return total
+
+
+def is_condition(e: Expr) -> bool:
+    """Whether `e` is true or false rather than a number."""
+    match e:
+        case Compare() | And() | Or() | Not() | Bool():
+            return True
+        case Name(path):
+            return path.startswith(("on:", "in:", "at:"))
+        case Pre(arg):
+            return is_condition(arg)
+        case If():
+            return is_condition(e.then) and is_condition(e.orelse)
+        case _:
+            return False
+
+
+def _decided(e: Expr) -> Expr:
+    """Return a condition for the comparison of what it gives, ``(if c then 1 else 0) > 0.5``."""
+    match e:
+        case Compare(op, If(cond, Number(a), Number(b)), Number(c)):
+            yes, no = _holds(op, a, c), _holds(op, b, c)
+        case Compare(op, Number(c), If(cond, Number(a), Number(b))):
+            yes, no = _holds(op, c, a), _holds(op, c, b)
+        case _:
+            return e
+    if yes == no:
+        return Bool(yes)
+    return cond if yes else Not(cond)
+
+
+def _holds(op: str, a: float, b: float) -> bool:
+    return {"<": a < b, "<=": a <= b, ">": a > b, ">=": a >= b}[op]
 
 
 def affine_in_time(e: Expr) -> tuple[float, float] | None:

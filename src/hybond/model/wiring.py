@@ -183,9 +183,10 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
         root = find(at[0])
         if own is not None:
             _declare(said, root, str(own), node.path)
-        elif root not in default:
+        elif default.get(root, ("generic", ""))[0] == "generic":
+            # a model without a domain takes that of the parts that it joins
             default[root] = (node.written.scope.model.domain, node.path)
-        elif default[root][0] != node.written.scope.model.domain:
+        elif node.written.scope.model.domain not in (default[root][0], "generic"):
             _declare(default, root, node.written.scope.model.domain, node.path)
     chosen: Mapping[int, tuple[str, str]] = {**default, **said}
     return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]

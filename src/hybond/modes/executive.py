@@ -28,7 +28,7 @@ Nothing else changes the state: a jump is made by `settle` alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,7 +46,8 @@ from hybond.modes.laws.stops import Stops
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.marching import Course, March, Marched
 from hybond.modes.recall import Recall
-from hybond.modes.settle import Settler, event_of
+from hybond.modes.sampling import Runner, Sampling
+from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.sliding.motion import Slider
 from hybond.modes.sliding.view import View
 from hybond.programs.combined import Combined
@@ -135,6 +136,7 @@ class Executive:
         march: March | None = None,
         keep: int | None = None,
         journal: Journal | None = None,
+        runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.program = program
         self.solver = solver
@@ -152,6 +154,7 @@ class Executive:
             program, self.settler.trials.laws.kept, limits.until, step=step, rtol=rtol
         )
         self.frictions = FrictionLimits(program)
+        self.sampling = Sampling(program, runners)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None
@@ -551,8 +554,7 @@ class Executive:
         return graph.integrals[k].path if k < len(graph.integrals) else "energy"
 
     def _timed_cause(self, interval: Interval) -> Cause:
-        watched = any(interval.end in w.times for w in self.program.graph.watches)
-        return "time" if watched else "input"
+        return cause_at(self.program.graph, interval.end)
 
     def _close(self) -> None:
         if self._recorder is not None:
@@ -567,8 +569,10 @@ class Executive:
         x, s = y[:nx].copy(), y[nx : nx + ns].copy()
         view = None if self.slider is None else self.slider.view
         self.settler.trials.sweep = len(self._idle) >= VAIN
-        settled = (view.settler if view else self.settler).settle(
-            self.t, x, s, self.mode, before, after, start=cause == "start"
+        settler = view.settler if view else self.settler
+        held = self.sampling.held(self.t, x, s, self.mode, before, settler.trials)
+        settled = settler.settle(
+            self.t, x, s, self.mode, before, after, start=cause == "start", held=held
         )
         if settled.steps:
             noted = event_of(self.t, cause, settled, x, s)

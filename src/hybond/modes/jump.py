@@ -214,13 +214,16 @@ class _Constraints:
     def slope(self, x: Vector, d: Matrix) -> Matrix:
         """Return the derivative of the residual by the areas, shape (count, areas)."""
         e = self.e
-        if not e.storage.laws and not e.source_values and not (self.left.shape[1] and self.sourced):
+        if not e.source_values and not (self.left.shape[1] and self.sourced):
             known = self.rows
             if self.left.shape[1]:
                 known = np.vstack([known, self.left.T @ (self.two_port @ self.x1)])
-            return np.asarray(known[:, : len(x)] @ e.storage.matrix.times(d))
-        # nonlinear storage or controlled sources: a difference quotient is a good enough slope,
-        # because the residual decides when Newton ends
+            known = known[:, : len(x)]
+            if e.storage.laws:
+                return np.asarray(known @ (e.storage.stiffness(x) @ d))
+            return np.asarray(known @ e.storage.matrix.times(d))
+        # controlled sources: a difference quotient is a good enough slope, because the residual
+        # decides when Newton ends
         base, _ = self.residual(x)
         columns = []
         for j in range(d.shape[1]):
@@ -370,6 +373,24 @@ def _rank(slope: Matrix) -> int:
     return int(np.linalg.matrix_rank(slope, tol=1e-10 * np.abs(slope).max(initial=0.0)))
 
 
+def _scaled_step(slope: Matrix, residual: Vector, size: Vector) -> tuple[Vector, int]:
+    """Return Newton's step and the rank of the slope.
+
+    A volume of oil and a momentum are far apart in SI units, and neither may count as nothing
+    beside the other: rows are measured by their terms, columns by their largest entry. Where
+    areas are left open the smallest are taken, as they stand.
+    """
+    rows = slope / np.where(size > 0.0, size, 1.0)[:, None]
+    reach = np.abs(rows).max(axis=0, initial=0.0)
+    reach = np.where(reach > 0.0, reach, 1.0)
+    rank = _rank(rows / reach)
+    if rank < slope.shape[1]:
+        rank = _rank(slope)
+        return np.asarray(np.linalg.lstsq(slope, residual, rcond=1e-12)[0], dtype=float), rank
+    found = np.linalg.lstsq(rows / reach, residual / np.where(size > 0.0, size, 1.0), rcond=1e-12)
+    return np.asarray(found[0], dtype=float) / reach, rank
+
+
 def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
     d = ways.d
     nu = np.zeros(d.shape[1])
@@ -382,8 +403,7 @@ def _newton(problem: _Constraints, x: Vector, ways: Ways, where: str) -> Vector:
             step = np.asarray(ways.inverse @ residual, dtype=float)
         else:
             slope = problem.slope(here, d)
-            rank = _rank(slope)
-            step = np.asarray(np.linalg.lstsq(slope, residual, rcond=1e-12)[0], dtype=float)
+            step, rank = _scaled_step(slope, residual, size)
         worst = float((np.abs(residual) / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
         converged = worst <= 1e-14 or (worst <= CONSISTENT and worst >= 0.5 * best)
         if converged and best < np.inf:

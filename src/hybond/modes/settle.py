@@ -38,7 +38,7 @@ from hybond.modes.record import Recorder
 from hybond.modes.trial import Trial, Trials
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
-from hybond.trace import Event, Fired, Step, Trace
+from hybond.trace import Cause, Event, Fired, Step, Trace
 
 Vector = NDArray[np.float64]
 
@@ -86,8 +86,11 @@ class Settler:
         after: Interval,
         *,
         start: bool = False,
+        held: Vector | None = None,
     ) -> Settled:
         """Return the state and mode in which time goes on from `t`.
+
+        `held` are the integrated signals with those set that are sampled at `t`.
 
         Raises
         ------
@@ -101,6 +104,7 @@ class Settler:
         """
         steps: list[Step] = []
         pre = self.trials.a_priori(t, x, s, mode, before)
+        s = s if held is None else held
         trial = self.trials.enter(t, x, s, mode, after, pre, jump=True)
         entered = self.by_law(mode, trial)
         seen: dict[tuple[object, ...], int] = {}
@@ -299,6 +303,13 @@ def _fired_text(fired: Fired) -> str:
         for k, a in fired.values.items()
     )
     return f"{fired.machine}: {fired.guard}" + (f" [{values}]" if values else "")
+
+
+def cause_at(graph: FlatGraph, t: float) -> Cause:
+    """Return what a timed event is due to."""
+    if any(t in w.times for w in graph.watches):
+        return "time"
+    return "sample" if any(s.due(t) for s in graph.samples) else "input"
 
 
 def event_of(t: float, cause: str, settled: Settled, x: Vector, s: Vector) -> Event:

@@ -39,6 +39,7 @@ def interval_after(graph: FlatGraph, t: float) -> Interval:
     end = min(
         (
             *(i.waveform.next_break(t) for i in graph.inputs),
+            *(s.next_after(t) for s in graph.samples),
             *(s for w in graph.watches for s in w.times if s > t),
         ),
         default=math.inf,

@@ -17,7 +17,7 @@ from hybond.analysis.restitution.contact_phase import compressive_sign, directio
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Machine
-from hybond.model.parts import Integral, MachinePart, Part, Sf, SubmodelPart, Value
+from hybond.model.parts import Integral, MachinePart, Part, Sampled, Sf, SubmodelPart, Value
 
 
 def newton_law_model(model: Model, junction: str, eps: Value, *, state: str | None = None) -> Model:
@@ -290,7 +290,13 @@ def _texts(model: Model) -> list[tuple[str, str]]:
     """Return every expression of the model's own level with its place."""
     found = []
     for name, signal in model.signals.items():
-        text = signal.rate if isinstance(signal, Integral) else signal
+        match signal:
+            case Integral():
+                text = signal.rate
+            case Sampled():
+                text = signal.value
+            case _:
+                text = signal
         found.append((f"signals.{name}", str(text)))
     for name, machine in model.machines.items():
         found += [(f"machines.{name}.rules[{k}]", str(r)) for k, r in enumerate(machine.rules)]

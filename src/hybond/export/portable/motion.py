@@ -54,6 +54,8 @@ MOMENT: Final = 1e-13
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
+STOPPED: Final = 5
+"""Why a motion ended: its stretch did, and nothing happened."""
 ACCUMULATES: Final = 3
 
 
@@ -88,6 +90,7 @@ def begin(e: Engine) -> None:
     """Put the model's start there."""
     m = e.model
     e.until = m.until
+    e.stop = m.until
     e.t = 0.0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]
@@ -179,7 +182,7 @@ def flow(e: Engine, r: Run) -> int:
     g = r.locator
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return -1
-    end = min(e.next_break, e.until)
+    end = min(e.next_break, e.stop)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
     begin_field(e, e.mode)
@@ -210,7 +213,9 @@ def flow(e: Engine, r: Run) -> int:
             if note(e, r, e.step.t1) != OK:
                 return -1
             if e.step.t1 >= end:
-                return timed_cause(e) if e.next_break <= end else GUARD
+                if e.next_break <= end:
+                    return timed_cause(e)
+                return GUARD if end >= e.until else STOPPED
             if go_on(e) != OK:
                 return -1
             continue

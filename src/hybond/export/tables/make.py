@@ -30,7 +30,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Machine, Node
-from hybond.model.inputs import Called, Constant, Pwm, Timetable
+from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
 from hybond.modes.guards import magnitude, seen_in_motion
@@ -492,7 +492,10 @@ def _signals(t: ModelTables) -> None:
     for i in g.inputs:
         w = i.waveform
         own: list[tuple[int]] = []
-        if isinstance(w, Constant):
+        if isinstance(w, Free):
+            kinds.append(4)
+            rows.append([(w.level,)])
+        elif isinstance(w, Constant):
             kinds.append(0)
             rows.append([(w.level,)])
         elif isinstance(w, Pwm):

@@ -11,7 +11,7 @@ from typing import Any
 from hybond.errors import ModelError
 from hybond.model.builder import Model
 from hybond.model.expressions import Bool, Compare, Expr, Name, Not, Or, String, parse, transform
-from hybond.model.parts import Integral, MachinePart, Part, SubmodelPart
+from hybond.model.parts import Integral, MachinePart, Part, Sampled, SubmodelPart
 from hybond.model.switching.drawn import copied
 from hybond.names import did_you_mean
 
@@ -181,14 +181,20 @@ def _machine(part: MachinePart, change: Callable[[str], str]) -> MachinePart:
     return replace(part, rules=tuple(rules))
 
 
-def _signal(signal: str | Integral, change: Callable[[str], str]) -> str | Integral:
+def _signal(
+    signal: str | Integral | Sampled, change: Callable[[str], str]
+) -> str | Integral | Sampled:
     if isinstance(signal, Integral):
         return replace(signal, rate=_value(signal.rate, change))
+    if isinstance(signal, Sampled):
+        return replace(signal, value=_value(signal.value, change))
     return str(_value(signal, change)) if isinstance(signal, str) else signal
 
 
 def _element(part: Part | SubmodelPart, change: Callable[[str], str]) -> Part | SubmodelPart:
-    return replace(part, value=_value(part.value, change)) if isinstance(part, Part) else part
+    if isinstance(part, SubmodelPart):
+        return replace(part, inputs=_value(part.inputs, change))
+    return replace(part, value=_value(part.value, change))
 
 
 def _value(value: Any, change: Callable[[str], str]) -> Any:

@@ -85,12 +85,14 @@ class SlidingSettler(Settler):
         after: Interval,
         *,
         start: bool = False,
+        held: Vector | None = None,
     ) -> Settled:
         """Return the state and mode in which time goes on from `t`."""
         program = self.program
         if self.branches is not None and self.branches.any and isinstance(program, SlidingProgram):
-            program.choose = self.branches.at(t, np.concatenate([x, s]), after)
-        return super().settle(t, x, s, mode, before, after, start=start)
+            signals = s if held is None else held
+            program.choose = self.branches.at(t, np.concatenate([x, signals]), after)
+        return super().settle(t, x, s, mode, before, after, start=start, held=held)
 
 
 @dataclass(slots=True)

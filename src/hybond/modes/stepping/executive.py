@@ -19,7 +19,7 @@ percussion of the step.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,8 @@ from hybond.model.expressions import Number
 from hybond.model.graph import Mode
 from hybond.modes.executive import Limits, Progress
 from hybond.modes.laws.limits import FrictionLimits
-from hybond.modes.settle import Settler, event_of
+from hybond.modes.sampling import Runner, Sampling
+from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare
 from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
 from hybond.modes.stepping.record import event_of_step
@@ -71,6 +72,8 @@ class TimeStepping:
     progress : callable
     coarser : float or None
         The run is repeated with steps longer by this factor, to estimate its error.
+    runners : mapping
+        See `sampling.Sampling`.
     """
 
     def __init__(
@@ -83,6 +86,7 @@ class TimeStepping:
         max_writes: int = 1000,
         progress: Progress | None = None,
         coarser: float | None = 2.0,
+        runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.program = program
         self.graph = program.graph
@@ -90,10 +94,12 @@ class TimeStepping:
         self.h = step
         self.progress = progress
         # with two steps in all there is nothing to compare
-        self.coarser = coarser if limits.until > 4.0 * step else None
+        # and a block may run once only
+        self.coarser = coarser if limits.until > 4.0 * step and not runners else None
         self._judged = coarser is not None
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
+        self.sampling = Sampling(program, runners)
         self.scheme = ThetaScheme(program, theta)
         self.frictions = FrictionLimits(program)
         self._hand = any(m.law is None for m in self.graph.machines)
@@ -126,9 +132,8 @@ class TimeStepping:
                 point = self._flow(point, interval)
                 following = interval_after(self.graph, point.t)
                 if point.t >= interval.end:
-                    watched = any(point.t in w.times for w in self.graph.watches)
                     self._close(interval)
-                    point = self._settle(point, interval, following, "time" if watched else "input")
+                    point = self._settle(point, interval, following, cause_at(self.graph, point.t))
                 interval = following
         finally:
             self._close(interval)
@@ -290,9 +295,10 @@ class TimeStepping:
         program = self.program
         nx, ns = program.nx, program.ns
         x, s = point.y[:nx].copy(), point.y[nx : nx + ns].copy()
+        held = self.sampling.held(point.t, x, s, point.mode, before, self.settler.trials)
         try:
             settled = self.settler.settle(
-                point.t, x, s, point.mode, before, after, start=cause == "start"
+                point.t, x, s, point.mode, before, after, start=cause == "start", held=held
             )
         except HybondError as error:
             if self._hand or error.code not in ("HB-J110", "HB-J111"):
@@ -300,8 +306,10 @@ class TimeStepping:
             # the next step decides what an instant cannot
             self.trace.warn(f"at t = {point.t:.9g} s the next step decides: {error.why}")
             ports = self.scheme.ports(point.mode, after, point.t)
+            s = s if held is None else held
             v = program.values(point.t, after, point.mode, x, s)
-            return replace(point, w=ports.solve(v, x, np.zeros(len(ports.ports))))
+            y = np.concatenate([x, s, point.y[nx + ns :]])
+            return replace(point, y=y, w=ports.solve(v, x, np.zeros(len(ports.ports))))
         if settled.steps:
             self._note(replace(event_of(point.t, cause, settled, x, s), t0=since))
         y = np.concatenate([settled.x, settled.s, point.y[nx + ns :]])

@@ -1,0 +1,1 @@
+"""Blocks of signals that come from elsewhere: functional mock-up units."""

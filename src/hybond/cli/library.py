@@ -1,0 +1,74 @@
+"""``hybond library``: the ready parts by domain, or what there is to know of one."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Sequence
+
+from hybond.cli.streams import say
+from hybond.errors import UsageError
+from hybond.library import Sheet, names, sheet
+from hybond.names import did_you_mean
+
+
+def library(given: Namespace) -> int:
+    """List all parts, those of a domain, or print one."""
+    domains = sorted({name.partition(".")[0] for name in names()})
+    if given.part is None or given.part in domains:
+        if given.file:
+            raise UsageError(
+                "--file prints one part",
+                code="HB-X110",
+                where="--file",
+                hint="hybond library electrical.diode --file",
+            )
+        chosen = domains if given.part is None else [given.part]
+        say("\n\n".join("\n".join(_listed(domain)) for domain in chosen))
+        return 0
+    if given.part not in names():
+        raise UsageError(
+            f"there is no ready part {given.part!r}",
+            code="HB-X110",
+            where="hybond library",
+            hint=did_you_mean(given.part, [*names(), *domains]),
+        )
+    found = sheet(given.part)
+    if given.file:
+        sys.stdout.write(found.text)
+    else:
+        say("\n".join(_page(found)))
+    return 0
+
+
+def _listed(domain: str) -> Iterator[str]:
+    yield domain
+    mine = [name for name in names() if name.startswith(f"{domain}.")]
+    yield from _columns((f"  {name}", sheet(name).title) for name in mine)
+
+
+def _page(of: Sheet) -> Iterator[str]:
+    yield of.name
+    yield f"{of.title}."
+    yield ""
+    yield of.about
+    yield from _section("ports", [(p.name, f"{p.domain}, shares its {p.shares}") for p in of.ports])
+    yield from _section("parameters", [(k.name, k.value, k.about) for k in of.parameters])
+    yield from _section(
+        "inputs", [(k.name, f"{k.value} {k.unit}".strip(), k.about) for k in of.inputs]
+    )
+    yield from _section("signals", [(k.name, k.unit, k.about or k.value) for k in of.signals])
+
+
+def _section(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    if rows:
+        yield ""
+        yield title
+        yield from _columns((f"  {row[0]}", *row[1:]) for row in rows)
+
+
+def _columns(rows: Iterable[tuple[str, ...]]) -> list[str]:
+    """Return rows of words as lines with straight columns."""
+    table = list(rows)
+    widths = [max(map(len, column)) for column in zip(*table)]
+    return ["  ".join(w.ljust(n) for w, n in zip(row, widths)).rstrip() for row in table]
