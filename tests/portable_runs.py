@@ -13,7 +13,7 @@ from hybond.export.portable.engine import REFUSED, Engine, make_engine
 from hybond.export.portable.report import make_report
 from hybond.export.tables import answered, tables_of
 
-CAUSES = ["start", "guard", "time", "input", "accumulation"]
+CAUSES = ["start", "guard", "time", "input", "accumulation", "step", "sample"]
 KINDS = ["mythical", "pinnacle", "continuous"]
 
 

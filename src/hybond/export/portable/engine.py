@@ -301,6 +301,7 @@ class Engine:
     until: float
     stop: float
     """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
+    sampled_at: float
     level: Floats
     asked: Floats
     """Of inputs that are set from outside: their levels, and those from the next instant on."""
@@ -511,6 +512,7 @@ def make_engine(m: Model) -> Engine:
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
+    e.sampled_at = -math.inf
     e.level = floats(m.inputs)
     e.asked = floats(m.inputs)
     e.at = ints(m.watches)

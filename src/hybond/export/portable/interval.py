@@ -101,6 +101,26 @@ def level_of_piece(m: Model, i: int, piece: int) -> int:
     return m.level_of[m.level_first[i] + piece]
 
 
+def next_sample(m: Model, k: int, t: float) -> float:
+    """Return the first instant after t of a sampled signal. After model/graph.py, Sample."""
+    every = m.sample_every[k]
+    phase = m.sample_phase[k]
+    if t < phase:
+        return phase
+    n = math.floor((t - phase) / every)
+    if phase + n * every > t:
+        n -= 1.0
+    while phase + n * every <= t:
+        n += 1.0
+    return phase + n * every
+
+
+def is_due(m: Model, k: int, t: float) -> bool:
+    """Whether t is one of the instants of a sampled signal."""
+    n = math.floor((t - m.sample_phase[k]) / m.sample_every[k] + 0.5)
+    return n >= 0.0 and t == m.sample_phase[k] + n * m.sample_every[k]
+
+
 def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
@@ -109,6 +129,8 @@ def interval_after(e: Engine, t: float) -> None:
         end = min(end, next_break(m, i, t))
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]
+    for k in range(m.samples):
+        end = min(end, next_sample(m, k, t))
     for k in range(m.watches):
         if m.watch_time[k] > t:
             end = min(end, m.watch_time[k])

@@ -14,13 +14,14 @@ from hybond.export.portable.equations import mode_of
 from hybond.export.portable.instant import (
     GUARD,
     INPUT,
+    SAMPLE,
     START,
     TIME,
     Instant,
     begin_instant,
     make_instant,
 )
-from hybond.export.portable.interval import interval_after, is_timed
+from hybond.export.portable.interval import interval_after, is_due, is_timed
 from hybond.export.portable.jump import is_constrained, on_constraints
 from hybond.export.portable.landing import (
     before_event,
@@ -279,4 +280,9 @@ def go_on(e: Engine) -> int:
 
 def timed_cause(e: Engine) -> int:
     """Return why a timed event is one."""
-    return TIME if is_timed(e, e.next_break) else INPUT
+    if is_timed(e, e.next_break):
+        return TIME
+    for k in range(e.model.samples):
+        if is_due(e.model, k, e.next_break):
+            return SAMPLE
+    return INPUT

@@ -9,6 +9,7 @@ from hybond.export.portable.instant import (
     INPUT,
     MYTHICAL,
     PINNACLE,
+    SAMPLE,
     START,
     TIME,
     Instant,
@@ -179,6 +180,8 @@ def cause_name(cause: int) -> Text:
         return "time"
     if cause == INPUT:
         return "input"
+    if cause == SAMPLE:
+        return "sample"
     if cause == ACCUMULATION:
         return "accumulation"
     return "step"
