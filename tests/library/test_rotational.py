@@ -225,7 +225,11 @@ def test_a_crank_keeps_energy_through_its_dead_centres() -> None:
     }
 
     def turned(a: float) -> float:
-        arm = -0.1 * math.sin(a) * (1 + 0.1 * math.cos(a) / math.sqrt(0.09 - (0.1 * math.sin(a)) ** 2))
+        arm = (
+            -0.1
+            * math.sin(a)
+            * (1 + 0.1 * math.cos(a) / math.sqrt(0.09 - (0.1 * math.sin(a)) ** 2))
+        )
         return math.sqrt((0.02 + 3 * arm**2) / (0.02 * 400))
 
     round_trip = quad(turned, 0, 2 * math.pi)[0]

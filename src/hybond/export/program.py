@@ -90,8 +90,8 @@ class Exported:
     early: frozenset[str]
 
 
-def exported(graph: FlatGraph, **options: object) -> Exported:
-    """Return what a model adds to the runtime."""
+def exported(graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, **options: object) -> Exported:
+    """Return what a model adds to the runtime, and what `roots` need of that."""
     tables = tables_of(graph, **options)
     program = specialised(runtime(), _facts(tables))
     index = tables.slots.index
@@ -114,8 +114,8 @@ def exported(graph: FlatGraph, **options: object) -> Exported:
         if path in formulas.read
     ]
     points = {name: values for values, name in formulas.tables.items()}
-    roots = tuple(sorted({*ROOTS, *formulas.calls}))
-    found = Exported(tables, program, slots, points, values, pairs, roots, early)
+    wanted = tuple(sorted({*roots, *formulas.calls}))
+    found = Exported(tables, program, slots, points, values, pairs, wanted, early)
     _check(found)
     return found
 
