@@ -14,7 +14,7 @@ from hybond.export.portable.report import make_report
 from hybond.export.tables import answered, tables_of
 from hybond.model.planar_friction import kept_paths
 
-CAUSES = ["start", "guard", "time", "input", "accumulation"]
+CAUSES = ["start", "guard", "time", "input", "accumulation", "step", "sample"]
 KINDS = ["mythical", "pinnacle", "continuous"]
 
 

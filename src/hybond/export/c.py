@@ -11,6 +11,7 @@ from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_tex
 from hybond.export.translate.c_words import HEADERS, c_words
 from hybond.export.translate.lines import block_comment, plain, prose, wrapped
 from hybond.model.builder import Model
+from hybond.model.graph import FlatGraph
 
 LEAVES = ["functions", "lookup"]
 """Chapters that stand before the model's expressions, which call them."""
@@ -44,6 +45,12 @@ def to_c(model: Model, **options: object) -> str:
     """
     graph = model.flatten()
     found = exported(graph, **options)
+    title = c_text(title_of(graph))[1:-1]
+    return c_file(model, graph, found, MAIN.replace("@TITLE@", title))
+
+
+def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
+    """Return a model and the runtime as one text, with `tail`, its main or what stands for it."""
     printer = CPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
@@ -75,7 +82,7 @@ def to_c(model: Model, **options: object) -> str:
         lines += printer.chapter(module)
         if name == "model":
             lines += ["", *_model(printer, found)]
-    lines += ["", *MAIN.replace("@TITLE@", c_text(title)[1:-1]).splitlines()]
+    lines += ["", *tail.splitlines()]
     return "\n".join(lines) + "\n"
 
 

@@ -21,6 +21,11 @@ from hybond.model.graph import FlatGraph
 
 ROOTS = ("make_engine", "make_report", "run_program")
 """What the printed main calls."""
+DRIVEN = (
+    *("make_engine", "make_report", "make_run", "begin_unit", "set_input", "take_inputs"),
+    *("advance", "output_now", "rates_now", "indicators_now", "indicators_of", "settle_unit"),
+)
+"""What somebody calls who drives the run: the functions of a functional mock-up unit."""
 OPTIONS = ("points",)
 """Whole numbers of the model that the options of the printed program change."""
 NAMES = {
@@ -41,14 +46,14 @@ PORTABLE = Path(__file__).parent / "portable"
 @lru_cache(maxsize=1)
 def runtime() -> Program:
     """Return the runtime, read and checked."""
-    return load([PORTABLE / "run.py", PORTABLE / "lookup.py"])
+    return load([PORTABLE / "run.py", PORTABLE / "unit.py", PORTABLE / "lookup.py"])
 
 
 @lru_cache(maxsize=1)
 def specialist() -> Specialist:
     """Return what makes the runtime of one model."""
     program = runtime()
-    return Specialist(program, effects_of(program, ROOTS))
+    return Specialist(program, effects_of(program, (*ROOTS, *DRIVEN)))
 
 
 @lru_cache(maxsize=2)
@@ -119,8 +124,8 @@ class Exported:
     roots: tuple[str, ...]
 
 
-def exported(graph: FlatGraph, **options: object) -> Exported:
-    """Return what a model adds to the runtime."""
+def exported(graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, **options: object) -> Exported:
+    """Return what a model adds to the runtime, and what `roots` need of that."""
     tables = tables_of(graph, **options)
     program, uses = specialist().program_for(_facts(tables))
     runs = Runtime(program, specialist().effects, uses)
@@ -143,8 +148,8 @@ def exported(graph: FlatGraph, **options: object) -> Exported:
         if path in formulas.read
     ]
     points = {name: values for values, name in formulas.tables.items()}
-    roots = tuple(sorted({*ROOTS, *formulas.calls}))
-    return Exported(tables, runs, slots, points, values, pairs, roots)
+    wanted = tuple(sorted({*roots, *formulas.calls}))
+    return Exported(tables, runs, slots, points, values, pairs, wanted)
 
 
 def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:

@@ -42,6 +42,13 @@ RUN = frozenset(("until", "solver", "rtol", "atol", "points", "max_step"))
 
 TARGETS: Mapping[str, Target] = {
     "c": Target("hybond.export.c", "to_c", ".c", "one file of C99 with a small main", RUN),
+    "fmu": Target(
+        "hybond.export.fmu.package",
+        "to_fmu",
+        ".fmu",
+        "a functional mock-up unit (FMI 3.0, 2.0)",
+        RUN - {"points"} | {"fmi"},
+    ),
     "java": Target(
         "hybond.export.java", "to_java", ".java", "one Java class", RUN | frozenset(["name"])
     ),

@@ -56,6 +56,30 @@ class Constant:
 
 
 @dataclass(frozen=True, slots=True)
+class Free:
+    """An input that is set from outside while the model runs, in an exported program only."""
+
+    level: float
+    """Where it starts."""
+
+    def piece(self, t: float) -> int:
+        """Return 0: there is one piece."""
+        return 0
+
+    def next_break(self, t: float) -> float:
+        """Return infinity: nobody knows of a break."""
+        return math.inf
+
+    def value(self, t: float, piece: int) -> float:
+        """Return the level at the start."""
+        return self.level
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return 0: inputs are held between the instants at which they are set."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Timetable:
     """A table of (time, value): held from each time on, or joined by straight lines.
 

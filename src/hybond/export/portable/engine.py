@@ -300,6 +300,12 @@ class Engine:
     y: Floats
     states: int
     until: float
+    stop: float
+    """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
+    sampled_at: float
+    level: Floats
+    asked: Floats
+    """Of inputs that are set from outside: their levels, and those from the next instant on."""
     energy: float
     """The largest energy that the run has seen, J."""
     next_break: float
@@ -510,6 +516,9 @@ def make_engine(m: Model) -> Engine:
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
+    e.sampled_at = -math.inf
+    e.level = floats(m.inputs)
+    e.asked = floats(m.inputs)
     e.at = ints(m.watches)
     e.landed = ints(m.machines)
     e.key = ints(m.machines + m.discrete)

@@ -15,6 +15,7 @@ GUARD: Final = 1
 TIME: Final = 2
 INPUT: Final = 3
 ACCUMULATION: Final = 4
+SAMPLE: Final = 6
 
 
 @record

@@ -16,6 +16,8 @@ CONSTANT: Final = 0
 HELD: Final = 1
 LINES: Final = 2
 PULSES: Final = 3
+FREE: Final = 4
+"""Set from outside, and so no part of what selects equations."""
 
 
 def edge(m: Model, i: int, piece: int) -> float:
@@ -31,7 +33,7 @@ def piece_of(m: Model, i: int, t: float) -> int:
     """Return the number of the piece of an input that begins at or contains t."""
     at = m.input_first[i]
     kind = m.input_kind[i]
-    if kind == CONSTANT:
+    if kind == CONSTANT or kind == FREE:
         return 0
     if kind == PULSES:
         guess = 2 * int(math.floor((t - m.input_number[at + 4]) / m.input_number[at])) - 2
@@ -49,7 +51,7 @@ def next_break(m: Model, i: int, t: float) -> float:
     """Return the first instant after t at which an input begins another piece."""
     at = m.input_first[i]
     kind = m.input_kind[i]
-    if kind == CONSTANT:
+    if kind == CONSTANT or kind == FREE:
         return math.inf
     if kind == PULSES:
         duty = m.input_number[at + 1]
@@ -99,6 +101,26 @@ def level_of_piece(m: Model, i: int, piece: int) -> int:
     return m.level_of[m.level_first[i] + piece]
 
 
+def next_sample(m: Model, k: int, t: float) -> float:
+    """Return the first instant after t of a sampled signal. After model/graph.py, Sample."""
+    every = m.sample_every[k]
+    phase = m.sample_phase[k]
+    if t < phase:
+        return phase
+    n = math.floor((t - phase) / every)
+    if phase + n * every > t:
+        n -= 1.0
+    while phase + n * every <= t:
+        n += 1.0
+    return phase + n * every
+
+
+def is_due(m: Model, k: int, t: float) -> bool:
+    """Whether t is one of the instants of a sampled signal."""
+    n = math.floor((t - m.sample_phase[k]) / m.sample_every[k] + 0.5)
+    return n >= 0.0 and t == m.sample_phase[k] + n * m.sample_every[k]
+
+
 def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
@@ -106,6 +128,9 @@ def interval_after(e: Engine, t: float) -> None:
     for i in range(m.inputs):
         end = min(end, next_break(m, i, t))
         e.piece[i] = piece_of(m, i, t)
+        e.level[i] = e.asked[i]
+    for k in range(m.samples):
+        end = min(end, next_sample(m, k, t))
     for k in range(m.watches):
         if m.watch_time[k] > t:
             end = min(end, m.watch_time[k])
@@ -132,7 +157,8 @@ def set_time(e: Engine, v: Floats, t: float) -> None:
     m = e.model
     v[0] = t
     for i in range(m.inputs):
-        v[m.input_slot + i] = input_value(m, i, t, e.piece[i])
+        free = m.input_kind[i] == FREE
+        v[m.input_slot + i] = e.level[i] if free else input_value(m, i, t, e.piece[i])
         v[m.input_rate_slot + i] = input_rate(m, i, e.piece[i])
     for k in range(m.watches):
         v[m.at_slot + k] = float(e.at[k])

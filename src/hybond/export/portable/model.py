@@ -199,14 +199,22 @@ class Model:
     """Pair ``rules + k`` is the same on pairs."""
     integral_start: Floats
     input_kind: Ints
-    """0: constant, 1: table that is held, 2: table with straight lines, 3: pulses."""
+    """0: constant, 1: table that is held, 2: table with straight lines, 3: pulses, 4: set
+    from outside."""
     input_first: Ints
     """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
-    of the numbers each. 3: period, duty, high, low, phase."""
+    of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
     input_number: Floats
     level_first: Ints
     """Of each table that is held: which of its levels a piece has, in `level_of`."""
     level_of: Ints
+    samples: int
+    """Signals that are set at instants and held between them."""
+    sample_signal: Ints
+    """Which integrated signal, of rate zero, each is."""
+    sample_value: Ints
+    sample_every: Floats
+    sample_phase: Floats
     watch_slope: Floats
     """A comparison of time: ``slope * time + offset`` is compared with zero."""
     watch_offset: Floats

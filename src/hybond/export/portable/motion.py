@@ -21,13 +21,14 @@ from hybond.export.portable.equations import mode_of
 from hybond.export.portable.instant import (
     GUARD,
     INPUT,
+    SAMPLE,
     START,
     TIME,
     Instant,
     begin_instant,
     make_instant,
 )
-from hybond.export.portable.interval import interval_after, is_timed
+from hybond.export.portable.interval import interval_after, is_due, is_timed
 from hybond.export.portable.jump import is_constrained, on_constraints
 from hybond.export.portable.landing import (
     before_event,
@@ -64,6 +65,8 @@ MOMENT: Final = 1e-13
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
+STOPPED: Final = 5
+"""Why a motion ended: its stretch did, and nothing happened."""
 ACCUMULATES: Final = 3
 
 
@@ -98,6 +101,7 @@ def begin(e: Engine) -> None:
     """Put the model's start there."""
     m = e.model
     e.until = m.until
+    e.stop = m.until
     e.t = 0.0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]
@@ -189,7 +193,7 @@ def flow(e: Engine, r: Run) -> int:
     g = r.locator
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return -1
-    end = min(e.next_break, e.until)
+    end = min(e.next_break, e.stop)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
@@ -227,7 +231,9 @@ def flow(e: Engine, r: Run) -> int:
             if note(e, r, e.step.t1) != OK:
                 return -1
             if e.step.t1 >= end:
-                return timed_cause(e) if e.next_break <= end else GUARD
+                if e.next_break <= end:
+                    return timed_cause(e)
+                return GUARD if end >= e.until else STOPPED
             if go_on(e) != OK:
                 return -1
             continue
@@ -357,4 +363,9 @@ def go_on(e: Engine) -> int:
 
 def timed_cause(e: Engine) -> int:
     """Return why a timed event is one."""
-    return TIME if is_timed(e, e.next_break) else INPUT
+    if is_timed(e, e.next_break):
+        return TIME
+    for k in range(e.model.samples):
+        if is_due(e.model, k, e.next_break):
+            return SAMPLE
+    return INPUT

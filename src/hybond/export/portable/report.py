@@ -9,6 +9,7 @@ from hybond.export.portable.instant import (
     INPUT,
     MYTHICAL,
     PINNACLE,
+    SAMPLE,
     START,
     TIME,
     Instant,
@@ -41,6 +42,8 @@ class Report:
 
     events: bool
     """Whether events are printed instead of the table."""
+    silent: bool
+    """Whether nothing is printed at all."""
     points: int
     next_point: int
     y: Floats
@@ -85,7 +88,7 @@ def point_time(e: Engine, r: Report, k: int) -> float:
 
 def report_step(e: Engine, r: Report) -> None:
     """Print the points within the step that ended at the present time, that end left out."""
-    if r.events:
+    if r.events or r.silent:
         return
     while r.next_point <= r.points and point_time(e, r, r.next_point) < e.t:
         t = point_time(e, r, r.next_point)
@@ -96,7 +99,7 @@ def report_step(e: Engine, r: Report) -> None:
 
 def report_end(e: Engine, r: Report) -> None:
     """Print the row of the present time if a point is due."""
-    if r.events:
+    if r.events or r.silent:
         return
     if r.next_point <= r.points and point_time(e, r, r.next_point) <= e.t:
         put_row(e, e.t, e.y)
@@ -106,7 +109,7 @@ def report_end(e: Engine, r: Report) -> None:
 def keep_left(e: Engine, r: Report) -> None:
     """Keep the outputs at the left limit of what may be an event."""
     m = e.model
-    if r.events:
+    if r.events or r.silent:
         return
     evaluate(e, e.mode, e.shown, e.t, e.y)
     for k in range(m.outputs):
@@ -115,6 +118,8 @@ def keep_left(e: Engine, r: Report) -> None:
 
 def report_event(e: Engine, r: Report, i: Instant) -> None:
     """Print an event: the rows at its limits, or its transitions."""
+    if r.silent:
+        return
     if not r.events:
         if i.cause != START:
             put_number(e.t)
@@ -175,6 +180,8 @@ def cause_name(cause: int) -> Text:
         return "time"
     if cause == INPUT:
         return "input"
+    if cause == SAMPLE:
+        return "sample"
     if cause == ACCUMULATION:
         return "accumulation"
     return "step"

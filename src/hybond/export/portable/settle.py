@@ -27,6 +27,7 @@ from hybond.export.portable.instant import (
 from hybond.export.portable.interval import interval_after
 from hybond.export.portable.model import machine_name, rule_text, value
 from hybond.export.portable.paired import holds
+from hybond.export.portable.sampling import sample
 from hybond.export.portable.trial import a_priori, refuse_pair, show_trial
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
@@ -79,7 +80,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     g.tries = 0
     g.turn = 1
     g.marked = False
-    if a_priori(e, t, g.x, g.s, g.state) != OK:
+    if a_priori(e, t, g.x, g.s, g.state) != OK or sample(e, g.s) != OK:
         return REFUSED
     interval_after(e, t)
     if enter(e, t, g.x, g.s, g.state, True, False) != OK:

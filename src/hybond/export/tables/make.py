@@ -30,7 +30,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Machine, Node
-from hybond.model.inputs import Called, Constant, Pwm, Timetable
+from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
 from hybond.modes.guards import magnitude, seen_in_motion
@@ -508,11 +508,27 @@ def _signals(t: ModelTables) -> None:
     t.pairs += [i.rate for i in g.integrals]
     t.ints["integral_rate"] = [t.values.number(i.rate, f"{i.path}'") for i in g.integrals]
     t.floats["integral_start"] = [i.start for i in g.integrals]
+    for s in g.samples:
+        if s.block is not None:
+            raise ModelError(
+                f"the block {s.path} is code from elsewhere",
+                code="HB-E630",
+                where=f"blocks.{s.path}",
+                hint="write what it does as sampled signals",
+            )
+    t.numbers["samples"] = len(g.samples)
+    t.ints["sample_signal"] = [s.signals[0] for s in g.samples]
+    t.ints["sample_value"] = [t.values.number(s.values[0], s.path) for s in g.samples]
+    t.floats["sample_every"] = [s.every for s in g.samples]
+    t.floats["sample_phase"] = [s.phase for s in g.samples]
     kinds, rows, levels = [], [], []
     for i in g.inputs:
         w = i.waveform
         own: list[tuple[int]] = []
-        if isinstance(w, Constant):
+        if isinstance(w, Free):
+            kinds.append(4)
+            rows.append([(w.level,)])
+        elif isinstance(w, Constant):
             kinds.append(0)
             rows.append([(w.level,)])
         elif isinstance(w, Pwm):
