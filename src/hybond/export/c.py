@@ -44,7 +44,7 @@ def to_c(model: Model, **options: object) -> str:
     /* Ball on a springy floor (Margetts & Ngwompo)
     """
     graph = model.flatten()
-    found = exported(graph, **options)
+    found = exported(graph, options=options)
     title = c_text(title_of(graph))[1:-1]
     return c_file(model, graph, found, MAIN.replace("@TITLE@", title))
 

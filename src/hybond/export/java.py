@@ -51,7 +51,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     public final class BouncingBall {
     """
     graph = model.flatten()
-    found = exported(graph, **options)
+    found = exported(graph, options=options)
     name = name or class_name(graph.name or graph.title or "model")
     printer = JavaPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses

@@ -124,7 +124,9 @@ class Exported:
     roots: tuple[str, ...]
 
 
-def exported(graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, **options: object) -> Exported:
+def exported(
+    graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, options: Mapping[str, object]
+) -> Exported:
     """Return what a model adds to the runtime, and what `roots` need of that."""
     tables = tables_of(graph, **options)
     program, uses = specialist().program_for(_facts(tables))

@@ -9,7 +9,7 @@ from typing import Any
 from hybond.errors import ModelError
 from hybond.files.encode import to_data
 from hybond.model.builder import Model
-from hybond.model.parts import InputPart, Integral, Part, SubmodelPart
+from hybond.model.parts import BlockPart, InputPart, Integral, Part, Sampled, SubmodelPart
 
 WIDTH = 100
 """Columns of a line."""
@@ -159,6 +159,9 @@ class _Writer:
         if model.inputs:
             inputs = {k: _input(i) for k, i in model.inputs.items()}
             yield from call(_adder("m.input", "m.inputs", inputs), [], inputs)
+        if model.blocks:
+            blocks = {k: _block(b) for k, b in model.blocks.items()}
+            yield from call(_adder("m.block", "m.blocks", blocks), [], blocks)
         for name, machine in model.machines.items():
             yield from call(
                 "m.machine",
@@ -209,11 +212,27 @@ def _element(part: Part | SubmodelPart, shared: Mapping[int, str]) -> str:
     return flat(f"hb.{part.kind}", [literal(part.value)], options)
 
 
-def _signal(signal: str | Integral) -> str:
-    if not isinstance(signal, Integral):
+def _signal(signal: str | Integral | Sampled) -> str:
+    if isinstance(signal, str):
         return literal(signal)
     start = {} if repr(signal.start) == "0.0" else {"start": literal(signal.start)}
-    return flat("hb.Integral", [literal(signal.rate)], start)
+    if isinstance(signal, Integral):
+        return flat("hb.Integral", [literal(signal.rate)], start)
+    phase = {} if repr(signal.phase) == "0.0" else {"phase": literal(signal.phase)}
+    given = {"every": literal(signal.every), **start, **phase}
+    return flat("hb.Sampled", [literal(signal.value)], given)
+
+
+def _block(block: BlockPart) -> str:
+    given = {
+        "every": block.every,
+        "inputs": block.inputs or None,
+        "outputs": list(block.outputs),
+        "parameters": block.parameters or None,
+        "phase": None if repr(block.phase) == "0.0" else block.phase,
+    }
+    options = {k: literal(v) for k, v in given.items() if v is not None}
+    return flat("hb.FMU", [literal(block.fmu)], options)
 
 
 def _input(given: InputPart) -> str:
@@ -221,6 +240,7 @@ def _input(given: InputPart) -> str:
         "constant": given.constant,
         "table": given.table,
         "linear": given.linear or None,
+        "period": given.period,
         "pwm": given.pwm,
     }
     return flat("hb.Input", [], {k: literal(v) for k, v in options.items() if v is not None})

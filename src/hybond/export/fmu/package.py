@@ -66,7 +66,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
             f"FMI {fmi} is not written", code="HB-E604", where="fmi", hint="fmi = '3.0' or '2.0'"
         )
     graph = _freed(model.flatten())
-    found = exported(graph, roots=DRIVEN, **options)
+    found = exported(graph, roots=DRIVEN, options=options)
     tables = found.tables
     rules = tables.ints["rule_first"][-1]
     own = interface_of(

@@ -15,7 +15,7 @@ from hybond.export.latex.formulas import FITTED, formulas
 from hybond.export.latex.plots import colours, plots
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import InputPart, Integral, Part, SubmodelPart
+from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart
 from hybond.report import fired_text, joule
 from hybond.result import Result
 from hybond.simulation import simulate
@@ -269,6 +269,8 @@ def _signals(model: Model) -> Iterator[str]:
     for name, signal in model.signals.items():
         if isinstance(signal, Integral):
             rows.append((name, "integral", f"{signal.rate}, from {signal.start}"))
+        elif isinstance(signal, Sampled):
+            rows.append((name, "sampled", f"{signal.value}, every {signal.every}"))
         else:
             rows.append((name, "signal", signal))
     rows += [(name, "input", _input(given)) for name, given in model.inputs.items()]

@@ -20,7 +20,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import Integral, SubmodelPart
+from hybond.model.parts import Integral, Sampled, SubmodelPart
 from hybond.names import join
 
 
@@ -38,7 +38,9 @@ class Live:
         self.graph = graph
         self.values = {f"p:{path}": Number(float(v)) for path, v in graph.parameters.items()}
         self.written = {
-            path: s.rate if isinstance(s, Integral) else s for path, s in model.signals.items()
+            path: s.rate if isinstance(s, Integral) else s
+            for path, s in model.signals.items()
+            if not isinstance(s, Sampled)
         }
         self.rates = {i.path for i in graph.integrals if i.path in model.signals}
         self.watches = {f"at:{w.index}": w.compare for w in graph.watches}

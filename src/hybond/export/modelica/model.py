@@ -727,6 +727,12 @@ def _cannot(what: str, where: str, hint: str) -> ModelError:
 
 def _refuse(graph: FlatGraph) -> None:
     """Refuse what Modelica has no words for, before anything is derived."""
+    for s in graph.samples:
+        raise _cannot(
+            "what is sampled at instants, here" if s.block is None else "code from elsewhere",
+            s.path,
+            "a sampled signal reads values before the instant; export C, Java or an FMU",
+        )
     laws = [m for m in graph.machines if m.law is not None]
     hint = "export C or an FMU"
     for machine in laws:

@@ -107,7 +107,7 @@ def next_sample(m: Model, k: int, t: float) -> float:
     phase = m.sample_phase[k]
     if t < phase:
         return phase
-    n = math.floor((t - phase) / every)
+    n = float(math.floor((t - phase) / every))
     if phase + n * every > t:
         n -= 1.0
     while phase + n * every <= t:
