@@ -23,12 +23,17 @@ def pages() -> dict[Path, str]:
     for domain in sorted({domain_of(sheet) for sheet in sheets}):
         mine = [sheet for sheet in sheets if domain_of(sheet) == domain]
         found[Path("library", f"{domain}.md")] = "\n".join(page(domain, mine)) + "\n"
-        found |= {drawing_of(sheet): drawing(sheet) for sheet in mine if sheet.ports}
+        found |= {drawing_of(sheet): drawing(sheet) for sheet in mine if has_graph(sheet)}
     return found
 
 
 def domain_of(sheet: Sheet) -> str:
     return sheet.name.partition(".")[0]
+
+
+def has_graph(sheet: Sheet) -> bool:
+    """Return whether there is a bond graph to draw: most of control is signals alone."""
+    return bool(hb.library.part(sheet.name).elements)
 
 
 def drawing_of(sheet: Sheet) -> Path:
@@ -66,7 +71,7 @@ def section(sheet: Sheet) -> Iterator[str]:
     yield f"## {sheet.name}"
     yield ""
     yield f"**{sheet.title}.** {sheet.about}"
-    if sheet.ports:
+    if has_graph(sheet):
         yield ""
         yield f"![Bond graph of {sheet.name}](../{drawing_of(sheet).as_posix()})"
     yield from table("port", "what is joined there shares", [port_row(p) for p in sheet.ports])

@@ -9,7 +9,7 @@ from typing import Any
 from hybond.library.shelves import SHELVES, part
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import InputPart, Integral
+from hybond.model.parts import InputPart, Integral, Sampled
 from hybond.model.unit_words import unit_of
 from hybond.units import Dimension
 
@@ -111,6 +111,8 @@ def _waveform(given: InputPart) -> str:
 def _expression(signal: Any) -> str:
     if isinstance(signal, Integral):
         return f"integral of {signal.rate}, from {_written(signal.start)}"
+    if isinstance(signal, Sampled):
+        return f"sample of {signal.value}, every {_written(signal.every)}"
     return str(signal)
 
 
