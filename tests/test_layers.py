@@ -28,7 +28,7 @@ LAYERS = [
     ["kernel"],
     ["report"],
     ["simulation", "result"],
-    ["analysis", "sweep", "export", "draw"],
+    ["analysis", "circuits", "sweep", "export", "draw"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

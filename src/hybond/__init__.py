@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from hybond.analysis.structure.structure import structure
     from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
+    from hybond.circuits.bond_graph_tools import read_bond_graph
+    from hybond.circuits.circuit import Conversion, read_circuit
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
     from hybond.equations.complementarity_form import complementarity
     from hybond.equations.derive import state_equations
@@ -103,6 +105,8 @@ _HOME = {
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
+    **dict.fromkeys(("Conversion", "read_circuit"), "hybond.circuits.circuit"),
+    "read_bond_graph": "hybond.circuits.bond_graph_tools",
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.equations.complementarity_form",
     "junction_matrix": "hybond.equations.junction_matrix",
@@ -112,21 +116,24 @@ _HOME = {
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
     "state_equations": "hybond.equations.derive",
+    **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.state_space"),
 }
 _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {
     "causality": "hybond.causality",
     "draw": "hybond.draw",
+    "export": "hybond.export",
     "library": "hybond.library",
     "switching": "hybond.model.switching",
 }
-"""Rooms that are public as such; `causality` and `draw` can be called."""
+"""Rooms that are public as such; `causality`, `draw` and `export` can be called."""
 
 __all__ = [
     "FMU",
     "Block",
     "C",
     "CausalityError",
+    "Conversion",
     "Coverage",
     "CrossCheck",
     "DivergenceOfTime",
@@ -150,6 +157,7 @@ __all__ = [
     "Se",
     "Sf",
     "Signal",
+    "StateSpace",
     "Submodel",
     "TF",
     "UnitError",
@@ -166,16 +174,20 @@ __all__ = [
     "draw_modes",
     "dumps",
     "ensemble",
+    "export",
     "junction_matrix",
     "library",
     "load",
     "loads",
     "newton_law_model",
+    "read_bond_graph",
+    "read_circuit",
     "residuals",
     "restitution",
     "save",
     "simulate",
     "state_equations",
+    "state_space",
     "structure",
     "switching",
 ]

@@ -127,7 +127,7 @@ def test_energy_balances_over_each_jump(name):
             # what is left of a velocity at rest is rounding, and is swept up without an impulse
             # (1e-11 of what the energy of the run would make of it); a landing ends a velocity that
             # is no more than 1e-7 of the largest one
-            dust = 1e-12 * np.abs(event.before[:nx]).max()
+            dust = 1e-12 * np.maximum(np.abs(event.before[:nx]).max(), largest)
             if laws:
                 dust = (1e-7 if event.cause == "accumulation" else 1e-10) * largest
             assert (np.abs(event.after[:nx] - event.before[:nx]) <= dust).all()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import hybond as hb
 from hybond.draw.impulses import impulses_of
 from hybond.draw.mode_strip import stays
 from hybond.draw.plots import plot_run
@@ -139,3 +140,25 @@ def test_values_that_are_not_finite_do_not_break_the_plot(run_of: Any, tmp_path:
 )
 def test_axis_prefix(unit: str, largest: float, expected: tuple[float, str]) -> None:
     assert axis_scale(unit, largest) == expected
+
+
+def test_names_beside_the_strip_were_cut_at_the_edge_of_the_figure(tmp_path):
+    m = hb.Model("blink", domain="electrical")
+    m.add(V=hb.Se("1 V"), s=hb.One(), R=hb.R("1 ohm"))
+    m.bond("V -> s -> R")
+    m.input(u=hb.Input(pwm={"period": "1 ms", "duty": 0.5}))
+    m.machine(
+        "contact",
+        states={"conducting_current": ["s"], "blocking_the_current": []},
+        start="conducting_current",
+        rules=[
+            "conducting_current -> blocking_the_current when u < 0.5",
+            "blocking_the_current -> conducting_current when u > 0.5",
+        ],
+    )
+    figure = hb.simulate(m, until="50 ms").plot("R.f", path=tmp_path / "blink.png")
+    figure.canvas.draw()
+    texts = [t for ax in figure.axes for t in ax.texts if "current" in t.get_text()]
+    assert len(texts) == 2
+    for text in texts:
+        assert text.get_window_extent().x1 <= figure.bbox.x1

@@ -31,8 +31,9 @@ VERBS = {
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
-    "convert": "write a model file in the other format (TOML, JSON)",
+    "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, or show one",
+    "export": "write a model as a program, or for another tool",
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
@@ -249,10 +250,28 @@ def _parser() -> Parser:
     _settings(explain)
     _solver(explain)
 
-    convert = _verb(verbs, "convert", "hybond convert ball.toml ball.json")
-    convert.add_argument("source", metavar="IN", help="a model file, .toml or .json")
+    convert = _verb(
+        verbs,
+        "convert",
+        "hybond convert ball.toml ball.json",
+        "hybond convert rectifier.cir rectifier.toml --diode-current '10 mA'",
+    )
+    convert.add_argument(
+        "source",
+        metavar="IN",
+        help="a model file (.toml, .json), a SPICE netlist (.cir, .net, .sp, .ckt, .spice), or a "
+        "file of BondGraphTools (.bg)",
+    )
     convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")
     convert.add_argument("--force", action="store_true", help="write into a model that is there")
+    convert.add_argument(
+        "--strict", action="store_true", help="of other tools: refuse what would be a warning"
+    )
+    convert.add_argument(
+        "--diode-current",
+        metavar="I",
+        help="of netlists: where diodes become straight lines (default: 1 A)",
+    )
 
     library = _verb(
         verbs,
@@ -263,6 +282,24 @@ def _parser() -> Parser:
     )
     library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
     library.add_argument("--file", action="store_true", help="print its model file")
+
+    export = _verb(
+        verbs,
+        "export",
+        "hybond export ball.toml --to c",
+        "hybond export ball.toml --to java --out -",
+    )
+    export.add_argument("file", metavar="FILE", help="a model file")
+    export.add_argument("--to", metavar="TARGET", required=True, help="c or java")
+    export.add_argument("--out", metavar="FILE", help="the file to write; - prints it")
+    export.add_argument("--force", action="store_true", help="replace a file that is there")
+    _settings(export)
+    export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    export.add_argument("--solver", metavar="NAME", help="rk45 or radau")
+    export.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
+    export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
+    export.add_argument("--max-step", metavar="H", help="longest step")
+    export.add_argument("--points", metavar="N", type=int, help="rows of the table")
     return parser
 
 

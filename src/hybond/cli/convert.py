@@ -1,20 +1,57 @@
-"""``hybond convert``: a model file in the other format."""
+"""``hybond convert``: a model file in the other format, or one from the file of another tool."""
 
 from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
 
-from hybond.cli.streams import say
+from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
+from hybond.errors import UsageError
 from hybond.files import load, save
+
+CIRCUITS = (".cir", ".net", ".sp", ".ckt", ".spice")
+"""Endings of SPICE netlists."""
+BOND_GRAPHS = (".bg",)
+"""Endings of files of BondGraphTools."""
 
 
 def convert(given: Namespace) -> int:
-    """Read one model file and write another; nothing but a model is ever replaced."""
+    """Read one file and write a model file; nothing but a model is ever replaced."""
     target = check_target(given.target, (".toml", ".json"), "OUT")
     assert target is not None
     check_new(target, force=given.force)
-    save(load(Path(given.source)), target)
+    source = Path(given.source)
+    suffix = source.suffix.lower()
+    if suffix not in CIRCUITS + BOND_GRAPHS:
+        for option, value in (("--diode-current", given.diode_current), ("--strict", given.strict)):
+            if value:
+                raise UsageError(
+                    f"{option} is for files of other tools",
+                    code="HB-X101",
+                    where=str(source),
+                    hint="leave it out",
+                )
+        save(load(source), target)
+        say(given.target)
+        return 0
+    from hybond.circuits.commented import commented_text
+
+    if suffix in CIRCUITS:
+        from hybond.circuits.circuit import read_circuit
+
+        current = given.diode_current or 1.0
+        conversion = read_circuit(source, diode_current=current, strict=given.strict)
+    else:
+        from hybond.circuits.bond_graph_tools import read_bond_graph
+
+        conversion = read_bond_graph(source, strict=given.strict)
+    for warning in conversion.warnings:
+        complain(f"warning: {warning}")
+    if target.suffix.lower() == ".toml" and not target.exists():
+        text = commented_text(conversion)
+        target.write_text(text, encoding="utf-8")
+    else:
+        save(conversion.model, target)
     say(given.target)
     return 0

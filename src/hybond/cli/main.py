@@ -111,6 +111,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.library import library
 
             return library(given)
+        case "export":
+            from hybond.cli.export import export_model
+
+            return export_model(given)
         case _:
             from hybond.cli.demo import demo
 

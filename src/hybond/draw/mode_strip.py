@@ -54,6 +54,25 @@ def slides(result: Any, machine: int, factor: float) -> list[tuple[float, float]
     ]
 
 
+def room_beside(result: Any, shown: list[int], *, inches: float) -> float:
+    """Return how wide, in inches, the names are that stand right of the lanes of an axes."""
+    span = result.t_end or 1.0
+    widest = 0.0
+    for m in shown:
+        states = result.graph.machines[m].states
+        found = stays(result, m)
+        named = {k for a, b, k in found if _fits(states[k], (b - a) / span * inches)}
+        beside = {k for _, _, k in found} - named
+        names = sum(0.03 * inches + width(states[k], 7.5) / 72.0 for k in beside)
+        widest = max(widest, 0.01 * inches + names if beside else 0.0)
+    return widest
+
+
+def _fits(name: str, inches: float) -> bool:
+    """Whether the name of a state fits into its block."""
+    return inches * 72.0 > width(name, 7.5) + 4.0
+
+
 def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches: float) -> None:
     """Draw the lanes of the machines `shown` on axes of their own.
 
@@ -77,7 +96,7 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
             corners.append([(a, lane - 0.4), (b, lane - 0.4), (b, lane + 0.4), (a, lane + 0.4)])
             colours.append(_COLOURS[state % len(_COLOURS)])
             present.add(state)
-            if (b - a) / span * inches * 72.0 > width(states[state], 7.5) + 4.0:
+            if _fits(states[state], (b - a) / span * inches):
                 named.add(state)
                 ax.text(
                     (a + b) / 2,

@@ -13,7 +13,7 @@ import numpy as np
 
 from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.measure import shorten, width
-from hybond.draw.mode_strip import draw_strip, lanes
+from hybond.draw.mode_strip import draw_strip, lanes, room_beside
 from hybond.draw.scales import axis_scale, printed
 from hybond.draw.traces import Trace, Vector, apart, trace_of
 from hybond.errors import UsageError
@@ -99,6 +99,10 @@ def _stacked(
     tall = _TALL if len(groups) < 5 else 1.25
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
     figure = _figure((_WIDE, height), interactive=interactive)
+    # names beside the lanes take room from the lanes, and then more names stand beside them
+    for _ in range(2):
+        beside = room_beside(result, shown, inches=_WIDE - left - right) + 0.05
+        right = max(right, min(beside, _WIDE / 3))
     inches = _WIDE - left - right
 
     def place(y: float, high: float) -> Any:

@@ -1,1 +1,29 @@
-"""Models as text that runs without hybond: C, Java and other languages."""
+"""Models as text that runs without hybond: C, Java and other languages.
+
+The room itself can be called: ``hybond.export(model, to="c")`` is `targets.export`.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from hybond.export.targets import TARGETS, export
+
+if TYPE_CHECKING:
+    from hybond.model.builder import Model
+
+__all__ = ["TARGETS", "export"]
+
+
+class _Room(ModuleType):
+    def __call__(
+        self, model: Model, *, to: str, path: str | Path | None = None, **options: Any
+    ) -> str | bytes:
+        """Return a model in another language; see `hybond.export.targets.export`."""
+        return export(model, to=to, path=path, **options)
+
+
+sys.modules[__name__].__class__ = _Room

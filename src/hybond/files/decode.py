@@ -141,13 +141,17 @@ def _input(data: dict[str, Any], place: Place) -> InputPart:
             code="HB-F113",
             hint='{ constant = "5 V" }',
         )
-    if "linear" in data and given != ["table"]:
-        raise (place / "linear").refuse(
-            f"'linear' belongs to a table, not to {given[0]!r}", code="HB-F114", hint="leave it out"
-        )
+    for key in ("linear", "period"):
+        if key in data and given != ["table"]:
+            raise (place / key).refuse(
+                f"{key!r} belongs to a table, not to {given[0]!r}",
+                code="HB-F114",
+                hint="leave it out",
+            )
     return InputPart(
         constant=data.get("constant"),
         table=data.get("table"),
         linear=data.get("linear", False),
+        period=data.get("period"),
         pwm=data.get("pwm"),
     )

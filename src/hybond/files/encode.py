@@ -174,6 +174,8 @@ def _input(given: InputPart, path: Path) -> dict[str, Any]:
         data["table"] = given.table
     if given.linear:
         data["linear"] = True
+    if given.period is not None:
+        data["period"] = given.period
     if given.pwm is not None:
         data["pwm"] = given.pwm
     return data

@@ -188,6 +188,7 @@ class Waveform(Struct, forbid_unknown_fields=True):
     constant: Scalar | UnsetType = UNSET
     table: Annotated[list[Row], Meta(min_length=1)] | UnsetType = UNSET
     linear: bool | UnsetType = UNSET
+    period: Scalar | UnsetType = UNSET
     pwm: Pulses | UnsetType = UNSET
 
 

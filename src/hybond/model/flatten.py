@@ -58,6 +58,8 @@ from hybond.uncollected import uncollected
 from hybond.units import DOMAINS, Dimension, parse_unit
 
 _RULE = re.compile(r"\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)\Z", re.DOTALL)
+_ROUNDED = 1e-12
+"""Part of a period that two sums of times may differ by and still be the same instant."""
 _TIME = parse_unit("s")[1]
 
 
@@ -348,6 +350,13 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
     def number(value: Value, what: str) -> Number:
         return constant(value, scope.parameters, f"{where}.{what}")
 
+    if part.period is not None and part.table is None:
+        raise ModelError(
+            f"'period' belongs to a table, not to {given[0]!r}",
+            code="HB-M150",
+            where=where,
+            hint="leave it out; a pwm has its period within",
+        )
     waveform: Waveform
     if part.constant is not None:
         level = number(part.constant, "constant")
@@ -386,11 +395,30 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
         raise ModelError(
             "the times of a table must not decrease", code="HB-M150", where=where, hint="sort it"
         )
+    instants = [n.value for n in times]
+    period = 0.0
+    if part.period is not None:
+        period = number(part.period, "period").value
+        instants[-1] = _closing(instants, period, where)
     waveform = Timetable(
-        tuple(n.value for n in times), tuple(n.value for n in levels), linear=part.linear
+        tuple(instants), tuple(n.value for n in levels), linear=part.linear, period=period
     )
     dimension = next((n.dimension for n in levels if n.dimension is not None), None)
     return Input(index, path, waveform, dimension)
+
+
+def _closing(times: list[float], period: float, where: str) -> float:
+    """Return the last time of a table that repeats, exactly a period after the first if it is."""
+    lasts = times[-1] - times[0]
+    if not period > 0.0 or lasts > period * (1.0 + _ROUNDED):
+        raise ModelError(
+            f"the table lasts {lasts:g} s, its period is {period:g} s",
+            code="HB-M150",
+            where=where,
+            hint="a positive period, not shorter than the table",
+        )
+    # a sum of times that should be the period is off by rounding: no piece is that short
+    return times[0] + period if lasts > period * (1.0 - _ROUNDED) else times[-1]
 
 
 def _integrals(

@@ -56,40 +56,100 @@ class Constant:
 
 
 @dataclass(frozen=True, slots=True)
+class Free:
+    """An input that is set from outside while the model runs, in an exported program only."""
+
+    level: float
+    """Where it starts."""
+
+    def piece(self, t: float) -> int:
+        """Return 0: there is one piece."""
+        return 0
+
+    def next_break(self, t: float) -> float:
+        """Return infinity: nobody knows of a break."""
+        return math.inf
+
+    def value(self, t: float, piece: int) -> float:
+        """Return the level at the start."""
+        return self.level
+
+    def rate(self, t: float, piece: int) -> float:
+        """Return 0: inputs are held between the instants at which they are set."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Timetable:
     """A table of (time, value): held from each time on, or joined by straight lines.
 
-    Before the first and after the last time the first and last values hold. Two rows with the
-    same time in a linear table are a jump.
+    Before the first time the first value holds, and after the last time the last one. Two rows
+    with the same time in a linear table are a jump. With a `period` the table begins anew that long
+    after its first time, and so on: its last row then leads to the first row of the next round,
+    unless it is itself a period after the first.
+
+    Row j of round k is at ``times[j] + k * period``, never the sum of many periods, so that rounds
+    do not drift.
     """
 
     times: tuple[float, ...]
     values: tuple[float, ...]
     linear: bool = False
+    period: float = 0.0
+    """Time after which the table repeats, s; 0 if it does not."""
+
+    def _rows(self) -> int:
+        """Return how many rows a round has: one at its very end is the beginning of the next."""
+        closed = len(self.times) > 1 and self.times[-1] >= self.times[0] + self.period
+        return len(self.times) - 1 if closed else len(self.times)
+
+    def begin(self, piece: int) -> float:
+        """Return the time at which a piece begins, minus infinity for the first."""
+        if piece == 0:
+            return -math.inf
+        if not self.period:
+            return self.times[piece - 1]
+        turn, row = divmod(piece - 1, self._rows())
+        return self.times[row] + turn * self.period
 
     def piece(self, t: float) -> int:
         """Return how many of the times are at or before `t`."""
-        return bisect.bisect_right(self.times, t)
+        if not self.period or t < self.times[0]:
+            return bisect.bisect_right(self.times, t)
+        guess = max(0, math.floor((t - self.times[0]) / self.period) - 1) * self._rows()
+        while self.begin(guess + 1) <= t:
+            guess += 1
+        return guess
 
     def next_break(self, t: float) -> float:
         """Return the next time of the table."""
-        k = bisect.bisect_right(self.times, t)
+        k = self.piece(t)
+        if self.period:
+            return self.begin(k + 1)
         return self.times[k] if k < len(self.times) else math.inf
 
     def value(self, t: float, piece: int) -> float:
         """Return the held or interpolated value of a piece."""
         if piece == 0:
             return self.values[0]
-        if piece == len(self.times) or not self.linear:
-            return self.values[piece - 1]
-        return self.values[piece - 1] + self.rate(t, piece) * (t - self.times[piece - 1])
+        row = (piece - 1) % self._rows() if self.period else piece - 1
+        rate = self.rate(t, piece)
+        return self.values[row] + rate * (t - self.begin(piece)) if rate else self.values[row]
 
     def rate(self, t: float, piece: int) -> float:
         """Return the slope of a piece, 0 where the value is held."""
-        if not self.linear or piece in (0, len(self.times)):
+        if not self.linear or piece == 0:
             return 0.0
-        rise = self.values[piece] - self.values[piece - 1]
-        return rise / (self.times[piece] - self.times[piece - 1])
+        if not self.period:
+            if piece == len(self.times):
+                return 0.0
+            rise = self.values[piece] - self.values[piece - 1]
+            return rise / (self.times[piece] - self.times[piece - 1])
+        row = (piece - 1) % self._rows()
+        last = row + 1 == len(self.times)
+        rise = self.values[0 if last else row + 1] - self.values[row]
+        end = self.times[0] + self.period if last else self.times[row + 1]
+        return rise / (end - self.times[row])
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +207,7 @@ def line(waveform: Waveform, t: float, piece: int) -> tuple[float, float, float]
     """
     rate = waveform.rate(t, piece)
     if isinstance(waveform, Timetable) and rate:
-        t = waveform.times[piece - 1]
+        t = waveform.begin(piece)
     return t, waveform.value(t, piece), rate
 
 

@@ -126,6 +126,8 @@ class InputPart:
     table : sequence of (time, value)
     linear : bool
         Join the table's points by straight lines; else each value is held.
+    period : number or str
+        The table begins anew that long after its first time, again and again.
     pwm : mapping
         ``period``, ``duty``, ``high`` (1), ``low`` (0), ``phase`` (0).
     function : callable
@@ -137,6 +139,7 @@ class InputPart:
     constant: Value = None
     table: Sequence[Sequence[Value]] | None = None
     linear: bool = False
+    period: Value = None
     pwm: Mapping[str, Value] | None = None
     function: Callable[[float], float] | None = None
     breaks: Sequence[float] = ()

@@ -1,0 +1,346 @@
+"""One element card of a netlist: its words, options and values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hybond.circuits.formulas import Formula, read_formula
+from hybond.circuits.notices import Line, Notices
+
+_WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
+
+NODES = {"r": 2, "c": 2, "l": 2, "v": 2, "i": 2, "e": 4, "g": 4, "f": 2, "h": 2, "d": 2}
+NODES |= {"s": 4, "w": 2}
+"""Nodes of each kind of card; those of K and X are counted otherwise."""
+WITHOUT_MEANING = {
+    "q": "a bipolar transistor",
+    "m": "a MOS transistor",
+    "j": "a junction field effect transistor",
+    "z": "a MESFET or IGBT",
+    "b": "a behavioural source",
+    "t": "a transmission line",
+    "o": "a lossy transmission line",
+    "u": "a distributed RC line",
+    "y": "a lossy transmission line",
+    "a": "a code model",
+    "n": "a device of an external library",
+    "p": "coupled transmission lines",
+}
+_REMEDY = {
+    "q": "replace it by a switch S with its control, or by a controlled source F",
+    "m": "replace it by a switch S with its control, and a diode D for the body diode",
+    "j": "replace it by a switch S with its control",
+    "z": "replace it by a switch S with its control",
+    "b": "write a linear one as E, F, G or H; other laws can be added to the model by hand",
+    "t": "write it as a ladder of L and C",
+    "o": "write it as a ladder of R, L and C",
+    "u": "write it as a ladder of R and C",
+}
+_IGNORED = frozenset({"tc", "tc1", "tc2", "temp", "dtemp", "noisy", "noise"})
+_OPTIONS = {"r": {"r"}, "c": {"c", "ic"}, "l": {"l", "ic"}, "d": {"area", "ic"}, "v": set()}
+_OPTIONS |= {"i": set(), "e": set(), "f": set(), "g": set(), "h": set(), "s": set(), "w": set()}
+_SPECIAL = frozenset(
+    {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev", "delay"}
+)
+FUNCTIONS = frozenset({"pulse", "sin", "sine", "exp", "pwl", "sffm", "am", "trnoise", "trrandom"})
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """An element as it is written, before subcircuits are opened.
+
+    Parameters
+    ----------
+    name : str
+        As written, ``"Rload"``; its first letter is the kind.
+    line : Line
+    nodes : tuple of str
+        As written: the two terminals, then controlling nodes.
+    value : Formula or None
+        Resistance, gain, coupling, DC value, area, ...
+    start : Formula or None
+        ``IC=``.
+    refers : tuple of str
+        Model or subcircuit; of F, H and W the controlling source first; of K the coils.
+    wave : tuple of (str, list of text)
+        The function of time of a source and its arguments.
+    state : str
+        ``on`` or ``off`` of a switch, if written.
+    given : mapping
+        Parameters of an X card.
+    """
+
+    name: str
+    line: Line
+    nodes: tuple[str, ...]
+    value: Formula | None = None
+    start: Formula | None = None
+    refers: tuple[str, ...] = ()
+    wave: tuple[str, tuple[str, ...]] | None = None
+    state: str = ""
+    given: Mapping[str, Formula] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """Return the letter that says what the card is, in lower case."""
+        return self.name[0].lower()
+
+
+def words_of(text: str, line: Line) -> list[str]:
+    """Return the words of a card; brackets, quotes and braces keep together what they hold.
+
+    Examples
+    --------
+    >>> words_of("V1 in 0 SIN(0 {a b} 50)", Line("x", 1, ""))
+    ['V1', 'in', '0', 'SIN', '(', '0', '{a b}', '50', ')']
+    """
+    found = []
+    for match in _WORD.finditer(text.replace(",", " ")) if "{" not in text else _braced(text):
+        if match[1]:
+            raise line.refuse(
+                f"{match[1]!r} has no partner", code="HB-F130", hint="close the brace or quote"
+            )
+        found.append(match.group())
+    return found
+
+
+def _braced(text: str) -> list[re.Match[str]]:
+    # commas separate words, but not the arguments of functions in braces
+    found = list(_WORD.finditer(text))
+    return [m for m in found if m.group() != ","]
+
+
+def options_of(words: list[str], line: Line) -> tuple[list[str], dict[str, str]]:
+    """Return the words without ``name=value``, and these by name in lower case."""
+    plain: list[str] = []
+    options: dict[str, str] = {}
+    k = 0
+    while k < len(words):
+        if k + 1 < len(words) and words[k + 1] == "=":
+            if k + 2 >= len(words) or words[k + 2] in ("=", "(", ")"):
+                raise line.refuse(
+                    f"{words[k]} = has no value",
+                    code="HB-F130",
+                    hint="write a number, or an expression in braces",
+                )
+            if words[k].lower() in options:
+                raise line.refuse(
+                    f"{words[k]} is given twice", code="HB-F133", hint="take one of them out"
+                )
+            options[words[k].lower()] = words[k + 2]
+            k += 3
+        elif words[k] == "=":
+            raise line.refuse("'=' without a name", code="HB-F130", hint="write name=value")
+        else:
+            plain.append(words[k])
+            k += 1
+    return plain, options
+
+
+def read_card(line: Line, notices: Notices) -> Card:
+    """Return the element of a line.
+
+    Raises
+    ------
+    FileError
+        HB-F130 (words that do not fit the kind), HB-F131 (a value), HB-F133 (an option twice),
+        HB-F136 (an element without ideal meaning).
+    """
+    words = words_of(line.text, line)
+    if not words:
+        raise line.refuse("a card without words", code="HB-F130", hint="take it out")
+    name, kind = words[0], words[0][0].lower()
+    if kind in WITHOUT_MEANING:
+        raise line.refuse(
+            f"{WITHOUT_MEANING[kind]} has no ideal meaning",
+            code="HB-F136",
+            hint=_REMEDY.get(kind, "leave it out, or model it with R, L, C, D, S and sources"),
+        )
+    if kind == "x":
+        return _instance(line, words)
+    if kind == "k":
+        return _coupling(line, words)
+    if kind not in NODES:
+        raise line.refuse(
+            f"{name!r} begins with no letter of an element",
+            code="HB-F130",
+            hint="R L C K V I E F G H D S W X; commands begin with a dot, comments with *",
+        )
+    if kind in "efgh" and {w.lower() for w in words} & _SPECIAL:
+        raise line.refuse(
+            "a controlled source that is not a gain times one voltage or current",
+            code="HB-F136",
+            hint="write a linear one as several E, F, G or H; other laws can be added by hand",
+        )
+    plain, options = options_of(words, line)
+    _check_options(kind, options, line, notices)
+    count = NODES[kind]
+    if len(plain) < 1 + count or any(w in "()" for w in plain[1 : 1 + count]):
+        raise line.refuse(
+            f"{name} needs {count} nodes", code="HB-F130", hint="see the form of the card"
+        )
+    nodes, rest = tuple(plain[1 : 1 + count]), plain[1 + count :]
+    start = read_formula(options["ic"], line) if "ic" in options else None
+    if kind in "rcl":
+        return _passive(line, name, nodes, rest, options, start)
+    if kind in "vi":
+        return _source(line, name, nodes, rest, notices)
+    if kind in "eg" or kind in "fh":
+        return _controlled(line, name, nodes, rest)
+    if kind == "d":
+        return _diode(line, name, nodes, rest, options, notices)
+    return _switch(line, name, nodes, rest)
+
+
+def _check_options(kind: str, options: dict[str, str], line: Line, notices: Notices) -> None:
+    for option in options:
+        if option in _IGNORED:
+            notices.add(line, f"{option} is left out: parts are ideal at every temperature")
+        elif option not in _OPTIONS[kind]:
+            raise line.refuse(
+                f"the option {option!r} is not understood",
+                code="HB-F130",
+                hint="take it out, or write what it stands for as an element of its own",
+            )
+
+
+def _passive(
+    line: Line,
+    name: str,
+    nodes: tuple[str, ...],
+    rest: list[str],
+    options: dict[str, str],
+    start: Formula | None,
+) -> Card:
+    kind = name[0].lower()
+    values = [*rest, *([options[kind]] if kind in options else [])]
+    if len(values) != 1:
+        raise line.refuse(
+            f"{name} has {len(values)} values" if values else f"{name} has no value",
+            code="HB-F130",
+            hint=f"write {name} {nodes[0]} {nodes[1]} value; models of {kind.upper()} "
+            "are not known",
+        )
+    return Card(name, line, nodes, read_formula(values[0], line), start)
+
+
+def _source(
+    line: Line, name: str, nodes: tuple[str, ...], rest: list[str], notices: Notices
+) -> Card:
+    value: Formula | None = None
+    wave: tuple[str, tuple[str, ...]] | None = None
+    k = 0
+    while k < len(rest):
+        word = rest[k].lower()
+        if word == "dc" and k + 1 < len(rest):
+            value = read_formula(rest[k + 1], line)
+            k += 2
+        elif word == "ac":
+            notices.add(line, "the AC value is left out")
+            k += 1
+            while k < len(rest) and rest[k].lower() not in FUNCTIONS | {"dc"}:
+                k += 1
+        elif word in FUNCTIONS:
+            if wave is not None:
+                raise line.refuse(
+                    "two functions of time", code="HB-F130", hint="use two sources in series"
+                )
+            end, arguments = _arguments(rest, k + 1, line)
+            wave = ("sin" if word == "sine" else word, arguments)
+            k = end
+        elif word in "()":
+            raise line.refuse(f"{rest[k]!r} is out of place", code="HB-F130", hint="take it out")
+        elif value is None and k == 0:
+            value = read_formula(rest[k], line)
+            k += 1
+        else:
+            raise line.refuse(
+                f"{rest[k]!r} is not understood",
+                code="HB-F130",
+                hint="DC value, PULSE, SIN, EXP, PWL or SFFM",
+            )
+    return Card(name, line, nodes, value, wave=wave)
+
+
+def _arguments(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...]]:
+    """Return where the arguments of a function of time end, and the arguments."""
+    if k < len(rest) and rest[k] == "(":
+        end = next((j for j in range(k, len(rest)) if rest[j] == ")"), None)
+        if end is None:
+            raise line.refuse("a bracket is not closed", code="HB-F130", hint="close it")
+        return end + 1, tuple(rest[k + 1 : end])
+    end = next((j for j in range(k, len(rest)) if rest[j].lower() in ("ac", "dc")), len(rest))
+    return end, tuple(rest[k:end])
+
+
+def _controlled(line: Line, name: str, nodes: tuple[str, ...], rest: list[str]) -> Card:
+    kind = name[0].lower()
+    if kind in "eg":
+        if len(rest) != 1:
+            raise line.refuse(
+                f"{name} needs four nodes and a gain", code="HB-F130", hint=f"{name} n+ n- c+ c- 10"
+            )
+        return Card(name, line, nodes, read_formula(rest[0], line))
+    if len(rest) != 2:
+        raise line.refuse(
+            f"{name} needs two nodes, a voltage source and a gain",
+            code="HB-F130",
+            hint=f"{name} n+ n- Vmeter 10",
+        )
+    return Card(name, line, nodes, read_formula(rest[1], line), refers=(rest[0],))
+
+
+def _diode(
+    line: Line,
+    name: str,
+    nodes: tuple[str, ...],
+    rest: list[str],
+    options: dict[str, str],
+    notices: Notices,
+) -> Card:
+    words = [w for w in rest if w.lower() != "off"]
+    if len(words) < len(rest) or "ic" in options:
+        notices.add(line, "OFF and IC of a diode are left out: its state follows from the circuit")
+    if not words or len(words) > 2:
+        raise line.refuse(f"{name} needs a model", code="HB-F130", hint=f"{name} anode cathode DX")
+    area = words[1] if len(words) == 2 else options.get("area")
+    value = read_formula(area, line) if area is not None else None
+    return Card(name, line, nodes, value, refers=(words[0],))
+
+
+def _switch(line: Line, name: str, nodes: tuple[str, ...], rest: list[str]) -> Card:
+    kind = name[0].lower()
+    words = list(rest)
+    state = words.pop().lower() if words and words[-1].lower() in ("on", "off") else ""
+    wanted = 1 if kind == "s" else 2
+    if len(words) != wanted:
+        form = "n+ n- c+ c- model" if kind == "s" else "n+ n- Vmeter model"
+        raise line.refuse(
+            f"{name} has {len(words)} words where {wanted} are needed",
+            code="HB-F130",
+            hint=f"{name} {form} [ON|OFF]",
+        )
+    return Card(name, line, nodes, refers=tuple(words), state=state)
+
+
+def _coupling(line: Line, words: list[str]) -> Card:
+    if len(words) < 4 or "=" in words:
+        raise line.refuse(
+            f"{words[0]} needs two coils and a coupling", code="HB-F130", hint="K1 L1 L2 0.98"
+        )
+    value = read_formula(words[-1], line)
+    return Card(words[0], line, (), value, refers=tuple(words[1:-1]))
+
+
+def _instance(line: Line, words: list[str]) -> Card:
+    plain, options = options_of([w for w in words if w.lower() not in ("params:", "param:")], line)
+    if len(plain) < 2 or any(w in "()" for w in plain):
+        raise line.refuse(
+            f"{words[0]} needs nodes and a subcircuit",
+            code="HB-F130",
+            hint=f"{words[0]} in out filter R=10",
+        )
+    given = {key: read_formula(value, line) for key, value in options.items()}
+    return Card(words[0], line, tuple(plain[1:-1]), refers=(plain[-1],), given=given)

@@ -1,0 +1,266 @@
+"""`read_circuit`: from a SPICE netlist to a model."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from hybond.circuits.coils import couple
+from hybond.circuits.deck import Deck, read_deck
+from hybond.circuits.formulas import Number, write
+from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.leaves import Leaf, leaves_of
+from hybond.circuits.notices import Line, Notice, Notices
+from hybond.circuits.numerals import quantity
+from hybond.circuits.opened import GROUND, Opened, Value, global_value, open_deck
+from hybond.circuits.operating_point import operating_point
+from hybond.circuits.texts import Texts
+from hybond.circuits.waves import ZERO, Clock
+from hybond.circuits.weaving import ends_of, weave
+from hybond.circuits.wiring import assemble
+from hybond.errors import FileError, UsageError
+from hybond.model.builder import Model
+from hybond.uncollected import uncollected
+from hybond.units import try_quantity
+
+POINTS = 2001
+"""Output points at the most, whatever the step of ``.tran``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """A model made from a file of another tool.
+
+    Parameters
+    ----------
+    model : Model
+    warnings : tuple of Notice
+        What was idealised or left out, with the place in the file.
+    origins : mapping
+        Element of the model to the line that it comes from.
+    """
+
+    model: Model
+    warnings: tuple[Notice, ...]
+    origins: Mapping[str, str]
+
+
+def read_circuit(
+    path: str | os.PathLike[str], *, diode_current: float | str = 1.0, strict: bool = False
+) -> Conversion:
+    r"""Read a SPICE netlist as a hybrid bond graph.
+
+    Parameters
+    ----------
+    path : str or path
+        A netlist; files that it includes are in its folder.
+    diode_current : float or str
+        The current, A, at which the exponential characteristic of a diode is replaced by its
+        tangent: ideal diode, drop and resistance.
+    strict : bool
+        Refuse what would be a warning.
+
+    Returns
+    -------
+    Conversion
+        With `model`, `warnings` and `origins`.
+
+    Raises
+    ------
+    FileError
+        HB-F130 to HB-F146, with the line.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import hybond as hb
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "rlc.cir")
+    ...     _ = path.write_text(
+    ...         "A series circuit\nV1 in 0 10\nR1 in a 1\nL1 a out 1m\nC1 out 0 1u\n"
+    ...         ".tran 1u 1m uic\n.end\n")
+    ...     rlc = hb.read_circuit(path)
+    >>> rlc.model.bonds
+    ['V1 -> i_L1 -> R1', 'i_L1 -> L1', 'i_L1 -> C1']
+    >>> rlc.origins["R1"]
+    'line 3: R1 in a 1'
+    """
+    current = _current(diode_current)
+    notices = Notices()
+    model, lines = _made(path, notices, current)
+    if strict and notices.found:
+        first = next(iter(notices.found))
+        raise FileError(
+            f"{first.what} ({len(notices.found)} warnings in all)",
+            code="HB-F145",
+            where=first.where,
+            hint="change the netlist, or convert without --strict",
+        )
+    origins = {name: _origin(line, str(path)) for name, line in lines.items()}
+    return Conversion(model, tuple(notices.found), origins)
+
+
+@uncollected
+def _made(
+    path: str | os.PathLike[str], notices: Notices, current: float
+) -> tuple[Model, dict[str, Line]]:
+    deck = read_deck(path, notices)
+    return _Making(Path(path), deck, open_deck(deck, notices), notices, current).run()
+
+
+def _current(given: float | str) -> float:
+    read = try_quantity(given) if isinstance(given, str) else None
+    value = read.value if read is not None else given
+    if isinstance(value, str) or not 0.0 < value < 1e9:
+        raise UsageError(
+            f"diode_current = {given!r}",
+            code="HB-F140",
+            where="diode_current",
+            hint='a positive current, such as "10 mA"',
+        )
+    return float(value)
+
+
+def _origin(line: Line, top: str) -> str:
+    where = f"line {line.number}" if line.file == top else f"{Path(line.file).name}:{line.number}"
+    return f"{where}: {line.text}"
+
+
+class _Making:
+    """One conversion: what its steps share."""
+
+    def __init__(
+        self, path: Path, deck: Deck, opened: Opened, notices: Notices, current: float
+    ) -> None:
+        self.path, self.deck, self.opened, self.notices = path, deck, opened, notices
+        names = GraphNames()
+        taken = {re.sub(r"[^A-Za-z0-9_]+", "_", b.name).lower() for b in opened.branches}
+        self.parameters = {
+            key: names.take(f"{name}_value" if name.lower() in taken else name)
+            for key, (name, _, _) in opened.parameters.items()
+        }
+        self.names = names
+        self.texts = Texts(self.parameters)
+        transient = deck.transient
+        self.step = self.stop = ZERO
+        if transient is not None:
+            self.step = global_value(transient.step, opened, transient.line)
+            self.stop = global_value(transient.stop, opened, transient.line)
+            if not self.step.number > 0.0 or not self.stop.number > 0.0:
+                raise transient.line.refuse(
+                    "a time that is not positive", code="HB-F140", hint=".tran step stop"
+                )
+        windings = couple(opened, self.texts)
+        clock = Clock(self.step, self.stop)
+        found = leaves_of(opened, windings, self.texts, clock, notices, current=current)
+        self.leaves = self._without_loops(found)
+        self.numbers = {GROUND: 0}
+        for leaf in self.leaves:
+            for key in (leaf.branch.a, leaf.branch.b):
+                self.numbers.setdefault(key, len(self.numbers))
+        self.shown = ["ground", *(opened.nodes[k] for k in self.numbers if k != GROUND)]
+
+    def run(self) -> tuple[Model, dict[str, Line]]:
+        self._check_ground()
+        self.leaves = self._started()
+        model = Model(
+            re.sub(r"\W+", "_", self.path.stem) or "circuit",
+            title=_printable(self.deck.title),
+            domain="electrical",
+        )
+        for key, (_, formula, _) in self.opened.parameters.items():
+            text: str | float
+            if isinstance(formula, Number):
+                whole = formula.value.is_integer() and abs(formula.value) < 1e15
+                text = int(formula.value) if whole else formula.value
+            else:
+                text = write(formula, self.parameters.__getitem__)
+            model.parameters[self.parameters[key]] = text
+        ends = ends_of(self.leaves, self.numbers)
+        woven = weave(self.leaves, ends, self.shown, self.names, self.texts, self.notices)
+        assemble(model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices)
+        if self.deck.transient is not None:
+            model.experiment["until"] = _plain(self.stop)
+            model.experiment["points"] = max(2, min(POINTS, self._steps()))
+        model.experiment["solver"] = "auto"
+        return model, woven.lines
+
+    def _steps(self) -> int:
+        return int(min(1e9, self.stop.number / self.step.number)) + 1
+
+    def _without_loops(self, leaves: Sequence[Leaf]) -> list[Leaf]:
+        """Return the branches that lead from one node to another one."""
+        found = []
+        for leaf in leaves:
+            branch = leaf.branch
+            if branch.a != branch.b:
+                found.append(leaf)
+            elif leaf.role == "Se":
+                raise branch.line.refuse(
+                    f"{branch.name} is short-circuited", code="HB-F146", hint="check its nodes"
+                )
+            elif leaf.role == "winding":
+                raise branch.line.refuse(
+                    f"the coupled coil {branch.name} is short-circuited",
+                    code="HB-F146",
+                    hint="put a small resistor in series",
+                )
+            else:
+                self.notices.add(branch.line, f"{branch.name} is left out: both ends are one node")
+        return found
+
+    def _check_ground(self) -> None:
+        if not any(GROUND in (leaf.branch.a, leaf.branch.b) for leaf in self.leaves):
+            raise FileError(
+                "no element is connected to ground",
+                code="HB-F138",
+                where=str(self.path),
+                hint="the node 0 (or gnd) is the reference of all voltages",
+            )
+
+    def _started(self) -> list[Leaf]:
+        """Return the branches with the starts that count."""
+        transient = self.deck.transient
+        forced = []
+        for key, formula, line in self.deck.starts:
+            key = GROUND if key == "gnd" else key
+            if key not in self.numbers:
+                raise line.refuse(
+                    f"there is no node {key!r}", code="HB-F134", hint="check the name of the node"
+                )
+            forced.append((key, global_value(formula, self.opened, line), line))
+        if transient is not None and transient.uic:
+            return [_with_nodes(leaf, dict((k, v) for k, v, _ in forced)) for leaf in self.leaves]
+        for leaf in self.leaves:
+            if leaf.start is not None:
+                self.notices.add(
+                    leaf.branch.line,
+                    "IC counts only with uic in .tran: the start is the operating point",
+                )
+        return operating_point(
+            self.leaves, self.numbers, self.shown, forced, self.texts, self.deck, str(self.path)
+        )
+
+
+def _with_nodes(leaf: Leaf, forced: dict[str, Value]) -> Leaf:
+    """Return a capacitor that starts from the voltages of ``.ic``, if it has no start itself."""
+    if leaf.role != "C" or leaf.start is not None:
+        return leaf
+    a, b = forced.get(leaf.branch.a), forced.get(leaf.branch.b)
+    if a is None and b is None:
+        return leaf
+    if b is None:
+        return replace(leaf, start=a)
+    number = (0.0 if a is None else a.number) - b.number
+    return replace(leaf, start=Value(Number(number), number))
+
+
+def _plain(value: Value) -> str | float:
+    return quantity(value.number, "s")
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else " " for c in text)[:200].strip()

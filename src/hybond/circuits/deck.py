@@ -1,0 +1,352 @@
+"""A netlist as it is written: cards, subcircuits, models, parameters, commands."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field
+
+from hybond.circuits.cards import Card, options_of, read_card, words_of
+from hybond.circuits.formulas import Formula, read_formula
+from hybond.circuits.notices import Line, Notices
+from hybond.circuits.reading import read_lines
+from hybond.errors import FileError
+
+_ASSIGNED = re.compile(r"([A-Za-z_][A-Za-z0-9_.]*)\s*=(?!=)")
+_SETS = re.compile(r"v\s*\(\s*([^()\s,]+)\s*\)\s*=\s*(\{[^}]*\}|'[^']*'|[^\s=]+)", re.IGNORECASE)
+_SILENT = {"print", "probe", "save", "plot"}
+_LEFT_OUT = {
+    "options": "options of another simulator are left out",
+    "option": "options of another simulator are left out",
+    "opt": "options of another simulator are left out",
+    "temp": "the temperature is left out: parts are ideal at every temperature",
+    "meas": "measurements are left out",
+    "measure": "measurements are left out",
+    "four": "the Fourier analysis is left out",
+    "width": "it is left out",
+    "backanno": "it is left out",
+    "op": "the operating point is left out",
+    "nodeset": "it is left out: the start follows from the circuit",
+    "ac": "the AC analysis is left out",
+    "dc": "the DC sweep is left out",
+    "noise": "the noise analysis is left out",
+    "tf": "the transfer function is left out (hybond equations --transfer)",
+    "pz": "the poles are left out (hybond analyse)",
+    "sens": "the sensitivity analysis is left out",
+    "disto": "the distortion analysis is left out",
+    "sp": "the analysis is left out",
+    "title": "",
+}
+_ANALYSES = frozenset({"ac", "dc", "noise", "pz", "sens", "disto", "tf", "sp", "op"})
+
+
+@dataclass(frozen=True, slots=True)
+class ModelCard:
+    """A ``.model`` line: its type in lower case and its parameters."""
+
+    name: str
+    type: str
+    line: Line
+    parameters: dict[str, Formula]
+
+
+@dataclass(frozen=True, slots=True)
+class Transient:
+    """A ``.tran`` line."""
+
+    line: Line
+    step: Formula
+    stop: Formula
+    uic: bool
+
+
+@dataclass(eq=False)
+class Scope:
+    """The top of a netlist, or the inside of a subcircuit.
+
+    Parameters
+    ----------
+    name : str
+        Of the subcircuit, empty at the top.
+    nodes : tuple of str
+        Its terminals, in lower case.
+    defaults : dict
+        Parameters of the ``.subckt`` line.
+    """
+
+    name: str
+    line: Line
+    parent: Scope | None = None
+    nodes: tuple[str, ...] = ()
+    defaults: dict[str, Formula] = field(default_factory=dict)
+    cards: list[Card] = field(default_factory=list)
+    parameters: dict[str, tuple[Formula, Line, str]] = field(default_factory=dict)
+    models: dict[str, ModelCard] = field(default_factory=dict)
+    subcircuits: dict[str, Scope] = field(default_factory=dict)
+
+    def find_model(self, name: str) -> ModelCard | None:
+        """Return the model that a name means here."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.models:
+                return scope.models[name]
+            scope = scope.parent
+        return None
+
+    def find_subcircuit(self, name: str) -> Scope | None:
+        """Return the subcircuit that a name means here."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.subcircuits:
+                return scope.subcircuits[name]
+            scope = scope.parent
+        return None
+
+
+@dataclass
+class Deck:
+    """A whole netlist."""
+
+    title: str
+    top: Scope
+    shared: set[str] = field(default_factory=set)
+    """Nodes of ``.global``, in lower case."""
+    transient: Transient | None = None
+    starts: list[tuple[str, Formula, Line]] = field(default_factory=list)
+    """Of ``.ic``: node, voltage."""
+    outputs: list[tuple[str, Line]] = field(default_factory=list)
+    """Of ``.print`` and the like: one expression each, as written."""
+
+
+def read_deck(path: str | os.PathLike[str], notices: Notices) -> Deck:
+    """Return what a netlist says.
+
+    Raises
+    ------
+    FileError
+        HB-F130 to HB-F137, HB-F142, with the line.
+    """
+    title, lines = read_lines(path, notices)
+    return _Reader(title, str(path), notices).run(lines)
+
+
+class _Reader:
+    def __init__(self, title: str, name: str, notices: Notices) -> None:
+        self.notices = notices
+        self.name = name
+        self.top = Scope("", Line(name, 1, title))
+        self.scope = self.top
+        self.deck = Deck(title, self.top)
+        self.analyses: list[Line] = []
+        self.seen: dict[int, set[str]] = {id(self.top): set()}
+
+    def run(self, lines: list[Line]) -> Deck:
+        control: Line | None = None
+        for line in lines:
+            word = line.text.split(None, 1)[0].lower()
+            if control is not None:
+                control = None if word == ".endc" else control
+            elif word == ".control":
+                self.notices.add(line, "the control section is left out")
+                control = line
+            elif word.startswith("."):
+                self.command(word[1:], line)
+            else:
+                self.card(read_card(line, self.notices))
+        if self.scope is not self.top:
+            raise self.scope.line.refuse(
+                f"the subcircuit {self.scope.name!r} has no end", code="HB-F130", hint="add .ends"
+            )
+        if self.deck.transient is None and self.analyses:
+            raise self.analyses[0].refuse(
+                "the netlist has no transient analysis, only others",
+                code="HB-F137",
+                hint="add .tran; hybond analyse and hybond equations know poles and transfer "
+                "functions of the model",
+            )
+        if not self.top.cards:
+            raise FileError(
+                "the netlist has no elements",
+                code="HB-F130",
+                where=self.name,
+                hint="its first line is the title, elements come after it",
+            )
+        return self.deck
+
+    def card(self, card: Card) -> None:
+        seen = self.seen[id(self.scope)]
+        key = card.name.lower()
+        if key in seen:
+            raise card.line.refuse(
+                f"the name {card.name!r} is used twice", code="HB-F133", hint="rename one"
+            )
+        seen.add(key)
+        self.scope.cards.append(card)
+
+    def command(self, word: str, line: Line) -> None:
+        rest = line.text.split(None, 1)[1] if len(line.text.split(None, 1)) > 1 else ""
+        match word:
+            case "param" | "params" | "parameters":
+                self.parameters(rest, line)
+            case "model":
+                self.model(rest, line)
+            case "subckt":
+                self.subcircuit(rest, line)
+            case "ends":
+                self.ends(rest, line)
+            case "tran":
+                self.transient(rest, line)
+            case "ic":
+                self.starts(rest, line)
+            case "global":
+                self.deck.shared |= {w.lower() for w in rest.split()}
+            case "print" | "plot" | "probe" | "save":
+                self.deck.outputs += [(text, line) for text in _outputs(rest)]
+            case _ if word in _LEFT_OUT:
+                if word in _ANALYSES:
+                    self.analyses.append(line)
+                if _LEFT_OUT[word]:
+                    self.notices.add(line, _LEFT_OUT[word])
+            case _:
+                raise line.refuse(
+                    f"the command .{word} has no meaning here",
+                    code="HB-F137",
+                    hint="take it out; known are .param, .model, .subckt, .include, .lib, .tran, "
+                    ".ic, .global, .print",
+                )
+
+    def parameters(self, rest: str, line: Line) -> None:
+        for name, text in assignments(rest, line):
+            key = name.lower()
+            if key in self.scope.parameters:
+                raise line.refuse(
+                    f"the parameter {name!r} is given twice",
+                    code="HB-F133",
+                    hint=f"it is given in line {self.scope.parameters[key][1].number} too",
+                )
+            self.scope.parameters[key] = (read_formula(text, line), line, name)
+
+    def model(self, rest: str, line: Line) -> None:
+        words = words_of(rest, line)
+        if len(words) < 2:
+            raise line.refuse(
+                "a model has a name and a type", code="HB-F130", hint=".model DX D(N=1)"
+            )
+        name, kind = words[0].lower(), words[1].lower()
+        plain, options = options_of([w for w in words[2:] if w not in ("(", ")")], line)
+        if plain:
+            raise line.refuse(
+                f"{plain[0]!r} has no value", code="HB-F130", hint=".model DX D(IS=1e-14 RS=0.1)"
+            )
+        if name in self.scope.models:
+            raise line.refuse(
+                f"the model {words[0]!r} is there twice",
+                code="HB-F133",
+                hint=f"line {self.scope.models[name].line.number} has it too; rename one",
+            )
+        read = {key: read_formula(v, line) for key, v in options.items() if not _worded(key)}
+        self.scope.models[name] = ModelCard(words[0], kind, line, read)
+
+    def subcircuit(self, rest: str, line: Line) -> None:
+        words = [w for w in words_of(rest, line) if w.lower() not in ("params:", "param:")]
+        plain, options = options_of([w for w in words if w not in ("(", ")")], line)
+        if len(plain) < 2:
+            raise line.refuse(
+                "a subcircuit has a name and nodes", code="HB-F130", hint=".subckt filter in out"
+            )
+        name = plain[0].lower()
+        known = self.scope.subcircuits.get(name)
+        if known is not None:
+            raise line.refuse(
+                f"the subcircuit {plain[0]!r} is there twice",
+                code="HB-F133",
+                hint=f"line {known.line.number} has it too; rename one",
+            )
+        nodes = tuple(w.lower() for w in plain[1:])
+        if len(set(nodes)) < len(nodes):
+            raise line.refuse("a node is there twice", code="HB-F133", hint="rename one")
+        inner = Scope(name, line, self.scope, nodes)
+        inner.defaults.update({k: read_formula(v, line) for k, v in options.items()})
+        self.scope.subcircuits[name] = inner
+        self.seen[id(inner)] = set()
+        self.scope = inner
+
+    def ends(self, rest: str, line: Line) -> None:
+        if self.scope.parent is None:
+            raise line.refuse(
+                ".ends without .subckt", code="HB-F130", hint="take it out, or write .end"
+            )
+        if rest and rest.split()[0].lower() != self.scope.name:
+            raise line.refuse(
+                f"it ends {rest.split()[0]!r}, but {self.scope.name!r} is open",
+                code="HB-F130",
+                hint="subcircuits are closed in the reverse order",
+            )
+        self.scope = self.scope.parent
+
+    def transient(self, rest: str, line: Line) -> None:
+        words = words_of(rest, line)
+        uic = any(w.lower() in ("uic", "startup") for w in words)
+        if any(w.lower() == "startup" for w in words):
+            raise line.refuse(
+                "'startup' ramps the sources of another simulator",
+                code="HB-F137",
+                hint="write uic, and ramps as PWL or EXP",
+            )
+        times = [read_formula(w, line) for w in words if w.lower() not in ("uic", "steady")]
+        if not 1 <= len(times) <= 4:
+            raise line.refuse(
+                f"{len(times)} times", code="HB-F130", hint=".tran step stop [start [max]] [uic]"
+            )
+        if self.deck.transient is not None:
+            raise line.refuse(
+                "a second transient analysis", code="HB-F133", hint="take one of them out"
+            )
+        if len(times) > 2 and words[2] not in ("0", "0s"):
+            self.notices.add(line, "the start of output is left out: all of the run is kept")
+        stop = times[0] if len(times) == 1 else times[1]
+        self.deck.transient = Transient(line, times[0], stop, uic)
+
+    def starts(self, rest: str, line: Line) -> None:
+        found = list(_SETS.finditer(rest))
+        if not found or _SETS.sub("", rest).strip(" ,"):
+            raise line.refuse(
+                "not a list of node voltages", code="HB-F130", hint=".ic V(out)=5 V(in)=0"
+            )
+        for match in found:
+            node = match[1].lower()
+            if any(known == node for known, _, _ in self.deck.starts):
+                raise line.refuse(
+                    f"v({match[1]}) is given twice", code="HB-F133", hint="take one of them out"
+                )
+            self.deck.starts.append((node, read_formula(match[2], line), line))
+
+
+def assignments(text: str, line: Line) -> list[tuple[str, str]]:
+    """Return the pairs of ``a=1 b={a*2} c = a + 1``.
+
+    Examples
+    --------
+    >>> assignments("a=1 b={a == 2} c = a + 1", Line("x", 1, ""))
+    [('a', '1'), ('b', '{a == 2}'), ('c', 'a + 1')]
+    """
+    masked = re.sub(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"", lambda m: "#" * len(m[0]), text)
+    found = [m for m in _ASSIGNED.finditer(masked) if not _compared(masked, m)]
+    if not found or masked[: found[0].start()].strip(" ,"):
+        raise line.refuse("no name=value", code="HB-F130", hint=".param f=50 w={2*pi*f}")
+    ends = [m.start() for m in found[1:]] + [len(text)]
+    return [(m[1], text[m.end() : end].strip(" ,")) for m, end in zip(found, ends, strict=True)]
+
+
+def _compared(text: str, match: re.Match[str]) -> bool:
+    return text[match.start() - 1 : match.start()] in ("<", ">", "!", "=") and bool(match.start())
+
+
+def _worded(key: str) -> bool:
+    """Whether a parameter of a model is a word: who makes the part, what it is called."""
+    return key in ("mfg", "type", "icrating", "pn")
+
+
+def _outputs(text: str) -> list[str]:
+    words = re.findall(r"[A-Za-z]+\s*\([^()]*\)|\S+", text)
+    return [w.replace(" ", "") for w in words if w.lower() not in ("tran", "all")]

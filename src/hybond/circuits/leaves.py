@@ -1,0 +1,164 @@
+"""What each branch of a circuit is in a bond graph: an element, a source, a controlled junction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from hybond.circuits.coils import Winding
+from hybond.circuits.formulas import Applied, Number
+from hybond.circuits.ideal import IdealSwitch, ideal_diode, ideal_switch
+from hybond.circuits.notices import Notices
+from hybond.circuits.numerals import quantity
+from hybond.circuits.opened import Branch, Opened, Value
+from hybond.circuits.texts import Texts
+from hybond.circuits.waves import Clock, Drive, drive_of
+
+Role = Literal["R", "C", "I", "Se", "Sf", "meter", "diode", "switch", "winding"]
+
+_PLAIN: Mapping[str, tuple[Role, str]] = {
+    "r": ("R", "ohm"),
+    "c": ("C", "F"),
+    "l": ("I", "H"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A branch with its meaning.
+
+    Parameters
+    ----------
+    branch : Branch
+    role : str
+        The kind of element; ``"meter"`` is a source of 0 V, whose current can be read.
+    text : str, float or None
+        What the element says; None if it follows from a controlling voltage or current.
+    drive : Drive or None
+        Of an independent source.
+    start : Value or None
+        Voltage of a C, current of an I, from node a to node b.
+    resistance : str, float or None
+        In series with a diode or switch.
+    drop : float
+        In series with a diode, V.
+    switch : IdealSwitch or None
+    winding : Winding or None
+    """
+
+    branch: Branch
+    role: Role
+    text: str | float | None = None
+    drive: Drive | None = None
+    start: Value | None = None
+    resistance: str | float | None = None
+    drop: float = 0.0
+    switch: IdealSwitch | None = None
+    winding: Winding | None = None
+
+
+def leaves_of(
+    opened: Opened,
+    windings: Mapping[str, Winding],
+    texts: Texts,
+    clock: Clock,
+    notices: Notices,
+    *,
+    current: float,
+) -> list[Leaf]:
+    """Return the branches with their meaning.
+
+    Raises
+    ------
+    FileError
+        HB-F130, HB-F136, HB-F140.
+    """
+    found: list[Leaf] = []
+    for branch in opened.branches:
+        kind = branch.kind
+        if kind == "l" and branch.key in windings:
+            _positive(branch)
+            found.append(Leaf(branch, "winding", start=branch.start, winding=windings[branch.key]))
+        elif kind in _PLAIN:
+            found += _plain(branch, texts, notices)
+        elif kind in "vi":
+            drive = drive_of(branch, texts, clock)
+            role: Role = "Sf" if kind == "i" else "meter" if drive.zero else "Se"
+            found.append(Leaf(branch, role, drive.text, drive))
+        elif kind in "eh":
+            found.append(Leaf(branch, "Se"))
+        elif kind in "gf":
+            found.append(Leaf(branch, "Sf"))
+        elif kind == "d":
+            found += _diode(branch, notices, current)
+        else:
+            found += _switch(branch, texts, notices)
+    return found
+
+
+def _positive(branch: Branch) -> None:
+    assert branch.value is not None
+    if branch.value.number <= 0.0:
+        what = {"c": "capacitance", "l": "inductance"}[branch.kind]
+        raise branch.line.refuse(
+            f"a {what} of {branch.value.number:g} stores no energy",
+            code="HB-F140",
+            hint="give a positive value, or take the element out",
+        )
+
+
+def _plain(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
+    assert branch.value is not None
+    role, unit = _PLAIN[branch.kind]
+    if role == "R" and branch.value.number == 0.0 and not branch.value.parametric:
+        notices.add(branch.line, f"{branch.name} has no resistance: a connection")
+        return [Leaf(branch, "meter", "0 V", Drive("0 V", None, 0.0, True))]
+    if role != "R":
+        _positive(branch)
+    text = branch.line.text.lower().split()
+    if role == "C" and len(text) > 3 and text[3].rstrip("f") != text[3] and text[3][:-1].isdigit():
+        notices.add(branch.line, f"{branch.name}: F is femto, so this is {text[3][:-1]}e-15 F")
+    return [Leaf(branch, role, texts.value(branch.value, unit), start=branch.start)]
+
+
+def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
+    ideal = ideal_diode(branch, current, notices)
+    resistance = _without(ideal.resistance, ideal.beside)
+    text = quantity(resistance, "ohm") if resistance else None
+    found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop)]
+    return found + _beside(branch, ideal.beside)
+
+
+def _switch(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
+    ideal = ideal_switch(branch, notices)
+    text: str | float | None = None
+    if ideal.resistance is not None:
+        text = texts.value(ideal.resistance, "ohm")
+        if math.isfinite(ideal.beside):
+            text = quantity(_without(ideal.resistance.number, ideal.beside), "ohm")
+    found = [Leaf(branch, "switch", resistance=text, switch=ideal)]
+    return found + _beside(branch, ideal.beside)
+
+
+def _without(resistance: float, beside: float) -> float:
+    """Return what, with `beside` in parallel, makes `resistance`."""
+    return resistance if math.isinf(beside) else 1.0 / (1.0 / resistance - 1.0 / beside)
+
+
+def _beside(branch: Branch, resistance: float) -> list[Leaf]:
+    if math.isinf(resistance):
+        return []
+    value = Value(Number(resistance), resistance)
+    name = f"{branch.name}_off"
+    return [
+        Leaf(replace(branch, name=name, kind="r", value=value), "R", quantity(resistance, "ohm"))
+    ]
+
+
+def negated(value: Value) -> Value:
+    """Return minus a value."""
+    if isinstance(value.formula, Number):
+        return Value(Number(-value.number), -value.number)
+    return Value(Applied("neg", (value.formula,)), -value.number)

@@ -1,0 +1,63 @@
+"""What a conversion has to say: refusals and warnings that name a line of the netlist."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from hybond.errors import FileError
+from hybond.files.place import shortened
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A logical line of a netlist: continuations joined, comments gone.
+
+    Parameters
+    ----------
+    file : str
+        The file as the caller named it.
+    number : int
+        Its first line, counted from 1.
+    text : str
+    """
+
+    file: str
+    number: int
+    text: str
+
+    @property
+    def place(self) -> str:
+        """Return the place for messages, ``rectifier.cir:12``."""
+        return f"{self.file}:{self.number}"
+
+    def refuse(self, why: str, *, code: str, hint: str = "") -> FileError:
+        """Return the error that says `why` about this line."""
+        return FileError(f"{why} ({shortened(self.text)})", code=code, where=self.place, hint=hint)
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something that was idealised or left out, and the line that asked for it.
+
+    Examples
+    --------
+    >>> print(Notice("rectifier.cir:12", "AC analysis is left out"))
+    rectifier.cir:12: AC analysis is left out
+    """
+
+    where: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}"
+
+
+@dataclass
+class Notices:
+    """The warnings of one conversion, in the order in which they came up, each once."""
+
+    found: dict[Notice, None] = field(default_factory=dict)
+
+    def add(self, line: Line, what: str) -> None:
+        """Note something about a line."""
+        self.found[Notice(line.place, what)] = None

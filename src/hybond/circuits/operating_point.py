@@ -1,0 +1,157 @@
+"""The start of a circuit without uic: at rest with the sources as they are at t = 0.
+
+At rest no current flows through a capacitor and no voltage drops across a coil. So a current source
+of zero stands for each C, a voltage source of zero for each L, and what remains is a circuit
+without storage, whose diodes and switches are settled as any others. Where its solution is not the
+only one, the start is not a matter of the circuit, and the netlist has to say it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from hybond.circuits.deck import Deck
+from hybond.circuits.formulas import Number
+from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.leaves import Leaf
+from hybond.circuits.notices import Line, Notices
+from hybond.circuits.opened import GROUND, Branch, Value
+from hybond.circuits.texts import Texts
+from hybond.circuits.waves import Drive
+from hybond.circuits.weaving import ends_of, weave, written
+from hybond.circuits.wiring import assemble
+from hybond.errors import FileError, HybondError
+from hybond.model.builder import Model
+
+LARGEST = 1000
+"""Elements of a circuit whose rest is computed: all at once, with dense matrices."""
+Forced = Sequence[tuple[str, Value, Line]]
+
+
+def operating_point(
+    leaves: Sequence[Leaf],
+    numbers: Mapping[str, int],
+    shown: Sequence[str],
+    forced: Forced,
+    texts: Texts,
+    deck: Deck,
+    place: str,
+) -> list[Leaf]:
+    """Return the branches, C and L with their starts at rest.
+
+    Parameters
+    ----------
+    leaves : sequence of Leaf
+    numbers, shown : nodes by key, and their names
+    forced : sequence of (node, voltage, line)
+        What ``.ic`` holds until t = 0.
+
+    Raises
+    ------
+    FileError
+        HB-F143 if the circuit has no rest, or not one alone.
+    """
+    cleared = [replace(leaf, start=None) for leaf in leaves]
+    stores = [k for k, leaf in enumerate(leaves) if leaf.role in ("C", "I", "winding")]
+    driven = any(leaf.drive is not None and leaf.drive.initial for leaf in leaves)
+    if not stores or (not driven and not forced):
+        return cleared  # nothing drives it: it is at rest with nothing stored
+    if len(leaves) > LARGEST:
+        raise _none(place, f"the rest of more than {LARGEST} elements is not computed")
+    still = [_at_rest(leaf) for leaf in cleared]
+    still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
+    try:
+        values = _solve(still, stores, numbers, shown, texts, deck)
+    except FileError:
+        raise
+    except HybondError as error:
+        raise _none(place, f"the circuit has no rest: {error.why}") from None
+    found = list(cleared)
+    for k, value in values.items():
+        if value:
+            found[k] = replace(found[k], start=Value(Number(value), value))
+    return found
+
+
+def _none(place: str, why: str) -> FileError:
+    return FileError(
+        why,
+        code="HB-F143",
+        where=place,
+        hint="write uic in .tran, and IC= at the elements that do not start from zero",
+    )
+
+
+def _at_rest(leaf: Leaf) -> Leaf:
+    """Return what stands for a branch at rest at t = 0."""
+    if leaf.role == "C":
+        return replace(leaf, role="Sf", text="0 A", drive=Drive("0 A", None, 0.0, True))
+    if leaf.role in ("I", "winding"):
+        return replace(
+            leaf, role="Se", text="0 V", drive=Drive("0 V", None, 0.0, True), winding=None
+        )
+    if leaf.drive is not None:
+        value = leaf.drive.initial
+        return replace(leaf, text=value, drive=Drive(value, None, value, True))
+    return leaf
+
+
+def _holding(key: str, value: Value, line: Line) -> Leaf:
+    branch = Branch(f"hold_{key}", "v", line, key, GROUND)
+    return Leaf(branch, "Se", value.number, Drive(value.number, None, value.number, True))
+
+
+def _solve(
+    still: list[Leaf],
+    stores: Sequence[int],
+    numbers: Mapping[str, int],
+    shown: Sequence[str],
+    texts: Texts,
+    deck: Deck,
+) -> dict[int, float]:
+    from hybond.simulation import simulate
+
+    names = GraphNames()
+    notices = Notices()
+    ends = ends_of(still, numbers)
+    # a capacitor that blocks a current source off from its way back is seen by weave
+    woven = weave(still, ends, shown, names, texts, notices)
+    model = Model("rest", domain="electrical")
+    assemble(model, woven, still, ends, numbers, texts, replace(deck, outputs=[]), notices)
+    wanted: dict[int, str] = {}
+    for k in stores:
+        terms = woven.drops.get(k) if still[k].role == "Sf" else woven.currents.get(k)
+        text = written(terms or ())
+        if text != "0":
+            name = names.take(f"rest_{k}")
+            model.signals[name] = text
+            wanted[k] = name
+    if not model.bonds or not wanted:
+        return {}
+    run = simulate(model, until=1.0, solver="rk45", kernel=False)
+    undetermined = {
+        (end, name.rpartition(".")[2])
+        for event in run.events[:1]
+        for name in event.steps[-1].undetermined
+        for end in re.findall(r"[\w.]+", name.rpartition(".")[0])
+    }
+    for k, name in wanted.items():
+        if undetermined & _read(str(model.signals[name])):
+            raise still[k].branch.line.refuse(
+                f"at rest, {still[k].branch.name} may hold anything: the circuit does not say what "
+                "it starts from",
+                code="HB-F143",
+                hint="write uic in .tran, and IC= at the elements that do not start from zero",
+            )
+    return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}
+
+
+def _read(text: str) -> set[tuple[str, str]]:
+    """Return the elements and variables in a sum."""
+    return {(name, variable) for name, variable in re.findall(r"(\w[\w.]*)\.([ef])\b", text)}
+
+
+def _clean(value: float) -> float:
+    return float(f"{value:.15g}")

@@ -1,0 +1,55 @@
+"""Values as the model says them: quantities with units, or expressions of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+
+from hybond.circuits.formulas import Applied, write
+from hybond.circuits.numerals import quantity, short
+from hybond.circuits.opened import Value
+
+
+@dataclass(frozen=True, slots=True)
+class Texts:
+    """How values are written; `names` are the parameters of the model by their keys."""
+
+    names: Mapping[str, str]
+
+    def value(self, value: Value, unit: str) -> str | float:
+        """Return what an element says: ``"10 uF"`` or ``"2*C0"``."""
+        if value.parametric:
+            return write(value.formula, self.names.__getitem__)
+        return quantity(value.number, unit)
+
+    def factor(self, value: Value, unit: str) -> str:
+        """Return a value as a factor of a product."""
+        if value.parametric:
+            text = write(value.formula, self.names.__getitem__)
+            return f"({text})" if isinstance(value.formula, Applied) else text
+        if "/" in unit:
+            return f"{short(value.number)} [{unit}]"
+        return str(quantity(value.number, unit)) if unit else short(value.number)
+
+    def total(self, values: list[Value], unit: str) -> str | float:
+        """Return the sum of values; decimal numbers add up as on paper."""
+        if any(v.parametric for v in values):
+            rest = [v for v in values if not v.parametric]
+            texts = [self.factor(v, unit) for v in values if v.parametric]
+            if sum(v.number for v in rest):
+                texts.append(str(quantity(exact_sum(rest), unit)))
+            return " + ".join(texts)
+        return quantity(exact_sum(values), unit)
+
+
+def exact_sum(values: list[Value]) -> float:
+    """Return the sum of the decimal numbers that are nearest to values.
+
+    Examples
+    --------
+    >>> from hybond.circuits.formulas import Number
+    >>> exact_sum([Value(Number(x), x) for x in (0.1, 0.2)])
+    0.3
+    """
+    return float(sum((Decimal(repr(v.number)) for v in values), Decimal(0)))

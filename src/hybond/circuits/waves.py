@@ -1,0 +1,285 @@
+"""Independent sources: functions of time as expressions or inputs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from hybond.circuits.formulas import Number
+from hybond.circuits.numerals import short
+from hybond.circuits.opened import Branch, Value
+from hybond.circuits.texts import Texts
+from hybond.model.parts import InputPart
+
+ZERO = Value(Number(0.0), 0.0)
+_UNITS = {"v": "V", "i": "A"}
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What an independent source imposes.
+
+    Parameters
+    ----------
+    text : str or float
+        An expression, if it is no input.
+    input : InputPart or None
+    initial : float
+        Its value at t = 0, from the right.
+    constant : bool
+    """
+
+    text: str | float
+    input: InputPart | None
+    initial: float
+    constant: bool
+
+    @property
+    def zero(self) -> bool:
+        """Whether it is always zero: an ammeter, or nothing."""
+        return self.constant and self.initial == 0.0 and self.text in ("0 V", "0 A", 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The times of ``.tran``, which are the defaults of functions of time; zero if not known."""
+
+    step: Value
+    stop: Value
+
+
+def drive_of(branch: Branch, texts: Texts, clock: Clock) -> Drive:
+    """Return what an independent source imposes.
+
+    Raises
+    ------
+    FileError
+        HB-F130 (arguments missing or too many), HB-F136 (a function without meaning here),
+        HB-F140 (times that cannot be).
+    """
+    unit = _UNITS[branch.kind]
+    if branch.wave is None:
+        value = branch.value or ZERO
+        return Drive(texts.value(value, unit), None, value.number, True)
+    name, given = branch.wave
+    match name:
+        case "pulse":
+            return _pulse(branch, given, texts, clock, unit)
+        case "sin":
+            return _sine(branch, given, texts, clock, unit)
+        case "exp":
+            return _exponential(branch, given, texts, clock, unit)
+        case "pwl":
+            return _lines(branch, given, texts, unit)
+        case "sffm":
+            return _modulated(branch, given, texts, clock, unit)
+        case _:
+            raise branch.line.refuse(
+                f"the function of time {name.upper()} has no meaning here",
+                code="HB-F136",
+                hint="PULSE, SIN, EXP, PWL or SFFM; an input of the model may be a function in "
+                "Python",
+            )
+
+
+def _counted(branch: Branch, given: tuple[Value, ...], least: int, most: int) -> None:
+    if not least <= len(given) <= most:
+        name = branch.wave[0].upper() if branch.wave else ""
+        raise branch.line.refuse(
+            f"{name} has {len(given)} values, not {least} to {most}",
+            code="HB-F130",
+            hint="see the form of the function in the manual of SPICE",
+        )
+
+
+def _impossible(branch: Branch, why: str, hint: str) -> Exception:
+    return branch.line.refuse(why, code="HB-F140", hint=hint)
+
+
+def _pick(given: tuple[Value, ...], k: int, default: Value) -> Value:
+    """Return argument k; SPICE takes zero and nothing for the default."""
+    return given[k] if k < len(given) and (given[k].number or given[k].parametric) else default
+
+
+def _pulse(
+    branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str
+) -> Drive:
+    _counted(branch, given, 2, 8)
+    if len(given) == 8 and given[7].number != 0.0:
+        raise branch.line.refuse(
+            "a number of pulses is not understood", code="HB-F130", hint="write them as PWL"
+        )
+    low, high = given[0], given[1]
+    delay = _pick(given, 2, ZERO)
+    rise, fall = _pick(given, 3, clock.step), _pick(given, 4, clock.step)
+    width, period = _pick(given, 5, ZERO), _pick(given, 6, ZERO)
+    numbers = [v.number for v in (rise, fall, width, period)]
+    if min(numbers) < 0.0:
+        raise _impossible(branch, "a time of the pulse is negative", "check the times")
+    corners = [([delay], low), ([delay, rise], high)]
+    if not width.number:  # a step that stays
+        return _table(branch, corners, None, texts, unit)
+    corners += [([delay, rise, width], high), ([delay, rise, width, fall], low)]
+    if not period.number:
+        return _table(branch, corners, None, texts, unit)
+    lasts = rise.number + width.number + fall.number
+    if lasts > period.number * (1 + 1e-12):
+        raise _impossible(
+            branch,
+            f"the pulse lasts {lasts:g} s, its period is {period.number:g} s",
+            "shorten the pulse (rise and fall are one time step of .tran if they are not given)",
+        )
+    if not rise.number and not fall.number and not delay.number:
+        wave: dict[str, Any] = {"period": texts.value(period, "s")}
+        if width.parametric or period.parametric:
+            wave["duty"] = f"{texts.factor(width, 's')}/({texts.factor(period, 's')})"
+        else:
+            wave["duty"] = width.number / period.number
+        wave |= {"high": texts.value(high, unit), "low": texts.value(low, unit)}
+        return Drive("", InputPart(pwm=wave), high.number, False)
+    return _table(branch, corners, period, texts, unit)
+
+
+def _table(
+    branch: Branch,
+    corners: list[tuple[list[Value], Value]],
+    period: Value | None,
+    texts: Texts,
+    unit: str,
+) -> Drive:
+    """Return a source of straight lines between corners, perhaps repeated."""
+    times = [sum(v.number for v in at) for at, _ in corners]
+    if times[0] < 0.0 and period is None and times[-1] < 0.0:
+        raise _impossible(branch, "all of it is before t = 0", "check the delay")
+    rows = [(texts.total(at, "s"), texts.value(level, unit)) for at, level in corners]
+    initial = _at_zero(times, [level.number for _, level in corners], period)
+    span = None if period is None else texts.value(period, "s")
+    return Drive("", InputPart(table=rows, linear=True, period=span), initial, False)
+
+
+def _at_zero(times: list[float], levels: list[float], period: Value | None) -> float:
+    t = 0.0
+    if period is not None and times[0] < 0.0:
+        t = times[0] + (-times[0]) % period.number
+        times, levels = [*times, times[0] + period.number], [*levels, levels[0]]
+    if t < times[0]:
+        return levels[0]
+    for k in range(len(times) - 1, -1, -1):
+        if times[k] <= t:
+            if k + 1 == len(times):
+                return levels[k]
+            part = (t - times[k]) / (times[k + 1] - times[k])
+            return levels[k] + part * (levels[k + 1] - levels[k])
+    return levels[0]
+
+
+def _since(delay: Value, texts: Texts) -> str:
+    return f"(time - {texts.factor(delay, 's')})" if delay.number or delay.parametric else "time"
+
+
+def _angle(frequency: Value, since: str, texts: Texts) -> str:
+    if frequency.parametric:
+        return f"2*pi*{texts.factor(frequency, 'Hz')}*{since}/(1 s)"
+    return f"2*pi*{texts.factor(frequency, 'Hz')}*{since}"
+
+
+def _offset(value: Value, texts: Texts, unit: str) -> str:
+    return f"{texts.factor(value, unit)} + " if value.number or value.parametric else ""
+
+
+def _delayed(delay: Value, before: str, after: str, texts: Texts) -> str:
+    if not delay.number and not delay.parametric:
+        return after
+    return f"if time < {texts.factor(delay, 's')} then {before} else {after}"
+
+
+def _sine(branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str) -> Drive:
+    _counted(branch, given, 2, 6)
+    offset, size = given[0], given[1]
+    frequency = _pick(given, 2, ZERO)
+    delay, damping, phase = (_pick(given, k, ZERO) for k in (3, 4, 5))
+    if not frequency.number:
+        if not clock.stop.number:
+            raise _impossible(branch, "the sine has no frequency", "give it, or .tran")
+        frequency = Value(Number(1.0 / clock.stop.number), 1.0 / clock.stop.number)
+    if delay.number < 0.0:
+        raise _impossible(branch, "the delay is negative", "use a phase")
+    since = _since(delay, texts)
+    turn = ""
+    if phase.parametric:
+        turn = f" + {texts.factor(phase, '')}*pi/180"
+    elif phase.number:
+        turn = f" {'-' if phase.number < 0 else '+'} {short(abs(phase.number))}*pi/180"
+    wave = f"{texts.factor(size, unit)}*sin({_angle(frequency, since, texts)}{turn})"
+    if damping.parametric:
+        wave += f"*exp(-{texts.factor(damping, '')}*{since}/(1 s))"
+    elif damping.number:
+        wave += f"*exp({short(-damping.number)} [1/s]*{since})"
+    first = f"{texts.factor(size, unit)}*sin({turn.removeprefix(' + ').strip()})" if turn else ""
+    shift = _offset(offset, texts, unit)
+    before = f"{shift}{first}" if first else texts.factor(offset, unit)
+    text = _delayed(delay, before, f"{shift}{wave}", texts)
+    initial = offset.number + size.number * math.sin(math.radians(phase.number))
+    return Drive(text, None, initial, False)
+
+
+def _exponential(
+    branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str
+) -> Drive:
+    _counted(branch, given, 2, 6)
+    low, high = given[0], given[1]
+    first, rising = _pick(given, 2, ZERO), _pick(given, 3, clock.step)
+    later = first.number + clock.step.number
+    second = _pick(given, 4, Value(Number(later), later))
+    falling = _pick(given, 5, clock.step)
+    if min(rising.number, falling.number) <= 0.0:
+        raise _impossible(branch, "a time constant is not positive", "give it, or .tran")
+    if second.number < first.number or first.number < 0.0:
+        raise _impossible(branch, "the delays do not follow each other", "swap them")
+
+    def decay(delay: Value, constant: Value) -> str:
+        return f"(1 - exp(-{_since(delay, texts)}/({texts.factor(constant, 's')})))"
+
+    v1, v2 = texts.factor(low, unit), texts.factor(high, unit)
+    if low.parametric or low.number:
+        rise = f"{v1} + ({v2} - {_bracketed(v1)})*{decay(first, rising)}"
+        fall = f"{rise} + ({v1} - {_bracketed(v2)})*{decay(second, falling)}"
+    else:
+        rise = f"{v2}*{decay(first, rising)}"
+        fall = f"{v2}*({decay(first, rising)} - {decay(second, falling)})"
+    text = f"if time < {texts.factor(second, 's')} then {rise} else {fall}"
+    return Drive(_delayed(first, v1, text, texts), None, low.number, False)
+
+
+def _bracketed(text: str) -> str:
+    return f"({text})" if text.startswith("-") else text
+
+
+def _lines(branch: Branch, given: tuple[Value, ...], texts: Texts, unit: str) -> Drive:
+    if len(given) < 2 or len(given) % 2:
+        raise branch.line.refuse(
+            f"PWL has {len(given)} values", code="HB-F130", hint="pairs of time and value"
+        )
+    corners = [([given[k]], given[k + 1]) for k in range(0, len(given), 2)]
+    times = [at[0].number for at, _ in corners]
+    if any(b < a for a, b in pairwise(times)):
+        raise _impossible(branch, "the times of PWL decrease", "sort the pairs")
+    return _table(branch, corners, None, texts, unit)
+
+
+def _modulated(
+    branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str
+) -> Drive:
+    _counted(branch, given, 2, 5)
+    stop = 1.0 / clock.stop.number if clock.stop.number else 0.0
+    default = Value(Number(stop), stop)
+    carrier, index, signal = (
+        _pick(given, 2, default),
+        _pick(given, 3, ZERO),
+        _pick(given, 4, default),
+    )
+    inner = f"{texts.factor(index, '')}*sin({_angle(signal, 'time', texts)})"
+    wave = f"{texts.factor(given[1], unit)}*sin({_angle(carrier, 'time', texts)} + {inner})"
+    return Drive(f"{_offset(given[0], texts, unit)}{wave}", None, given[0].number, False)

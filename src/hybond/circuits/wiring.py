@@ -1,0 +1,213 @@
+"""The model of a woven circuit: bonds as chains, sources that follow, switches, outputs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from hybond.circuits.deck import Deck
+from hybond.circuits.leaves import Leaf
+from hybond.circuits.notices import Line, Notices
+from hybond.circuits.opened import GROUND
+from hybond.circuits.sensing import Sensing
+from hybond.circuits.texts import Texts
+from hybond.circuits.weaving import Terms, Woven, minus, written
+from hybond.model.builder import Model
+from hybond.model.parts import MachinePart, Part
+
+_OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
+_GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
+
+
+def assemble(
+    model: Model,
+    woven: Woven,
+    leaves: Sequence[Leaf],
+    ends: Sequence[tuple[int, int]],
+    numbers: Mapping[str, int],
+    texts: Texts,
+    deck: Deck,
+    notices: Notices,
+) -> None:
+    """Put a woven circuit into a model.
+
+    Raises
+    ------
+    FileError
+        HB-F134, HB-F144 (something sensed that is not there or not determined).
+    """
+    _Assembly(model, woven, leaves, ends, numbers, texts, deck, notices).run()
+
+
+class _Assembly:
+    def __init__(
+        self,
+        model: Model,
+        woven: Woven,
+        leaves: Sequence[Leaf],
+        ends: Sequence[tuple[int, int]],
+        numbers: Mapping[str, int],
+        texts: Texts,
+        deck: Deck,
+        notices: Notices,
+    ) -> None:
+        self.model, self.woven, self.leaves, self.texts = model, woven, leaves, texts
+        self.deck, self.notices = deck, notices
+        self.sensing = Sensing(woven, leaves, ends, numbers, self.idle)
+        self.idle_names: dict[int, Terms] = {}
+
+    def run(self) -> None:
+        model, woven = self.model, self.woven
+        model.elements.update(woven.elements)
+        for k, name in woven.inputs.items():
+            drive = self.leaves[k].drive
+            assert drive is not None and drive.input is not None
+            model.inputs[name] = drive.input
+        for name, k, sign in woven.pending:
+            text = self.controlled(k)
+            value = minus(text) if sign < 0 else text
+            model.elements[name] = Part(woven.elements[name].kind, value)
+        for k, junction in woven.junctions.items():
+            if self.leaves[k].switch is not None:
+                self.switch(k, junction)
+        model.bonds = chains(woven.bonds, woven.elements)
+        self.outputs()
+
+    def controlled(self, k: int) -> str:
+        """Return gain times what a controlled source follows."""
+        branch = self.leaves[k].branch
+        assert branch.value is not None
+        sensed = self.sensed(k)
+        gain = self.texts.factor(branch.value, _GAINS[branch.kind])
+        if branch.value.parametric and branch.kind in "gh":
+            gain += "/(1 ohm)" if branch.kind == "g" else "*(1 ohm)"
+        if sensed == "0":
+            return "0 V" if branch.kind in "eh" else "0 A"
+        if not branch.value.parametric and branch.value.number == 1.0 and branch.kind in "ef":
+            return sensed
+        single = re.fullmatch(r"[\w.]+", sensed)
+        return f"{gain}*{sensed if single else f'({sensed})'}"
+
+    def sensed(self, k: int) -> str:
+        branch = self.leaves[k].branch
+        if branch.kind in "egs":
+            plus, minus_ = branch.senses
+            return written(self.sensing.voltage(plus, minus_, branch.line))
+        source = self.sensing.by_key.get(branch.senses[0])
+        if source is None or self.leaves[source].branch.kind != "v":
+            raise branch.line.refuse(
+                f"{branch.senses[0]!r} is no voltage source",
+                code="HB-F134",
+                hint="the current of a source V is followed; 0 V makes an ammeter",
+            )
+        return written(self.sensing.current(branch.senses[0], branch.line))
+
+    def switch(self, k: int, junction: str) -> None:
+        """Add the machine of a switch."""
+        branch, ideal = self.leaves[k].branch, self.leaves[k].switch
+        assert ideal is not None
+        unit = "V" if branch.kind == "s" else "A"
+        sensed = self.sensed(k)
+        on: str | float
+        off: str | float
+        if not ideal.window:
+            assert ideal.other is not None
+            on, off = self.texts.value(ideal.threshold, unit), self.texts.value(ideal.other, unit)
+        elif ideal.other is None or not (ideal.other.number or ideal.other.parametric):
+            on = off = self.texts.value(ideal.threshold, unit)
+        else:
+            centre = self.texts.factor(ideal.threshold, unit)
+            half = self.texts.factor(ideal.other, unit)
+            on, off = f"{centre} + {half}", f"{centre} - {half}"
+            if not ideal.threshold.parametric and not ideal.other.parametric:
+                on, off = f"{ideal.on!r} {unit}", f"{ideal.off!r} {unit}"
+        name = self.woven.names.take(f"{junction}_state")
+        self.model.machines[name] = MachinePart(
+            {"open": (), "closed": (junction,)},
+            "closed" if branch.state == "on" else "open",
+            (f"open -> closed when {sensed} > {on}", f"closed -> open when {sensed} < {off}"),
+        )
+
+    def idle(self, k: int) -> Terms | None:
+        """Return the voltage of a source or capacitor that carries no current."""
+        if k in self.idle_names:
+            return self.idle_names[k]
+        leaf = self.leaves[k]
+        if leaf.role == "C":
+            if leaf.start is None or not leaf.start.number:
+                terms: Terms = ()
+            else:
+                terms = ((1, f"({self.texts.value(leaf.start, 'V')})"),)
+        elif leaf.drive is not None and leaf.drive.constant:
+            text = str(leaf.drive.text)
+            terms = () if leaf.drive.zero else ((1, f"({text})" if "-" in text else text),)
+        else:
+            name = self.woven.own[k]
+            terms = ((1, name),)
+            self.idle_names[k] = terms
+            if leaf.drive is None:
+                self.model.signals[name] = self.controlled(k)
+            elif leaf.drive.input is not None:
+                self.model.inputs[name] = leaf.drive.input
+            else:
+                self.model.signals[name] = str(leaf.drive.text)
+        self.idle_names[k] = terms
+        return terms
+
+    def outputs(self) -> None:
+        """Turn ``.print`` and the like into what a run keeps and plots."""
+        plot: list[str] = []
+        for text, line in self.deck.outputs:
+            match = _OUTPUT.match(text)
+            if match is None:
+                self.notices.add(line, f"the output {text} is left out: v(a), v(a,b), i(V1)")
+                continue
+            name = self.output(match[1].lower(), match[2], match[3], line)
+            if name is not None and name not in plot:
+                plot.append(name)
+        if plot:
+            self.model.experiment["plot"] = plot
+
+    def output(self, what: str, first: str, second: str | None, line: Line) -> str | None:
+        if what == "v":
+            terms = self.sensing.voltage(_node(first), _node(second or GROUND), line)
+        else:
+            terms = self.sensing.current(first.lower(), line)
+        text = written(terms)
+        if text == "0":
+            self.notices.add(line, f"the output {what}({first}) is left out: it is zero")
+            return None
+        if re.fullmatch(r"[A-Za-z_][\w.]*", text):
+            return text
+        stem = f"{what}_{first}" + (f"_{second}" if second else "")
+        stem = re.sub(r"\W+", "_", stem)
+        if self.model.signals.get(stem) == text:
+            return stem
+        name = self.woven.names.take(stem)
+        self.model.signals[name] = text
+        return name
+
+
+def _node(text: str) -> str:
+    key = text.strip().lower()
+    return GROUND if key == "gnd" else key
+
+
+def chains(bonds: Sequence[tuple[str, str]], elements: Mapping[str, Part]) -> list[str]:
+    """Return bonds as text, two in a row where the first ends at the junction of the second.
+
+    Examples
+    --------
+    >>> j = {"i": Part("1"), "V": Part("Se", 1), "R": Part("R", 1)}
+    >>> chains([("V", "i"), ("i", "R"), ("i", "C")], j)
+    ['V -> i -> R', 'i -> C']
+    """
+    found: list[list[str]] = []
+    for tail, head in bonds:
+        last = found[-1] if found else None
+        part = elements.get(tail)
+        if last is not None and last[-1] == tail and part is not None and part.kind in ("0", "1"):
+            last.append(head)
+        else:
+            found.append([tail, head])
+    return [" -> ".join(names) for names in found]

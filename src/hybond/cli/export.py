@@ -1,0 +1,51 @@
+"""``hybond export``: a model as a program of its own, or in the format of another tool."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from hybond.cli.settings import model_with
+from hybond.cli.streams import say
+from hybond.cli.targets import check_new, check_target
+from hybond.errors import UsageError
+from hybond.export.targets import TARGETS, default_name, export
+from hybond.files import load
+from hybond.names import did_you_mean
+
+PRINTED = "-"
+"""The name of the file that is not written but printed."""
+
+
+def export_model(given: Namespace) -> int:
+    """Write a model in another language; print where it is.
+
+    Raises
+    ------
+    UsageError
+        HB-E603 for an unknown target, HB-X102 or HB-X104 for a file that cannot be written.
+    """
+    target = TARGETS.get(given.to)
+    if target is None:
+        raise UsageError(
+            f"there is no export to {given.to!r}",
+            code="HB-E603",
+            where="--to",
+            hint=did_you_mean(given.to, TARGETS) or ", ".join(TARGETS),
+        )
+    name = given.out or default_name(given.to, Path(given.file).stem)
+    path = None if name == PRINTED else check_target(name, (target.suffix,), "--out")
+    if path is not None:
+        check_new(path, force=given.force)
+    names = ("until", "solver", "rtol", "atol", "points", "max_step")
+    options = {n: getattr(given, n) for n in names if getattr(given, n) is not None}
+    model = model_with(load(Path(given.file)), given.settings)
+    found = export(model, to=given.to, path=path, **options)
+    if path is not None:
+        say(name)
+    elif isinstance(found, str):
+        sys.stdout.write(found)
+    else:
+        sys.stdout.buffer.write(found)
+    return 0

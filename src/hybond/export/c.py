@@ -1,0 +1,232 @@
+"""A model as one file of C99."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybond._version import __version__
+from hybond.export.program import NAMES, Exported, exported, printed_before
+from hybond.export.story import story, title_of
+from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
+from hybond.export.translate.c_words import HEADERS, c_words
+from hybond.export.translate.lines import block_comment, plain, prose, wrapped
+from hybond.model.builder import Model
+from hybond.model.graph import FlatGraph
+
+LEAVES = ["functions", "lookup"]
+"""Chapters that stand before the model's expressions, which call them."""
+
+
+def to_c(model: Model, **options: object) -> str:
+    """Return a model as one readable C99 file that needs nothing but the C library.
+
+    Parameters
+    ----------
+    model : Model
+    **options
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``max_step``; those that
+        are left out are the experiment's.
+
+    Returns
+    -------
+    str
+        ``cc -std=c99 -O2 model.c -lm && ./a.out`` prints the trajectory as a table.
+
+    Raises
+    ------
+    ModelError, UsageError
+        HB-E630 to HB-E634 for what the exported runtime does not have.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> print(to_c(hb.load("examples/bouncing_ball.toml")).splitlines()[0])
+    /* Ball on a springy floor (Margetts & Ngwompo)
+    """
+    graph = model.flatten()
+    found = exported(graph, **options)
+    title = c_text(title_of(graph))[1:-1]
+    return c_file(model, graph, found, MAIN.replace("@TITLE@", title))
+
+
+def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
+    """Return a model and the runtime as one text, with `tail`, its main or what stands for it."""
+    printer = CPrinter(
+        found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
+    )
+    printer.known = printed_before("c")
+    printer.given = {
+        **{name: _names(printer, found, name) for name in NAMES},
+        "evaluate_pair": _pairs(printer, found),
+        "value": _values(printer, found),
+    }
+    title = title_of(graph)
+    lines = block_comment([*wrapped(plain(title), 0), "", *_how_to(), "", *story(model, graph)])
+    lines += ["", *_contraction(), *(f"#include <{h}>" for h in HEADERS)]
+    lines += [
+        "",
+        "/* Names of the values that the expressions of the model read. */",
+        *_slots(found),
+    ]
+    for name, points in found.points.items():
+        lines += ["", *c_table(name, points)]
+    lines += ["", *c_words(printer.reached.words), "", *printer.typedefs()]
+    modules = {m.name: m for m in found.runs.program.modules}
+    order = [m.name for m in found.runs.program.modules]
+    first = [n for n in LEAVES if n in modules]
+    for name in [*first, "model", *(n for n in order if n not in first and n != "model")]:
+        module = modules[name]
+        if not printer.needed(module):
+            continue
+        lines += ["", *_heading(module.name, module.doc)]
+        lines += printer.chapter(module)
+        if name == "model":
+            lines += ["", *_model(printer, found)]
+    lines += ["", *tail.splitlines()]
+    return "\n".join(lines) + "\n"
+
+
+def _how_to() -> list[str]:
+    return [
+        f"Exported by hybond {__version__}. Compile and run with",
+        "",
+        "    cc -std=c99 -O2 FILE.c -lm -o model && ./model > table.csv",
+        "",
+        "./model --events prints the events instead, ./model --help the options.",
+    ]
+
+
+def _contraction() -> list[str]:
+    """Products and sums are rounded one by one, as hybond does it."""
+    return [
+        "#if defined(__clang__) || !defined(__GNUC__)",
+        "#pragma STDC FP_CONTRACT OFF",
+        "#endif",
+        "",
+    ]
+
+
+def _slots(found: Exported) -> list[str]:
+    rows = [(name, k, said) for name, k, said in found.slots]
+    rows.append(("PRE", found.tables.slots.size, "where the a priori values begin"))
+    lines = ["enum {"]
+    for name, k, said in rows:
+        lines.append(f"    {name} = {k}, // {plain(said)}")
+    lines[-1] = lines[-1].replace(", //", " //", 1)
+    return [*lines, "};"]
+
+
+def _heading(name: str, doc: str) -> list[str]:
+    return block_comment([f"Chapter: {name}. {prose(doc)[0]}", *prose(doc)[1:]])
+
+
+def _names(printer: CPrinter, found: Exported, function: str) -> list[str]:
+    if function not in printer.reached.functions:
+        return []
+    f = found.runs.program.functions[function]
+    texts: Sequence[str] = getattr(found.tables, NAMES[function])
+    listed = ", ".join(c_text(t) for t in texts) or '""'
+    return [
+        *printer.documented(f.doc, f.above),
+        printer.signature(f),
+        "{",
+        *wrapped(f"static const char *const names[] = {{{listed}}};", 4),
+        "    (void)m;",
+        "    return names[k];",
+        "}",
+    ]
+
+
+def _values(printer: CPrinter, found: Exported) -> list[str]:
+    f = found.runs.program.functions["value"]
+    lines = [*printer.documented(f.doc, f.above), printer.signature(f), "{", "    (void)m;"]
+    if not found.values:
+        lines += ["    (void)v;"]
+    lines += ["    switch (k) {"]
+    for case in found.values:
+        lines.append(f"    case {case.number}: // {plain(case.text)}"[:99])
+        lines += wrapped(f"return {printer.said(case.value)};", 8)
+    return [*lines, "    default:", "        return NAN;", "    }", "}"]
+
+
+def _pairs(printer: CPrinter, found: Exported) -> list[str]:
+    f = found.runs.program.functions["evaluate_pair"]
+    lines = [*printer.documented(f.doc, f.above), printer.signature(f), "{", "    (void)m;"]
+    if not found.pairs:
+        return [*lines, "    (void)k;", "    (void)s;", "}"]
+    lines += ["    switch (k) {"]
+    for case in found.pairs:
+        lines.append(f"    case {case.number}: // {plain(case.text)}"[:99])
+        lines += printer.block(case.code, 8)
+        lines.append("        break;")
+    return [*lines, "    default:", "        break;", "    }", "}"]
+
+
+def _model(printer: CPrinter, found: Exported) -> list[str]:
+    """Return the tables of the model as one record."""
+    t = found.tables
+    lines = ["static const Model MODEL = {"]
+    for m in printer.members(found.runs.program.records["Model"]):
+        match m.type.kind:
+            case "int":
+                lines.append(f"    .{m.name} = {int(t.numbers[m.name])},")
+            case "float":
+                lines.append(f"    .{m.name} = {c_number(float(t.numbers[m.name]))},")
+            case "Ints":
+                numbers = ", ".join(map(str, t.ints[m.name])) or "0"
+                lines += wrapped(f".{m.name} = (const int[]){{{numbers}}},", 4)
+            case _:
+                numbers = ", ".join(c_number(x) for x in t.floats[m.name]) or "0.0"
+                lines += wrapped(f".{m.name} = (const double[]){{{numbers}}},", 4)
+    return [*lines, "};"]
+
+
+MAIN = """\
+/* The program. */
+static const char USAGE[] =
+    "@TITLE@\\n"
+    "usage: model [--events] [--until T] [--points N] [--rtol X] [--atol X]\\n"
+    "  prints a table of the outputs, comma separated, two rows at an event;\\n"
+    "  with --events the transitions and the final state instead\\n"
+    "exit codes: 0 fine, 1 usage, 3 the numerics\\n";
+
+static double number_after(int argc, char **argv, int k)
+{
+    char *end = NULL;
+    const double x = k + 1 < argc ? strtod(argv[k + 1], &end) : 0.0;
+    if (end == NULL || end == argv[k + 1] || *end != '\\0' || !(x > 0.0)) {
+        fprintf(stderr, "%s: a positive number is wanted behind it\\n", argv[k]);
+        exit(1);
+    }
+    return x;
+}
+
+int main(int argc, char **argv)
+{
+    Model model = MODEL;
+    bool events = false;
+    for (int k = 1; k < argc; k++) {
+        if (strcmp(argv[k], "--events") == 0) {
+            events = true;
+        } else if (strcmp(argv[k], "--until") == 0) {
+            model.until = number_after(argc, argv, k++);
+        } else if (strcmp(argv[k], "--points") == 0) {
+            model.points = (int)number_after(argc, argv, k++);
+        } else if (strcmp(argv[k], "--rtol") == 0) {
+            model.rtol = number_after(argc, argv, k++);
+        } else if (strcmp(argv[k], "--atol") == 0) {
+            model.atol = number_after(argc, argv, k++);
+        } else {
+            const bool asked = strcmp(argv[k], "--help") == 0;
+            fputs(USAGE, asked ? stdout : stderr);
+            return asked ? 0 : 1;
+        }
+    }
+    Engine *e = make_engine(&model);
+    Report *report = make_report(e);
+    report->events = events;
+    const int code = run_program(e, report);
+    release();
+    return code;
+}
+"""

@@ -1,0 +1,164 @@
+"""A model as a functional mock-up unit: the exported C with the functions of the standard.
+
+One archive holds the model description, the C source, and a library compiled for the machine that
+hybond runs on. It is for co-simulation, with the model's own solver and event handling inside, and
+for model exchange, with those of the importer.
+"""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import tempfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+from hybond.errors import UsageError
+from hybond.export.c import c_file
+from hybond.export.fmu.describing import describe
+from hybond.export.fmu.interface import Interface, free_inputs, interface_of
+from hybond.export.program import DRIVEN, Exported, exported
+from hybond.kernel.build import compiler
+from hybond.model.builder import Model
+from hybond.model.graph import FlatGraph
+from hybond.model.inputs import Constant, Free
+
+HOME = Path(__file__).parent
+VERSIONS = ("2.0", "3.0")
+_PLATFORM = {"win32": "win64", "darwin": "darwin64"}.get(sys.platform, "linux64")
+_PLACES = {
+    "2.0": _PLATFORM,
+    "3.0": {"win64": "x86_64-windows", "darwin64": "x86_64-darwin"}.get(_PLATFORM, "x86_64-linux"),
+}
+_SUFFIX = {"win64": ".dll", "darwin64": ".dylib"}.get(_PLATFORM, ".so")
+_WHEN = (2000, 1, 1, 0, 0, 0)  # the same model gives the same bytes
+
+
+def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
+    """Return a model as a functional mock-up unit for co-simulation and model exchange.
+
+    Inputs that are constants become inputs of the unit; its outputs are those of the experiment.
+
+    Parameters
+    ----------
+    model : Model
+    fmi : {"3.0", "2.0"}
+        The version of the standard.
+    **options
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``max_step``.
+
+    Returns
+    -------
+    bytes
+        A ZIP archive.
+
+    Raises
+    ------
+    UsageError
+        HB-E604 for another version, HB-E605 without a C compiler.
+    ModelError
+        What the exported runtime does not have.
+    """
+    if fmi not in VERSIONS:
+        raise UsageError(
+            f"FMI {fmi} is not written", code="HB-E604", where="fmi", hint="fmi = '3.0' or '2.0'"
+        )
+    graph = _freed(model.flatten())
+    found = exported(graph, roots=DRIVEN, **options)
+    tables = found.tables
+    rules = tables.ints["rule_first"][-1]
+    own = interface_of(
+        model.flatten(),
+        outputs=tables.outputs,
+        text=repr((tables.numbers, tables.ints, tables.floats, tables.values.text, fmi)),
+        indicators=tables.ints["atom_first"][rules],
+        until=float(tables.numbers["until"]),
+        rtol=float(tables.numbers["rtol"]),
+    )
+    source = unit_source(model, graph, found, own, fmi)
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
+
+        def add(name: str, data: str | bytes) -> None:
+            entry = zipfile.ZipInfo(name, _WHEN)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            files.writestr(entry, data)
+
+        add("modelDescription.xml", describe(own, fmi))
+        add(f"sources/{own.identifier}.c", source)
+        library = _compiled(source, own.identifier)
+        add(f"binaries/{_PLACES[fmi]}/{own.identifier}{_SUFFIX}", library)
+    return archive.getvalue()
+
+
+def unit_source(model: Model, graph: FlatGraph, found: Exported, own: Interface, fmi: str) -> str:
+    """Return the C of a unit."""
+    inputs = free_inputs(model.flatten())
+    first = {
+        f"FIRST_{group.upper()[:-1]}": own.first(group)
+        for group in ("inputs", "outputs", "states", "derivatives")
+    }
+    first["FIRST_INDICATOR"] = own.first("derivatives") + len(own.states)
+    first["BEYOND_LAST"] = first["FIRST_INDICATOR"] + own.indicators
+    numbers = ", ".join(map(str, inputs)) or "0"
+    levels = ", ".join(repr(v.start) for v in own.inputs) or "0.0"
+    lines = [
+        "/* What the unit shows: where its variables begin, and its inputs. */",
+        f'#define TOKEN "{own.token}"',
+        "enum {",
+        *(f"    {name} = {k}," for name, k in first.items()),
+        f"    INPUTS = {len(inputs)}",
+        "};",
+        f"static const int INPUT_NUMBER[] = {{{numbers}}};",
+        f"static const double INPUT_START[] = {{{levels}}};",
+        "",
+        (HOME / "common.c").read_text(encoding="utf-8"),
+        (HOME / f"fmi{fmi[0]}.c").read_text(encoding="utf-8"),
+    ]
+    return c_file(model, graph, found, "\n".join(lines))
+
+
+def _freed(graph: FlatGraph) -> FlatGraph:
+    """Return the graph with inputs that are constants set from outside."""
+    inputs = tuple(
+        replace(i, waveform=Free(i.waveform.level)) if isinstance(i.waveform, Constant) else i
+        for i in graph.inputs
+    )
+    return replace(graph, inputs=inputs)
+
+
+def _compiled(source: str, name: str) -> bytes:
+    command = compiler()
+    if command is None:
+        raise UsageError(
+            "a functional mock-up unit holds a compiled library, and there is no C compiler",
+            code="HB-E605",
+            where="fmu",
+            hint="install one (CC names it), or export to C",
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        text = Path(folder, f"{name}.c")
+        text.write_text(source, encoding="utf-8")
+        target = text.with_suffix(_SUFFIX)
+        flags = ["-std=c99", "-O1", "-ffp-contract=off", "-shared", "-fvisibility=hidden"]
+        flags += [] if sys.platform == "win32" else ["-fPIC"]
+        libraries = [] if sys.platform == "win32" else ["-lm"]
+        done = subprocess.run(
+            [*command, *flags, "-o", str(target), str(text), *libraries],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=300,
+            check=False,
+        )
+        if done.returncode:
+            raise UsageError(
+                f"the C compiler refuses the unit: {done.stderr.strip()[-500:]}",
+                code="HB-E605",
+                where="fmu",
+                hint="try another compiler: CC names it",
+            )
+        return target.read_bytes()

@@ -1,0 +1,109 @@
+"""What is written down of an instant: the modes visited, and the transitions that led there."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.export.portable.blocks import Places, grow_places, make_places
+from hybond.export.portable.words import record
+
+MYTHICAL: Final = 0
+PINNACLE: Final = 1
+CONTINUOUS: Final = 2
+START: Final = 0
+GUARD: Final = 1
+TIME: Final = 2
+INPUT: Final = 3
+ACCUMULATION: Final = 4
+SAMPLE: Final = 6
+
+
+@record
+class Instant:
+    """The steps of an instant, each with the transitions that entered its mode."""
+
+    t: float
+    cause: int
+    steps: int
+    kind: Places
+    struck: Places
+    """Of each step: whether impulses passed."""
+    struck_now: bool
+    first: Places
+    """Of each step: its transitions."""
+    fired: int
+    machine: Places
+    source: Places
+    target: Places
+    # what fired last, on its way to a step
+    waiting: int
+    wait_machine: Places
+    wait_source: Places
+    wait_target: Places
+
+
+def make_instant() -> Instant:
+    """Return an instant at which nothing happened."""
+    i = Instant()
+    i.kind = make_places(16)
+    i.struck = make_places(16)
+    i.first = make_places(16)
+    i.machine = make_places(16)
+    i.source = make_places(16)
+    i.target = make_places(16)
+    i.wait_machine = make_places(16)
+    i.wait_source = make_places(16)
+    i.wait_target = make_places(16)
+    return i
+
+
+def begin_instant(i: Instant, t: float, cause: int) -> None:
+    """Forget what was written down."""
+    i.t = t
+    i.cause = cause
+    i.steps = 0
+    i.fired = 0
+    i.waiting = 0
+
+
+def note_fired(i: Instant, machine: int, source: int, target: int) -> None:
+    """Note a transition into the mode that is tried next."""
+    grow_places(i.wait_machine, i.waiting + 1)
+    grow_places(i.wait_source, i.waiting + 1)
+    grow_places(i.wait_target, i.waiting + 1)
+    i.wait_machine.at[i.waiting] = machine
+    i.wait_source.at[i.waiting] = source
+    i.wait_target.at[i.waiting] = target
+    i.waiting += 1
+
+
+def drop_fired(i: Instant) -> None:
+    """Forget the transitions into the mode that was tried."""
+    i.waiting = 0
+
+
+def note_step(i: Instant, kind: int) -> int:
+    """Note a mode visited, entered by what fired last; return its number."""
+    grow_places(i.kind, i.steps + 1)
+    grow_places(i.first, i.steps + 2)
+    grow_places(i.struck, i.steps + 1)
+    i.kind.at[i.steps] = kind
+    i.struck.at[i.steps] = 1 if i.struck_now else 0
+    i.first.at[i.steps] = i.fired
+    i.steps += 1
+    append_fired(i)
+    return i.steps - 1
+
+
+def append_fired(i: Instant) -> None:
+    """Add what fired last to the transitions of the last step."""
+    for k in range(i.waiting):
+        grow_places(i.machine, i.fired + 1)
+        grow_places(i.source, i.fired + 1)
+        grow_places(i.target, i.fired + 1)
+        i.machine.at[i.fired] = i.wait_machine.at[k]
+        i.source.at[i.fired] = i.wait_source.at[k]
+        i.target.at[i.fired] = i.wait_target.at[k]
+        i.fired += 1
+    i.waiting = 0
+    i.first.at[i.steps] = i.fired

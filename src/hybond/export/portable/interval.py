@@ -1,0 +1,184 @@
+"""What is constant between two timed events: pieces of inputs, comparisons of time.
+
+After model/inputs.py and programs/interval.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.export.portable.engine import Engine
+from hybond.export.portable.model import Model
+from hybond.export.portable.words import Floats, Ints
+
+CONSTANT: Final = 0
+HELD: Final = 1
+LINES: Final = 2
+PULSES: Final = 3
+FREE: Final = 4
+"""Set from outside, and so no part of what selects equations."""
+
+
+def edge(m: Model, i: int, piece: int) -> float:
+    """Return when piece number `piece` of pulses begins."""
+    at = m.input_first[i]
+    cycle = math.floor(0.5 * float(piece))
+    falling = piece - 2 * int(cycle)
+    share = m.input_number[at + 1] if falling == 1 else 0.0
+    return m.input_number[at + 4] + (float(cycle) + share) * m.input_number[at]
+
+
+def piece_of(m: Model, i: int, t: float) -> int:
+    """Return the number of the piece of an input that begins at or contains t."""
+    at = m.input_first[i]
+    kind = m.input_kind[i]
+    if kind == CONSTANT or kind == FREE:
+        return 0
+    if kind == PULSES:
+        guess = 2 * int(math.floor((t - m.input_number[at + 4]) / m.input_number[at])) - 2
+        while edge(m, i, guess + 1) <= t:
+            guess += 1
+        return guess
+    many = (m.input_first[i + 1] - at) // 2
+    piece = 0
+    while piece < many and m.input_number[at + piece] <= t:
+        piece += 1
+    return piece
+
+
+def next_break(m: Model, i: int, t: float) -> float:
+    """Return the first instant after t at which an input begins another piece."""
+    at = m.input_first[i]
+    kind = m.input_kind[i]
+    if kind == CONSTANT or kind == FREE:
+        return math.inf
+    if kind == PULSES:
+        duty = m.input_number[at + 1]
+        if duty == 0.0 or duty == 1.0:
+            return math.inf
+        return edge(m, i, piece_of(m, i, t) + 1)
+    many = (m.input_first[i + 1] - at) // 2
+    piece = piece_of(m, i, t)
+    return m.input_number[at + piece] if piece < many else math.inf
+
+
+def input_rate(m: Model, i: int, piece: int) -> float:
+    """Return the time derivative of an input within a piece."""
+    at = m.input_first[i]
+    many = (m.input_first[i + 1] - at) // 2
+    if m.input_kind[i] != LINES or piece == 0 or piece == many:
+        return 0.0
+    rise = m.input_number[at + many + piece] - m.input_number[at + many + piece - 1]
+    return rise / (m.input_number[at + piece] - m.input_number[at + piece - 1])
+
+
+def input_value(m: Model, i: int, t: float, piece: int) -> float:
+    """Return the value of an input within a piece, extended to t if need be."""
+    at = m.input_first[i]
+    kind = m.input_kind[i]
+    if kind == CONSTANT:
+        return m.input_number[at]
+    if kind == PULSES:
+        high = piece - 2 * int(math.floor(0.5 * float(piece))) == 0
+        return m.input_number[at + 2] if high else m.input_number[at + 3]
+    many = (m.input_first[i + 1] - at) // 2
+    if piece == 0:
+        return m.input_number[at + many]
+    held = m.input_number[at + many + piece - 1]
+    if piece == many or kind == HELD:
+        return held
+    return held + input_rate(m, i, piece) * (t - m.input_number[at + piece - 1])
+
+
+def level_of_piece(m: Model, i: int, piece: int) -> int:
+    """Return which of its levels an input has, where these select equations."""
+    kind = m.input_kind[i]
+    if kind == CONSTANT:
+        return 0
+    if kind == PULSES:
+        return piece - 2 * int(math.floor(0.5 * float(piece)))
+    return m.level_of[m.level_first[i] + piece]
+
+
+def next_sample(m: Model, k: int, t: float) -> float:
+    """Return the first instant after t of a sampled signal. After model/graph.py, Sample."""
+    every = m.sample_every[k]
+    phase = m.sample_phase[k]
+    if t < phase:
+        return phase
+    n = math.floor((t - phase) / every)
+    if phase + n * every > t:
+        n -= 1.0
+    while phase + n * every <= t:
+        n += 1.0
+    return phase + n * every
+
+
+def is_due(m: Model, k: int, t: float) -> bool:
+    """Whether t is one of the instants of a sampled signal."""
+    n = math.floor((t - m.sample_phase[k]) / m.sample_every[k] + 0.5)
+    return n >= 0.0 and t == m.sample_phase[k] + n * m.sample_every[k]
+
+
+def interval_after(e: Engine, t: float) -> None:
+    """Enter the interval that begins at t or contains it."""
+    m = e.model
+    end = math.inf
+    for i in range(m.inputs):
+        end = min(end, next_break(m, i, t))
+        e.piece[i] = piece_of(m, i, t)
+        e.level[i] = e.asked[i]
+    for k in range(m.samples):
+        end = min(end, next_sample(m, k, t))
+    for k in range(m.watches):
+        if m.watch_time[k] > t:
+            end = min(end, m.watch_time[k])
+    inside = t + 0.5 * (end - t) if end < math.inf else t + 1.0
+    for k in range(m.watches):
+        e.at[k] = 1 if watch_holds(m, k, inside) else 0
+    e.next_break = end
+
+
+def watch_holds(m: Model, k: int, t: float) -> bool:
+    """Whether a comparison of time holds at t."""
+    difference = m.watch_slope[k] * t + m.watch_offset[k]
+    if m.watch_operator[k] == 0:
+        return difference < 0.0
+    if m.watch_operator[k] == 1:
+        return difference <= 0.0
+    if m.watch_operator[k] == 2:
+        return difference > 0.0
+    return difference >= 0.0
+
+
+def set_time(e: Engine, v: Floats, t: float) -> None:
+    """Write time, inputs and comparisons of time. After programs/program.py, set_time."""
+    m = e.model
+    v[0] = t
+    for i in range(m.inputs):
+        free = m.input_kind[i] == FREE
+        v[m.input_slot + i] = e.level[i] if free else input_value(m, i, t, e.piece[i])
+        v[m.input_rate_slot + i] = input_rate(m, i, e.piece[i])
+    for k in range(m.watches):
+        v[m.at_slot + k] = float(e.at[k])
+
+
+def is_timed(e: Engine, t: float) -> bool:
+    """Whether an instant is one at which a comparison of time may change."""
+    found = False
+    for k in range(e.model.watches):
+        found = found or e.model.watch_time[k] == t
+    return found
+
+
+def configuration(e: Engine, state: Ints, key: Ints) -> None:
+    """Put what selects equations there: states of machines, then what the interval selects."""
+    m = e.model
+    for k in range(m.machines):
+        key[k] = state[k]
+    for d in range(m.discrete):
+        i = m.discrete_index[d]
+        key[m.machines + d] = (
+            e.at[i] if m.discrete_kind[d] == 1 else level_of_piece(m, i, e.piece[i])
+        )

@@ -1,0 +1,31 @@
+"""Signals that are set at instants and held between them. After modes/sampling.py."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.export.portable.engine import OK, Engine, say_fault
+from hybond.export.portable.interval import is_due
+from hybond.export.portable.model import stored_name, value
+from hybond.export.portable.words import Floats
+
+
+def sample(e: Engine, s: Floats) -> int:
+    """Set the signals in `s` that are due now to what they read a priori; each instant once."""
+    m = e.model
+    if m.samples == 0 or e.t <= e.sampled_at:
+        return OK
+    v = e.work.values
+    for k in range(m.slots):
+        v[k] = e.pre[k]
+        v[m.slots + k] = e.pre[k]
+    for k in range(m.samples):
+        if not is_due(m, k, e.t):
+            continue
+        e.sampled_at = e.t
+        i = m.sample_signal[k]
+        s[i] = value(m, m.sample_value[k], v)
+        if not math.isfinite(s[i]):
+            why = "a sampled signal has no value"
+            return say_fault(e, "HB-N305", why, stored_name(m, m.storages + i))
+    return OK

@@ -1,0 +1,114 @@
+"""A run that somebody else drives: in pieces of time, or with a solver of their own.
+
+What a functional mock-up unit does, without the words of that standard. Driven in pieces, a run is
+the same as in one go, but for where its steps end. With somebody else's solver it gives the rates
+of its states, what guards compare, and settles the instants that it is told of.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.export.portable.engine import OK, REFUSED, Engine
+from hybond.export.portable.equations import mode_of
+from hybond.export.portable.instant import GUARD, INPUT, START
+from hybond.export.portable.interval import interval_after
+from hybond.export.portable.model import value
+from hybond.export.portable.motion import (
+    STOPPED,
+    Run,
+    begin,
+    flow,
+    rest_now,
+    settle_now,
+    timed_cause,
+)
+from hybond.export.portable.values import begin_field, evaluate, field
+from hybond.export.portable.words import Floats
+
+INSTANT: Final = 1e-12
+"""What is one instant with a timed event, as a part of the time."""
+
+
+def begin_unit(e: Engine, r: Run) -> int:
+    """Settle the start, with the inputs that were set."""
+    begin(e)
+    interval_after(e, 0.0)
+    return settled(e, r, START)
+
+
+def settled(e: Engine, r: Run, cause: int) -> int:
+    """Settle the present instant, and let come to rest what does."""
+    if settle_now(e, r, cause) == REFUSED:
+        return REFUSED
+    return OK if rest_now(e, r) != REFUSED else REFUSED
+
+
+def set_input(e: Engine, k: int, level: float) -> None:
+    """Set an input from the present instant on; `take_inputs` makes it so."""
+    e.asked[k] = level
+
+
+def take_inputs(e: Engine, r: Run) -> int:
+    """Settle the present instant if inputs were set to something else."""
+    changed = False
+    for k in range(e.model.inputs):
+        changed = changed or e.asked[k] != e.level[k]
+    return settled(e, r, INPUT) if changed else OK
+
+
+def advance(e: Engine, r: Run, t: float) -> int:
+    """Run to `t`, through all events up to there."""
+    while e.t < t:
+        e.stop = t
+        cause = flow(e, r)
+        if cause < 0:
+            return REFUSED
+        if cause != STOPPED and settled(e, r, cause) != OK:
+            return REFUSED
+    return OK
+
+
+def output_now(e: Engine, k: int) -> float:
+    """Return output k at the present instant; nan if it has no value."""
+    if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return math.nan
+    return value(e.model, e.model.output_value[k], e.shown)
+
+
+def rates_now(e: Engine, rate: Floats) -> int:
+    """Put the time derivatives of the states into `rate`."""
+    if mode_of(e, e.state) != OK:
+        return REFUSED
+    begin_field(e, e.mode)
+    return field(e, e.mode, e.t, e.y, rate)
+
+
+def indicators_now(e: Engine, out: Floats) -> int:
+    """Put what guards compare into `out`: differences, 1 for guards of other states."""
+    m = e.model
+    if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    for machine in range(m.machines):
+        for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
+            here = m.rule_source[rule] == e.state[machine] and m.rule_watched[rule] != 0
+            for k in range(m.atom_first[rule], m.atom_first[rule + 1]):
+                out[k] = value(m, m.atom_value[k], e.shown) if here else 1.0
+    return OK
+
+
+def indicators_of(e: Engine) -> int:
+    """Return how many differences guards compare."""
+    return e.model.atom_first[e.model.rule_first[e.model.machines]]
+
+
+def settle_unit(e: Engine, r: Run) -> int:
+    """Settle the present instant, which somebody else's solver has found."""
+    if math.fabs(e.t - e.next_break) <= INSTANT * max(e.until, math.fabs(e.t)):
+        e.t = e.next_break
+        return settled(e, r, timed_cause(e))
+    for k in range(e.model.inputs):
+        if e.asked[k] != e.level[k]:
+            return settled(e, r, INPUT)
+    return settled(e, r, GUARD)

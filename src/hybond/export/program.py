@@ -1,0 +1,174 @@
+"""The parts of an exported program that do not depend on the language it is printed in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from hybond.export.formulas import PRIOR, Formulas
+from hybond.export.identifiers import distinct, slot_name, spoken
+from hybond.export.tables import ModelTables, tables_of
+from hybond.export.translate.effects import Effects, effects_of
+from hybond.export.translate.modules import Program, load
+from hybond.export.translate.reach import Uses
+from hybond.export.translate.specialise import Specialist, deciding
+from hybond.export.translate.tree import Block, Expr
+from hybond.model.expressions import Name, substitute, to_text
+from hybond.model.expressions import names as names_of
+from hybond.model.graph import FlatGraph
+
+ROOTS = ("make_engine", "make_report", "run_program")
+"""What the printed main calls."""
+DRIVEN = (
+    *("make_engine", "make_report", "make_run", "begin_unit", "set_input", "take_inputs"),
+    *("advance", "output_now", "rates_now", "indicators_now", "indicators_of", "settle_unit"),
+)
+"""What somebody calls who drives the run: the functions of a functional mock-up unit."""
+OPTIONS = ("points",)
+"""Whole numbers of the model that the options of the printed program change."""
+NAMES = {
+    "machine_name": "machines",
+    "state_name": "states",
+    "stored_name": "stored",
+    "output_name": "outputs",
+    "node_name": "nodes",
+    "bond_name": "bonds",
+    "rule_text": "rules",
+}
+"""Given functions that name something, and the list of names in `ModelTables`."""
+GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
+"""What the runtime asks of a model, and is printed here."""
+PORTABLE = Path(__file__).parent / "portable"
+
+
+@lru_cache(maxsize=1)
+def runtime() -> Program:
+    """Return the runtime, read and checked."""
+    return load([PORTABLE / "run.py", PORTABLE / "unit.py", PORTABLE / "lookup.py"])
+
+
+@lru_cache(maxsize=1)
+def specialist() -> Specialist:
+    """Return what makes the runtime of one model."""
+    program = runtime()
+    return Specialist(program, effects_of(program, (*ROOTS, *DRIVEN)))
+
+
+@lru_cache(maxsize=2)
+def printed_before(language: str) -> dict[int, list[str]]:
+    """Return the definitions that were printed in a language, by the identity of the function.
+
+    The functions themselves are kept by `specialist`.
+    """
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Runtime:
+    """The runtime of one model: a program, what its functions change, and what they use."""
+
+    program: Program
+    effects: Effects
+    uses: Mapping[str, Uses]
+
+
+@lru_cache(maxsize=1)
+def _deciding() -> frozenset[tuple[str, str]]:
+    return deciding(runtime())
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One expression of the model: its number, what it is, and how it is evaluated."""
+
+    number: int
+    text: str
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class PairCase:
+    """One expression on pairs."""
+
+    number: int
+    text: str
+    code: Block
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """A model, ready to be printed.
+
+    Parameters
+    ----------
+    tables : ModelTables
+    runs : Runtime
+    slots : list of (str, int, str)
+        Identifier, number and meaning of the slots that expressions read.
+    points : dict of str to tuple of float
+        Tables that they read.
+    values, pairs : list
+        Expressions.
+    roots : tuple of str
+        Functions that main and expressions call.
+    """
+
+    tables: ModelTables
+    runs: Runtime
+    slots: list[tuple[str, int, str]]
+    points: dict[str, tuple[float, ...]]
+    values: list[Case]
+    pairs: list[PairCase]
+    roots: tuple[str, ...]
+
+
+def exported(graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, **options: object) -> Exported:
+    """Return what a model adds to the runtime, and what `roots` need of that."""
+    tables = tables_of(graph, **options)
+    program, uses = specialist().program_for(_facts(tables))
+    runs = Runtime(program, specialist().effects, uses)
+    index = tables.slots.index
+    spoken_names = {name: spoken(graph, name) for name in index}
+    taken = {PRIOR, *program.constants, *program.functions, *program.records, "MODEL"}
+    shown = distinct((slot_name(spoken_names[n]) for n in index), taken)
+    formulas = Formulas(dict(zip(index, shown)))
+    values = [
+        Case(k, _said(e, text, spoken_names), formulas.number(e))
+        for k, (e, text) in enumerate(zip(tables.values.all, tables.values.text))
+    ]
+    pairs = [
+        PairCase(k, _said(e, _pair_text(tables, k), spoken_names), formulas.pairs(e))
+        for k, e in enumerate(tables.pairs)
+    ]
+    slots = [
+        (name, index[path], spoken_names[path])
+        for path, name in zip(index, shown)
+        if path in formulas.read
+    ]
+    points = {name: values for values, name in formulas.tables.items()}
+    wanted = tuple(sorted({*roots, *formulas.calls}))
+    return Exported(tables, runs, slots, points, values, pairs, wanted)
+
+
+def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:
+    """Return what is known of a model while it is printed: what it has none of, and its method."""
+    known = {"method": int(tables.numbers["method"])}
+    for member in runtime().records["Model"].members:
+        number = tables.numbers.get(member.name)
+        if member.type.kind == "int" and number == 0 and member.name not in OPTIONS:
+            known[member.name] = 0
+    named = {("Model", name): number for name, number in known.items()}
+    return {place: number for place, number in named.items() if place in _deciding()}
+
+
+def _pair_text(tables: ModelTables, k: int) -> str:
+    return tables.rules[k] if k < len(tables.rules) else ""
+
+
+def _said(e: object, text: str, spoken_names: dict[str, str]) -> str:
+    """Return what an expression is: as it was written, or in the model's names."""
+    if text:
+        return text
+    return to_text(substitute(e, {n: Name(spoken_names[n]) for n in names_of(e)}))  # type: ignore[arg-type]

@@ -1,0 +1,87 @@
+"""The options of a run that an export takes over from the experiment of a model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hybond.errors import UsageError
+from hybond.model.expressions import Expr, Name
+from hybond.model.graph import FlatGraph
+from hybond.modes.fitting import fitting
+from hybond.modes.sliding.bands import banded
+from hybond.programs.program import Program
+from hybond.simulation import RTOL, _impact, _seconds, _sliding, end_of, start_of
+from hybond.solvers.choose import AUTO
+
+POINTS = 500
+"""Rows of the table beside those of events, unless the experiment says otherwise."""
+METHODS = {"rk45": 0, "radau": 1}
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of a run: the graph that is run, numbers by field, outputs by name."""
+
+    graph: FlatGraph
+    numbers: dict[str, float]
+    outputs: list[tuple[str, Expr]]
+
+
+def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
+    """Return the options of a run: those given, else the experiment's, else defaults.
+
+    Raises
+    ------
+    UsageError
+        HB-E632 for a solver or a law of impacts that an export does not have.
+    """
+    experiment = graph.experiment
+    end = end_of(given.get("until"), experiment)
+    name = str(given.get("solver") or experiment.get("solver", "rk45"))
+    if name == AUTO:
+        looking = Program(graph)
+        name = fitting(looking, end, start_of(looking)).solver
+    if name not in METHODS:
+        raise UsageError(
+            f"an export has no solver {name!r}",
+            code="HB-E632",
+            where="solver",
+            hint=", ".join(METHODS),
+        )
+    impact, _ = _impact(None, experiment)
+    if impact != "newton":
+        raise UsageError(
+            f"an export has no impact law {impact!r}",
+            code="HB-E632",
+            where="impact",
+            hint='impact = "newton"',
+        )
+    choice, band = _sliding(None, None, experiment)
+    if band is not None:
+        graph = banded(graph, band)
+    longest = _seconds(given.get("max_step", experiment.get("max_step")), "max_step")
+    atol = given.get("atol", experiment.get("atol"))
+    numbers = {
+        "until": end,
+        "points": int(given.get("points", experiment.get("points", POINTS))),
+        "rtol": float(given.get("rtol", experiment.get("rtol", RTOL))),
+        "atol": math.nan if atol is None else float(atol),
+        "max_step": math.inf if longest is None else longest,
+        "event_tol": float(experiment.get("event_tol", 1e-12)),
+        "max_writes": int(experiment.get("max_writes", 1000)),
+        "max_events": int(experiment.get("max_events", 1_000_000)),
+        "method": METHODS[name],
+        "slides": int(choice == "filippov"),
+    }
+    listed = experiment.get("outputs") or experiment.get("plot") or ()
+    outputs: list[tuple[str, Expr]] = []
+    assert graph.read is not None
+    for text in dict.fromkeys(map(str, listed)):
+        outputs.append((text, graph.read(text)))
+    if not outputs:
+        outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
+        outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
+    return Options(graph, numbers, outputs)

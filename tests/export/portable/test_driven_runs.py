@@ -1,0 +1,62 @@
+"""Runs that somebody else drives, and sampled signals, in the exported runtime."""
+
+import numpy as np
+import pytest
+from portable_runs import assert_the_same
+
+import hybond as hb
+from hybond.export.portable import motion, unit
+from hybond.export.portable.engine import OK, make_engine
+from hybond.export.portable.report import make_report
+from hybond.export.tables import answered, tables_of
+
+
+def loop() -> hb.Model:
+    """A flywheel whose speed a sampled PI controller holds, with a relay that reads a sample."""
+    m = hb.Model("loop", domain="rotational")
+    m.parameter(T="2 ms", kp="0.4 N*m*s/rad", ki="30 N*m/rad")
+    m.add(J=hb.I("0.01 kg*m^2"), B=hb.R("0.02 N*m*s/rad"), D=hb.G("5 rad/(N*m*s)"))
+    m.add(u=hb.Se("torque"), w=hb.One(), brake=hb.Zero())
+    m.bond("u -> w -> J", "w -> B", "w -> brake -> D")
+    m.input(ref=hb.Input(table=[(0, 10), ("51 ms", 5)]))
+    m.signal(
+        error="ref - w.f",
+        torque=hb.Sampled("kp*error + ki*sum", every="T"),
+        sum=hb.Sampled("sum + T*error", every="T", start=0.05),
+        seen=hb.Sampled("w.f", every="7 ms", phase="1 ms"),
+    )
+    m.machine(
+        "guardian",
+        states={"free": [], "braking": ["brake"]},
+        start="free",
+        rules=["free -> braking when seen > 8", "braking -> free when seen < 6"],
+    )
+    return m
+
+
+def test_samples_are_those_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, _ = assert_the_same(loop(), monkeypatch, until="99.5 ms")
+    assert "sample" in {event.cause for event in run.events}
+
+
+def driven(model: hb.Model, until: float, pieces: int) -> np.ndarray:
+    e = make_engine(answered(tables_of(model.flatten(), until=until)))
+    report = make_report(e)
+    report.silent = True
+    r = motion.make_run(e, report)
+    assert unit.begin_unit(e, r) == OK
+    for k in range(1, pieces + 1):
+        assert unit.advance(e, r, until * k / pieces) == OK
+    assert e.t == until
+    return np.array(e.y)
+
+
+@pytest.mark.parametrize("name", ["bouncing_ball_newton", "half_bridge"])
+def test_a_run_in_pieces_is_the_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = hb.load(f"examples/{name}.toml")
+    until = {"bouncing_ball_newton": 3.0, "half_bridge": 1e-4}[name]
+    whole = hb.simulate(model, until=until, rtol=1e-10)
+    state = driven(model, until, 7)
+    n = len(state)
+    last = np.asarray(whole.trace.segments[-1].y)[-1][:n]
+    assert state == pytest.approx(last, rel=1e-6, abs=1e-8 * np.abs(last).max())

@@ -1,0 +1,79 @@
+"""The laws of junctions decided together, held against `modes.laws.problem`."""
+
+import numpy as np
+import pytest
+
+from hybond.export.portable import law_problem as portable
+from hybond.modes.laws import problem as reference
+
+ROLES = [
+    reference.ONE_SIDED,
+    reference.TWO_SIDED,
+    reference.CUT,
+    reference.HELD,
+    reference.FORWARD,
+    reference.BACKWARD,
+]
+
+
+def problems(count: int, roles: int):
+    """Yield problems of ports in the first of these roles."""
+    generator = np.random.default_rng(roles)
+    for k in range(count):
+        n = int(generator.integers(1, 7))
+        rank = int(generator.integers(1, n + 1))
+        b = generator.integers(-2, 3, size=(n, rank)).astype(float)
+        M = b @ b.T
+        if k % 2:
+            skew = generator.integers(-1, 2, size=(n, n))
+            M = M + skew - skew.T
+        q = generator.integers(-2, 3, size=n) * 10.0 ** generator.integers(-4, 2, size=n)
+        chosen = [ROLES[i] for i in generator.integers(0, roles, size=n)]
+        common = [bool(a) for a in generator.integers(0, 2, size=n)]
+        shift = generator.normal(size=n) if k % 3 == 0 else None
+        friction = {}
+        for i in range(n):
+            if chosen[i] in (reference.TWO_SIDED, reference.FORWARD, reference.BACKWARD):
+                slope = generator.normal(size=n) * (0.1 if k % 5 == 0 else 0.0)
+                friction[i] = reference.Friction(float(generator.uniform(0.0, 2.0)), slope)
+        start = generator.integers(-1 if roles > 1 else 0, 2, size=n).astype(np.int8)
+        yield reference.Problem(M, q, chosen, common, shift, friction), start
+
+
+def posed(problem):
+    n = len(problem.q)
+    p = portable.make_law_problem(n)
+    p.n = n
+    p.m[:] = problem.M.ravel().tolist()
+    p.q[:] = problem.q.tolist()
+    p.role[:] = [ROLES.index(r) for r in problem.roles]
+    p.common[:] = [int(c) for c in problem.common]
+    p.shifted = problem.shift is not None
+    if problem.shift is not None:
+        p.shift[:] = problem.shift.tolist()
+    for k, limit in problem.friction.items():
+        p.limit[k] = limit.value
+        p.slope[k * n : (k + 1) * n] = limit.slope.tolist()
+    return p
+
+
+@pytest.mark.parametrize("roles", [1, 2, 3, 4, 6])
+def test_laws_do_what_they_do_in_the_reference(roles):
+    solved = unsolved = 0
+    for problem, start in problems(120, roles):
+        p = posed(problem)
+        expected = reference.solve_laws(problem, start=start)
+        found = portable.solve_laws(p, [int(a) for a in start])
+        assert found == (expected is not None)
+        if expected is None:
+            unsolved += 1
+            continue
+        solved += 1
+        size = max(1.0, np.abs(expected.l).max())
+        # a pair that is zero on both sides takes either branch, which one is rounding
+        w = problem.M @ expected.l + problem.moved
+        clear = np.maximum(np.abs(expected.l), np.abs(w)) > 1e-9 * size
+        np.testing.assert_array_equal(np.array(p.branch)[clear], expected.branch[clear])
+        np.testing.assert_allclose(p.l, expected.l, atol=1e-9 * size)
+    assert solved > 40
+    assert unsolved > 0
