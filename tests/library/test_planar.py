@@ -137,7 +137,7 @@ def test_a_double_pendulum_begins_with_the_accelerations_of_lagrange() -> None:
     a1, a2 = np.linalg.solve(M, [-(m1 * l1 / 2 + m2 * l1) * G, -m2 * l2 / 2 * G])
     m = hb.Model("double pendulum", domain="translational")
     m.add(**double_pendulum(0.0, {}))
-    for way in every_way(m, *DOUBLE.split(", "))[::3]:
+    for way in every_way(m, *DOUBLE.split(", "))[1:3]:
         run = hb.simulate(way, until=0.001)
         assert run["r.inertia.e"].at(0) == pytest.approx(a1 / 6)
         assert run["s.inertia.e"].at(0) == pytest.approx(a2 * 0.36 / 12)
