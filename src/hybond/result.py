@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.model.expressions import Expr, Name
+from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
+from hybond.model.unit_words import unit_of
 from hybond.modes.audit import Audit, audit
 from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
@@ -217,17 +218,7 @@ class Result:
 
     def unit(self, name: str) -> str:
         """Return the SI unit of a signal, empty if it has none or is not known."""
-        from hybond.model.dimensions import infer_dimension
-
-        e = self.expression(name)
-        kind, _, index = e.path.partition(":") if isinstance(e, Name) else ("", "", "")
-        if kind in ("e", "f"):
-            # the domain's own word: a torque is in N*m, not in J
-            domain = self.graph.bonds[int(index)].domain
-            return domain.effort_unit if kind == "e" else domain.flow_unit
-        dimension = infer_dimension(e, self.graph.dimensions.get)
-        text = "" if dimension is None else str(dimension)
-        return "" if text == "1" else text
+        return unit_of(self.expression(name), self.graph)
 
     def __getitem__(self, name: str) -> Signal:
         pieces = self.pieces(name)

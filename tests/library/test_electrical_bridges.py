@@ -22,7 +22,8 @@ def test_a_bridge_of_four_diodes_rectifies(drop: float, bulk: float) -> None:
     m.add(b=hb.Submodel("electrical.diode_bridge", drop=drop, R_on=bulk))
     m.add(load=hb.Submodel("electrical.resistor", R=4), zero=hb.Submodel("electrical.ground"))
     m.bond("p -> load.plus", "load.minus -> n", "zero.pin -> n")
-    for way in every_way(m, "s.plus - b.a", "s.minus - b.b", "b.plus - p", "n - b.minus"):
+    ways = every_way(m, "s.plus - b.a", "s.minus - b.b", "b.plus - p", "n - b.minus")
+    for way in ways if drop else ways[::5]:
         run = hb.simulate(way, until="20 ms")
         for t in (0.003, 0.005, 0.0101, 0.015):
             volts = 20 * math.sin(100 * math.pi * t)
@@ -75,7 +76,7 @@ def test_a_thyristor_bridge_has_the_mean_voltage_of_its_angle(degrees: float) ->
     m.add(load=hb.Submodel("electrical.inductor", L="0.5 H", i0=10), r=hb.Zero())
     m.add(loss=hb.Submodel("electrical.resistor", R=PEAK * 10 * math.cos(math.radians(degrees))))
     m.bond("p -> load.plus", "load.minus -> r -> loss.plus", "loss.minus -> n")
-    for way in every_way(m, *LINES)[:: 1 if degrees == 30 else 3]:
+    for way in every_way(m, *LINES)[: 2 if degrees == 30 else 1]:
         run = hb.simulate(way, until="60 ms", rtol=1e-9)
         mean = (run["area"].at(0.06) - run["area"].at(0.04)) / 0.02
         expected = PEAK * 100 * math.cos(math.radians(degrees))
@@ -117,7 +118,7 @@ def test_in_the_dead_time_of_a_leg_its_diodes_carry_the_current() -> None:
     # what is on carries the current of its own direction, else the diode at the same rail does
     for amperes, expected in ((3, [-1, 100, -1, -1]), (-3, [101, 101, 101, 0])):
         m.elements["load"] = hb.Submodel("electrical.current_source", I=amperes)
-        for way in every_way(m, "hot - leg.plus", "leg.out - x", "cold - leg.minus"):
+        for way in every_way(m, "hot - leg.plus", "leg.out - x", "cold - leg.minus")[::7]:
             run = hb.simulate(way, until="2 ms")
             found = run["leg.voltage"].at([1.005e-3, 1.3e-3, 1.505e-3, 1.8e-3])
             assert found == pytest.approx(expected), way.name
@@ -140,7 +141,7 @@ PINS = ("cold - u.plus", "n - u.minus", "u.out - y", "u.ground - cold")
 @pytest.mark.parametrize("gain", [1e6, 10.0])
 def test_an_inverting_amplifier_has_the_gain_of_its_resistors(gain: float) -> None:
     part = hb.Submodel("electrical.op_amp_ideal", gain=gain)
-    for way in every_way(inverting(part, 1000, 5000, "2 V"), *PINS):
+    for way in every_way(inverting(part, 1000, 5000, "2 V"), *PINS)[:: 1 if gain == 10 else 5]:
         run = hb.simulate(way, until=1)
         expected = -2 * 5 / (1 + 6 / gain)
         assert run["u.voltage"].at(0.5) == pytest.approx(expected, rel=1e-9), way.name

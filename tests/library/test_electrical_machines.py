@@ -161,7 +161,7 @@ def test_a_series_machine_at_rest_makes_the_square_of_its_current() -> None:
     m = on_a_shaft(hb.Submodel("electrical.dc_machine", K=0.02, R=0.5, R_f=1.5, L_f=0.01))
     m.elements["brake"] = hb.Sf(0, domain="rotational")
     joints = ("hot - m.plus", "m.minus - m.field_plus", "m.field_minus - cold", "w - m.shaft")
-    for way in every_way(m, *joints):
+    for way in every_way(m, *joints)[::5]:
         run = hb.simulate(way, until="20 ms", rtol=1e-9)
         amperes = 12 * (1 - math.exp(-0.02 * 2 / 0.015))
         assert run["m.current"].at(0.02) == pytest.approx(amperes, rel=1e-7), way.name
@@ -227,9 +227,9 @@ def test_a_driven_synchronous_motor_has_parks_currents(start: float) -> None:
 def test_a_synchronous_motor_that_runs_down_in_a_short_circuit_keeps_energy() -> None:
     m = synchronous(("0", "0", "0"))
     m.elements["m"] = hb.Submodel(spinning(200.0))
-    for way in every_way(m, *THREE):
-        run = hb.simulate(way, until="50 ms", rtol=1e-9)
-        assert run["m.speed"].at(0.05) < 150, way.name
+    for way in every_way(m, *THREE)[::7]:
+        run = hb.simulate(way, until="20 ms", rtol=1e-9)
+        assert run["m.speed"].at(0.02) < 190, way.name
         assert run.audit().energy < 1e-7
         assert run.audit().power < 1e-11
 

@@ -133,12 +133,13 @@ def test_the_channel_of_a_mosfet_relieves_its_body_diode() -> None:
         assert run["p.diode_current"].at(0.035) == 0
 
 
-def test_a_mosfet_without_any_drop_carries_the_sum_though_its_shares_are_open() -> None:
+def test_the_channel_of_a_mosfet_without_any_drop_takes_all_while_it_conducts() -> None:
     part = hb.Submodel("electrical.mosfet", R_on=0, diode_drop=0, inputs={"gate": "g"})
     for way in both_ends(in_series(MAINS, part, g=pulses((0.02, 1)))):
         run = hb.simulate(way, until="40 ms")
         found = [run["p.current"].at(t) for t in (0.005, 0.015, 0.025, 0.035)]
         assert found == pytest.approx([0, -2, 2, -2], abs=1e-9), way.name
+        assert run["p.diode_current"].at([0.015, 0.035]) == pytest.approx([2, 0], abs=1e-9)
 
 
 @pytest.mark.parametrize("bulk", [0.0, 1.0])

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ TESTS = "\n".join(
     for page in sorted(Path(__file__).parent.glob("test_*.py"))
     if page.name != Path(__file__).name
 )
+sheet_of = cache(hb.library.sheet)
 SHARED = {"effort": {"electrical", "hydraulic", "thermal", "thermal_pseudo", "magnetic"}}
 SHARED["flow"] = {"translational", "rotational"}
 
@@ -27,7 +29,7 @@ def test_there_are_parts() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_part_says_what_it_is(name: str) -> None:
-    sheet = hb.library.sheet(name)
+    sheet = sheet_of(name)
     assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*\.[a-z][a-z0-9]*(_[a-z0-9]+)*", name)
     assert re.fullmatch(r"[A-Z0-9][^\n]*[^.\s]", sheet.title)
     assert len(sheet.about) > 40
@@ -41,7 +43,7 @@ def test_a_part_says_what_it_is(name: str) -> None:
 def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: str) -> None:
     model = hb.library.part(name)
     assert bool(model.ports) == (not name.startswith("control.")), "control carries no power"
-    for port in hb.library.sheet(name).ports:
+    for port in sheet_of(name).ports:
         assert port.shares, f"{port.name} is no junction"
         assert port.domain in SHARED[port.shares], port.name
 
@@ -66,7 +68,7 @@ def test_a_part_survives_being_written(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_part_has_no_experiment_and_needs_no_name(name: str) -> None:
-    text = hb.library.sheet(name).text
+    text = sheet_of(name).text
     assert not {"experiment", "name", "models"} & set(tomllib.loads(text))
     assert "\t" not in text and text.endswith("\n")
 

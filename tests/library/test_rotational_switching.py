@@ -1,11 +1,10 @@
 """Clutches, brakes, stops and friction of shafts, against closed forms."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from library.bench import every_way
+from library.trials import after_impact, instants, kelvin_voigt, lost, trials
 
 import hybond as hb
 
@@ -20,32 +19,6 @@ def torque(newton_metres: str) -> hb.Submodel:
     return hb.Submodel("rotational.torque", inputs={"torque": newton_metres})
 
 
-def runs(joints: str, until: float, **parts: object) -> Iterator[hb.Result]:
-    """Run the parts with the bonds between their ports in every direction; audit each run."""
-    m = hb.Model("bench", domain="rotational")
-    m.add(**parts)
-    for way in every_way(m, *joints.split(", ")):
-        run = hb.simulate(way, until=until, rtol=1e-10, atol=1e-12)
-        assert (run.status, run.audit().holds()) == ("ok", True), way.name
-        yield run
-
-
-def instants(run: hb.Result) -> list[float]:
-    return [e.t for e in run.events if e.cause != "start"]
-
-
-def lost(run: hb.Result) -> float:
-    """Return the energy that all jumps lost."""
-    steps = (s for e in run.events for s in e.steps if s.energy and s.kind != "mythical")
-    return sum(s.energy.lost for s in steps)
-
-
-def after_impact(J1: float, w1: float, J2: float, w2: float, eps: float) -> tuple[float, float]:
-    together = (J1 * w1 + J2 * w2) / (J1 + J2)
-    apart = eps * (w1 - w2) / (J1 + J2)
-    return together - J2 * apart, together + J1 * apart
-
-
 @pytest.mark.parametrize(("J1", "J2", "w"), [(1.0, 3.0, 10.0), (2.0, 0.5, -6.0)])
 def test_a_clutch_locks_when_the_slip_ends_and_heats_by_the_relative_energy(
     J1: float, J2: float, w: float
@@ -57,7 +30,7 @@ def test_a_clutch_locks_when_the_slip_ends_and_heats_by_the_relative_energy(
     }
     reduced = J1 * J2 / (J1 + J2)
     lock = 1 + abs(w) * reduced / 5
-    for run in runs("a.shaft - c.left, c.right - b.shaft", lock + 1, **parts):
+    for run in trials("a.shaft - c.left, c.right - b.shaft", lock + 1, **parts):
         assert run["a.speed"].at(1.0) == pytest.approx(w)
         assert run["c.torque"].at(1.1) == pytest.approx(math.copysign(5, w))
         assert instants(run)[-1] == pytest.approx(lock)
@@ -78,7 +51,7 @@ def test_a_locked_clutch_slips_above_what_it_holds(rest: float) -> None:
         "b": inertia(3.0),
     }
     slips = rest * 3 / (4 * 0.75)
-    for run in runs("t.shaft - a.shaft, a.shaft - c.left, c.right - b.shaft", 2, **parts):
+    for run in trials("t.shaft -> a.shaft, a.shaft - c.left, c.right - b.shaft", 2, **parts):
         assert instants(run) == [pytest.approx(slips)]
         assert run["c.torque"].at(slips / 2) == pytest.approx(rest * 1.5)
         speed = 4 * slips**2 / 2 / 4
@@ -89,7 +62,7 @@ def test_a_locked_clutch_slips_above_what_it_holds(rest: float) -> None:
 def test_a_clutch_without_capacity_is_open() -> None:
     clutch = hb.Submodel("rotational.clutch", inputs={"capacity": 0})
     parts = {"a": inertia(1.0, w=4.0), "c": clutch, "b": inertia(1.0), "t": torque("-3")}
-    for run in runs("a.shaft - c.left, c.right - b.shaft, t.shaft - a.shaft", 2, **parts):
+    for run in trials("a.shaft - c.left, c.right - b.shaft, t.shaft -> a.shaft", 2, **parts):
         assert run["a.speed"].at(2) == pytest.approx(-2)
         assert run["b.speed"].at(2) == 0
 
@@ -106,7 +79,7 @@ def test_a_brake_stops_holds_and_lets_go(w: float) -> None:
         "t": torque("if time < 1 then 0 else 2.9"),
     }
     stop = 0.2 * 5 / 2
-    for run in runs("J.shaft - b.shaft, b.case - wall.shaft, t.shaft - J.shaft", 3, **parts):
+    for run in trials("J.shaft - b.shaft, b.case - wall.shaft, t.shaft -> J.shaft", 3, **parts):
         assert instants(run)[0] == pytest.approx(stop)
         assert run["b.torque"].at(stop / 2) == pytest.approx(math.copysign(2, w))
         assert run["b.torque"].at(1.5) == pytest.approx(2.9)
@@ -124,7 +97,7 @@ def test_a_one_way_clutch_drives_and_never_brakes(J1: float, J2: float) -> None:
         "b": inertia(J2),
     }
     lets_go = math.pi / 4
-    for run in runs("t.shaft - a.shaft, a.shaft - c.driver, c.driven - b.shaft", 1.5, **parts):
+    for run in trials("t.shaft -> a.shaft, a.shaft - c.driver, c.driven - b.shaft", 1.5, **parts):
         assert instants(run) == [pytest.approx(lets_go)]
         assert run["c.torque"].at(0.3) == pytest.approx(J2 * 6 * math.cos(0.6) / (J1 + J2))
         assert run["b.speed"].at(1.5) == pytest.approx(3 / (J1 + J2))
@@ -133,48 +106,45 @@ def test_a_one_way_clutch_drives_and_never_brakes(J1: float, J2: float) -> None:
         assert run["c.overrun"].at(1.5) == pytest.approx(3 / (J1 + J2) - own)
         assert (run["c.locked"].at(0.3), run["c.locked"].at(1.2)) == (1, 0)
     parts |= {"a": inertia(J1, w="8 rad/s"), "t": torque("0")}
-    for run in runs("t.shaft - a.shaft, a.shaft - c.driver, c.driven - b.shaft", 1, **parts):
+    for run in trials("t.shaft -> a.shaft, a.shaft - c.driver, c.driven - b.shaft", 1, **parts):
         assert run["b.speed"].at(1) == pytest.approx(8 * J1 / (J1 + J2))
         assert lost(run) == pytest.approx(J1 * J2 / (J1 + J2) * 32)
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.3])
 @pytest.mark.parametrize("teeth", [24, 90])
-def test_a_ratchet_keeps_the_last_tooth_passed(teeth: int, eps: float) -> None:
+def test_a_ratchet_catches_at_the_last_tooth_passed(teeth: int, eps: float) -> None:
     pitch = 2 * math.pi / teeth
-    parts = {
-        "J": inertia(0.5, w="1 rad/s"),
-        "r": hb.Submodel("rotational.ratchet", pitch=pitch, eps=eps),
-        "wall": FRAME,
-        "t": torque("-1"),
-    }
+    ratchet = hb.Submodel("rotational.ratchet", pitch=pitch, eps=eps, k=1e-9)
+    parts = {"J": inertia(0.5, w="1 rad/s"), "r": ratchet, "wall": FRAME, "t": torque("-1")}
     # up to 1/4 rad, then back to the last tooth below
     kept = math.floor(0.25 / pitch) * pitch
-    back = math.sqrt(2 * (0.25 - kept) * 2)
-    for run in runs("J.shaft - r.wheel, r.case - wall.shaft, t.shaft - J.shaft", 2, **parts):
+    caught = 0.5 + math.sqrt(0.25 - kept)
+    for run in trials("J.shaft - r.wheel, r.case - wall.shaft, t.shaft -> J.shaft", 2, **parts):
         assert run["r.angle"].at(0.5) == pytest.approx(0.25)
-        times = [e.t for e in run.events if e.t > 0.01]
-        assert times[0] == pytest.approx(0.5 + math.sqrt(2 * (0.25 - kept) / 2))
-        assert run["J.speed"].at(times[0]) == pytest.approx(eps * back, abs=1e-9)
-        assert run["r.angle"].at(2) == pytest.approx(kept, abs=1e-9)
+        assert run["r.lift"].at(0.5) == pytest.approx(0.25 - kept)
+        assert min(e.t for e in run.events if e.t > 0.5) == pytest.approx(caught)
+        assert run["J.speed"].at(caught + 1e-9) == pytest.approx(2 * eps * (caught - 0.5), abs=1e-7)
+        assert run["r.angle"].at(2) == pytest.approx(kept, abs=1e-8)
         assert run["r.torque"].at(2) == pytest.approx(1.0)
         assert run["r.holds"].at(2) == 1
-        assert run["r.free"].at(0.5) == pytest.approx(0.25 - kept)
 
 
-def test_a_ratchet_climbs_tooth_after_tooth() -> None:
-    parts = {
-        "u": hb.Submodel("rotational.torque", inputs={"torque": "9*cos(8 [1/s]*time) - 1"}),
-        "r": hb.Submodel("rotational.ratchet", pitch="10 deg"),
-        "J": inertia(0.5),
-        "wall": FRAME,
-    }
-    for run in runs("u.shaft - J.shaft, J.shaft - r.wheel, r.case - wall.shaft", 4, **parts):
-        angle = run["r.angle"].at(np.linspace(0, 4, 2000))
-        tooth = run["r.tooth"].at(np.linspace(0, 4, 2000))
-        assert np.all(np.diff(tooth) >= 0), "it never goes back by a tooth"
-        assert tooth[-1] >= 3
-        assert np.all(angle >= tooth * math.radians(10) - 1e-6)
+def test_each_click_of_a_ratchet_costs_the_energy_of_its_spring() -> None:
+    k, pitch = 0.5, math.radians(20)
+    click = k * pitch**2 / 2
+    ratchet = hb.Submodel("rotational.ratchet", pitch=pitch, k=k)
+    parts = {"J": inertia(1.0, w=math.sqrt(2 * 3.5 * click)), "r": ratchet, "wall": FRAME}
+    # the energy of three clicks and a half: over three teeth, half up the fourth, back to the third
+    for run in trials("J.shaft - r.wheel, r.case - wall.shaft", 8, **parts):
+        clicks = [e for e in run.events if any(s.kind == "pinnacle" for s in e.steps)]
+        assert [e.steps[0].energy.lost for e in clicks[:3]] == pytest.approx([click] * 3)
+        t = clicks[2].t
+        assert run["J.speed"].at(t) == pytest.approx(math.sqrt(click))
+        top = t + math.pi / 2 / math.sqrt(k)
+        assert run["r.angle"].at(top) == pytest.approx(pitch * (3 + math.sqrt(0.5)))
+        assert run["r.angle"].at(8) == pytest.approx(3 * pitch)
+        assert lost(run) == pytest.approx(3.5 * click)
 
 
 @pytest.mark.parametrize(("J1", "J2", "eps"), [(1.0, 1.0, 1.0), (3.0, 1.0, 0.5), (1.0, 2.0, 0.0)])
@@ -188,20 +158,12 @@ def test_backlash_of_shafts_is_a_collision_of_flanks(
         "b": inertia(J2),
     }
     after = after_impact(J1, 2.0 * way, J2, 0.0, eps)
-    for run in runs("a.shaft - p.left, p.right - b.shaft", 0.15, **parts):
+    for run in trials("a.shaft - p.left, p.right - b.shaft", 0.15, **parts):
         assert instants(run) == [pytest.approx(0.1)]
         assert [run[f"{k}.speed"].at(0.15) for k in "ab"] == pytest.approx(after, abs=1e-10)
         assert lost(run) == pytest.approx((1 - eps**2) * J1 * J2 / (J1 + J2) * 2, abs=1e-10)
         assert run["p.offset"].at(0.05) == pytest.approx(-0.1 * way)
         assert run["p.torque"].at(0.05) == 0 and run["p.driven"].at(0.05) == 0
-
-
-def kelvin_voigt(J: float, k: float, d: float) -> tuple[float, float]:
-    """Return the restitution of a pad of spring and damper that only pushes, and its duration."""
-    w = math.sqrt(k / J)
-    z = d / (2 * J * w)
-    t = (math.pi - 2 * math.asin(z)) / (w * math.sqrt(1 - z**2))
-    return math.exp(-z * w * t), t
 
 
 @pytest.mark.parametrize(("J1", "J2", "k", "d"), [(1, 1, 1e3, 0), (2, 0.5, 1e4, 15)])
@@ -216,7 +178,7 @@ def test_elastic_backlash_of_shafts_is_a_soft_collision(
     }
     eps, time = kelvin_voigt(J1 * J2 / (J1 + J2), k, d)
     after, end = after_impact(J1, 2.0 * way, J2, 0.0, eps), 0.1 + 1.05 * time
-    for run in runs("a.shaft - p.left, p.right - b.shaft", end, **parts):
+    for run in trials("a.shaft - p.left, p.right - b.shaft", end, **parts):
         assert instants(run) == pytest.approx([0.1, 0.1 + time])
         assert [run[f"{k}.speed"].at(end) for k in "ab"] == pytest.approx(after, abs=1e-8)
         assert way * run["p.torque"].at(0.1 + time / 2) > 0
@@ -231,7 +193,7 @@ def test_a_shaft_swings_between_end_stops(eps: float) -> None:
     }
     way = math.radians(30)
     first = way / 9
-    for run in runs("J.shaft - s.shaft, s.case - wall.shaft", 0.55, **parts):
+    for run in trials("J.shaft - s.shaft, s.case - wall.shaft", 0.55, **parts):
         assert instants(run)[:2] == pytest.approx([first, first + way / (3 * eps)])
         assert run["J.speed"].at(0.3 if eps < 1 else 0.2) == pytest.approx(3 * eps)
         assert run["s.angle"].at(first) == pytest.approx(math.radians(-10))
@@ -247,7 +209,7 @@ def test_elastic_end_stops_of_a_shaft(k: float, d: float, way: int) -> None:
         "wall": FRAME,
     }
     eps, time = kelvin_voigt(2.0, k, d)
-    for run in runs("J.shaft - s.shaft, s.case - wall.shaft", 0.5, **parts):
+    for run in trials("J.shaft - s.shaft, s.case - wall.shaft", 0.5, **parts):
         assert instants(run)[:2] == pytest.approx([0.1, 0.1 + time])
         assert run["J.speed"].at(0.1 + time) == pytest.approx(-3 * way * eps)
         assert way * run["s.torque"].at(0.1 + time / 2) > 0
@@ -261,7 +223,7 @@ def test_dry_friction_stops_a_shaft_and_holds_it(w: float) -> None:
         "wall": FRAME,
         "t": torque(f"if time < 1 then 0 else {math.copysign(2, w)}*time/(1 [s])"),
     }
-    for run in runs("J.shaft - c.shaft, c.case - wall.shaft, t.shaft - J.shaft", 2, **parts):
+    for run in trials("J.shaft - c.shaft, c.case - wall.shaft, t.shaft -> J.shaft", 2, **parts):
         # stops at 1 s, just when a torque begins that is as large as sliding friction
         assert instants(run)[-1] == pytest.approx(1.5)
         assert run["c.torque"].at(0.5) == pytest.approx(math.copysign(2, w))
@@ -279,11 +241,11 @@ def test_a_bearing_with_stribeck_friction(d: float) -> None:
     t = np.array([0.1, 0.47, 0.49, 0.51, 0.6, 0.9])
     w = 2 * t - 1
     taken = np.sign(w) * (1 + 1.5 * np.exp(-((w / 0.1) ** 2))) + d * w
-    for run in runs("u.shaft - c.shaft, c.case - wall.shaft", 1, u=u, **parts):
+    for run in trials("u.shaft - c.shaft, c.case - wall.shaft", 1, u=u, **parts):
         assert run["c.torque"].at(t) == pytest.approx(taken, rel=1e-9)
         assert run["c.power"].at(0.9) == pytest.approx(taken[-1] * w[-1])
     parts |= {"J": inertia(0.5), "t": torque("1 [N*m/s]*time")}
-    for run in runs("J.shaft - c.shaft, c.case - wall.shaft, t.shaft - J.shaft", 2.55, **parts):
+    for run in trials("J.shaft - c.shaft, c.case - wall.shaft, t.shaft -> J.shaft", 2.55, **parts):
         assert instants(run) == [pytest.approx(2.5)]
         assert (run["c.sticks"].at(2.4), run["c.slip"].at(2.4)) == (1, 0)
         assert run["c.slip"].at(2.55) > 0

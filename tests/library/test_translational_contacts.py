@@ -1,11 +1,10 @@
 """Contacts, friction and ropes between bodies, against closed forms."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from library.bench import every_way
+from library.trials import after_impact, instants, kelvin_voigt, lost, trials
 
 import hybond as hb
 
@@ -18,33 +17,6 @@ def mass(m: float = 1.0, **start: object) -> hb.Submodel:
 
 def push(newtons: str) -> hb.Submodel:
     return hb.Submodel("translational.force", inputs={"force": newtons})
-
-
-def runs(joints: str, until: float, **parts: object) -> Iterator[hb.Result]:
-    """Run the parts with the bonds between their ports in every direction; audit each run."""
-    m = hb.Model("bench", domain="translational")
-    m.add(**parts)
-    for way in every_way(m, *joints.split(", ")):
-        run = hb.simulate(way, until=until, rtol=1e-10, atol=1e-12)
-        assert (run.status, run.audit().holds()) == ("ok", True), way.name
-        yield run
-
-
-def lost(run: hb.Result) -> float:
-    """Return the energy that all jumps lost."""
-    steps = (s for e in run.events for s in e.steps if s.energy and s.kind != "mythical")
-    return sum(s.energy.lost for s in steps)
-
-
-def instants(run: hb.Result) -> list[float]:
-    return [e.t for e in run.events if e.cause != "start"]
-
-
-def after_impact(m1: float, v1: float, m2: float, v2: float, eps: float) -> tuple[float, float]:
-    """Return the velocities after Newton's impact of two bodies."""
-    together = (m1 * v1 + m2 * v2) / (m1 + m2)
-    apart = eps * (v1 - v2) / (m1 + m2)
-    return together - m2 * apart, together + m1 * apart
 
 
 BODIES = [(1.0, 3.0, 2.0, -1.0), (5.0, 2.0, 0.5, 0.5), (0.3, 0.0, 1.0, -2.0)]
@@ -62,7 +34,7 @@ def test_a_collision_keeps_momentum_and_loses_one_minus_eps_squared(
     }
     w, reduced = v1 - v2, m1 * m2 / (m1 + m2)
     after = after_impact(m1, v1, m2, v2, eps)
-    for run in runs("a.flange - c.left, c.right - b.flange", 3, **parts):
+    for run in trials("a.flange - c.left, c.right - b.flange", 3, **parts):
         assert instants(run)[0] == pytest.approx(2 / w, rel=1e-10)
         assert run["a.speed"].at(3) == pytest.approx(after[0], abs=1e-10)
         assert run["b.speed"].at(3) == pytest.approx(after[1], abs=1e-10)
@@ -78,7 +50,7 @@ def test_bodies_that_are_pressed_together_stay_in_contact_until_they_are_pulled(
         "b": mass(3.0),
         "f": push("8 [N]*(1 - time/(1 [s]))"),
     }
-    for run in runs("a.flange - c.left, c.right - b.flange, a.flange - f.flange", 2, **parts):
+    for run in trials("a.flange - c.left, c.right - b.flange, a.flange -> f.flange", 2, **parts):
         assert run["c.force"].at(0.5) == pytest.approx(3.0)
         assert run["c.touches"].at(0.5) == 1
         assert instants(run) == [pytest.approx(1.0, rel=1e-9)]
@@ -98,7 +70,7 @@ def test_bodies_that_collide_plastically_go_on_as_one(
     }
     w, reduced = v1 - v2, m1 * m2 / (m1 + m2)
     together = after_impact(m1, v1, m2, v2, 0)[0]
-    for run in runs("a.flange - c.left, c.right - b.flange, a.flange - f.flange", 3, **parts):
+    for run in trials("a.flange - c.left, c.right - b.flange, a.flange -> f.flange", 3, **parts):
         assert instants(run)[0] == pytest.approx(2 / w, rel=1e-10)
         assert lost(run) == pytest.approx(reduced * w**2 / 2, rel=1e-9)
         for name in "ab":
@@ -118,7 +90,7 @@ def test_a_pull_above_its_hold_parts_a_coupling(hold: float) -> None:
     }
     # together from 1 s; the coupling bears a quarter of what pulls at b
     part = 2 + 4 * hold / 2
-    for run in runs("a.flange - c.left, c.right - b.flange, b.flange - f.flange", 6, **parts):
+    for run in trials("a.flange - c.left, c.right - b.flange, b.flange -> f.flange", 6, **parts):
         times = instants(run)
         assert times[0] == pytest.approx(1.0)
         assert times[-1] == pytest.approx(part, rel=1e-9)
@@ -141,7 +113,7 @@ def test_a_mass_flies_to_and_fro_between_end_stops(eps: float, wall: str) -> Non
         times.append(t)
         speed *= eps
         t += 0.6 / speed
-    for run in runs(f"m.flange - s.{free}, s.{wall} - wall.flange", 1.2, **parts):
+    for run in trials(f"m.flange - s.{free}, s.{wall} - wall.flange", 1.2, **parts):
         assert instants(run) == pytest.approx(times, rel=1e-9)
         assert abs(run["m.speed"].at(1.2)) == pytest.approx(speed)
         inside = run["s.position"].at(np.linspace(0, 1.2, 50))
@@ -156,19 +128,13 @@ def test_a_mass_that_is_pressed_against_an_end_stop_rests_there() -> None:
         "wall": FRAME,
     }
     hit = math.acos(1 - 0.09 * 2 / 5)
-    for run in runs("m.flange - s.flange, s.case - wall.flange, f.flange - m.flange", 2, **parts):
+    for run in trials(
+        "m.flange - s.flange, s.case - wall.flange, f.flange -> m.flange", 2, **parts
+    ):
         assert instants(run) == [pytest.approx(hit), pytest.approx(math.pi / 2)]
         assert run["s.force"].at(1) == pytest.approx(5 * math.cos(1))
         assert run["wall.force"].at(1) == pytest.approx(-5 * math.cos(1))
         assert run["m.speed"].at(2) == pytest.approx(2.5 * (math.sin(2) - 1))
-
-
-def kelvin_voigt(m: float, k: float, d: float) -> tuple[float, float]:
-    """Return the restitution of a pad of spring and damper that only pushes, and its duration."""
-    w = math.sqrt(k / m)
-    z = d / (2 * m * w)
-    t = (math.pi - 2 * math.asin(z)) / (w * math.sqrt(1 - z**2))
-    return math.exp(-z * w * t), t
 
 
 PADS = [(2.0, 200.0, 0.0), (2.0, 200.0, 8.0), (0.5, 1e4, 20.0)]
@@ -185,7 +151,7 @@ def test_an_elastic_end_stop_gives_back_what_its_damper_leaves(
         "wall": FRAME,
     }
     eps, time = kelvin_voigt(m, k, d)
-    for run in runs("m.flange - s.flange, s.case - wall.flange", 0.5, **parts):
+    for run in trials("m.flange - s.flange, s.case - wall.flange", 0.5, **parts):
         assert instants(run)[:2] == pytest.approx([0.1, 0.1 + time], rel=1e-9)
         assert run["m.speed"].at(0.1 + time) == pytest.approx(-3 * way * eps, rel=1e-8)
         push = way * run["s.force"].at(np.linspace(0, 0.1 + 1.1 * time, 60))
@@ -198,7 +164,7 @@ def test_an_elastic_end_stop_may_begin_pressed() -> None:
         "s": hb.Submodel("translational.elastic_end_stop", start="0.2 m", k="100 N/m"),
         "wall": FRAME,
     }
-    for run in runs("m.flange - s.flange, s.case - wall.flange", 0.3, **parts):
+    for run in trials("m.flange - s.flange, s.case - wall.flange", 0.3, **parts):
         assert run["s.force"].at(0) == pytest.approx(10.0)
         assert instants(run) == [pytest.approx(math.pi / 20)]
         assert run["m.speed"].at(0.3) == pytest.approx(-1.0)
@@ -212,7 +178,7 @@ def test_backlash_lets_a_drive_go_free_and_then_strikes(m1: float, m2: float, ep
         "b": mass(m2),
     }
     after = after_impact(m1, 2.0, m2, 0.0, eps)
-    for run in runs("a.flange - p.left, p.right - b.flange", 0.15, **parts):
+    for run in trials("a.flange - p.left, p.right - b.flange", 0.15, **parts):
         assert instants(run) == [pytest.approx(0.1)]
         speeds = run["a.speed"].at(0.15), run["b.speed"].at(0.15)
         assert speeds == pytest.approx(after, abs=1e-10)
@@ -228,7 +194,7 @@ def test_backlash_delays_a_reversal() -> None:
         "f": push("-2"),
     }
     # at rest against the lower flank from 0.14 s on; from 1 s the load follows freely
-    for run in runs("u.flange - p.left, p.right - b.flange, b.flange - f.flange", 1.2, **parts):
+    for run in trials("u.flange - p.left, p.right - b.flange, b.flange -> f.flange", 1.2, **parts):
         assert run["p.force"].at(0.9) == pytest.approx(2.0)
         assert run["p.driven"].at(0.9) == 1
         assert run["p.offset"].at(0.9) == pytest.approx(-0.25)
@@ -254,7 +220,7 @@ def test_elastic_backlash_is_a_soft_collision(
     }
     eps, time = kelvin_voigt(m1 * m2 / (m1 + m2), k, d)
     after = after_impact(m1, 2.0 * way, m2, 0.0, eps)
-    for run in runs("a.flange - p.left, p.right - b.flange", 0.1 + 1.05 * time, **parts):
+    for run in trials("a.flange - p.left, p.right - b.flange", 0.1 + 1.05 * time, **parts):
         assert instants(run) == pytest.approx([0.1, 0.1 + time])
         end = 0.1 + 1.05 * time
         assert [run[f"{n}.speed"].at(end) for n in "ab"] == pytest.approx(after, abs=1e-8)
@@ -273,7 +239,9 @@ def test_a_block_slides_to_rest_and_breaks_loose(mu: float, rest: float, way: in
         "wall": FRAME,
     }
     stop = 0.5 / (mu * 10) if mu else math.inf
-    for run in runs("wall.flange - c.left, c.right - m.flange, m.flange - f.flange", 3.5, **parts):
+    for run in trials(
+        "wall.flange - c.left, c.right - m.flange, m.flange -> f.flange", 3.5, **parts
+    ):
         if not mu:
             assert way * run["m.speed"].at(3.5) == pytest.approx(0.5 - 8 * 2.5**2 / 2 / 2)
             continue
@@ -294,7 +262,7 @@ def test_friction_heats_by_what_is_lost() -> None:
         "c": hb.Submodel("translational.coulomb_friction", inputs={"normal": "10 [N]"}),
         "b": mass(3.0),
     }
-    for run in runs("a.flange - c.right, c.left - b.flange", 2, **parts):
+    for run in trials("a.flange - c.right, c.left - b.flange", 2, **parts):
         # relative deceleration 3 (1 + 1/3): together after 1 s
         assert instants(run) == [pytest.approx(1.0)]
         assert run["a.speed"].at(2) == pytest.approx(1.0)
@@ -310,11 +278,13 @@ def test_stribeck_friction_at_steady_speeds_and_from_rest(d: float) -> None:
     t = np.array([0.1, 0.47, 0.49, 0.51, 0.6, 0.9])
     w = 2 * t - 1
     force = np.sign(w) * (1 + 1.5 * np.exp(-((w / 0.1) ** 2))) + d * w
-    for run in runs("wall.flange - c.left, c.right - u.flange", 1, u=u, **parts):
+    for run in trials("wall.flange - c.left, c.right - u.flange", 1, u=u, **parts):
         assert run["c.force"].at(t) == pytest.approx(force, rel=1e-9)
         assert run["c.power"].at(0.9) == pytest.approx(force[-1] * w[-1])
     parts |= {"m": mass(0.5), "f": push("1 [N/s]*time")}
-    for run in runs("wall.flange - c.left, c.right - m.flange, m.flange - f.flange", 2.6, **parts):
+    for run in trials(
+        "wall.flange - c.left, c.right - m.flange, m.flange -> f.flange", 2.6, **parts
+    ):
         assert instants(run) == [pytest.approx(2.5)]
         assert run["c.force"].at(2.4) == pytest.approx(2.4)
         assert run["c.sticks"].at(2.4) == 1
@@ -330,7 +300,7 @@ def test_a_rope_tows_once_it_is_taut(m1: float, m2: float, eps: float) -> None:
         "b": mass(m2, v="2 m/s"),
     }
     slow, fast = after_impact(m2, 2.0, m1, 0.0, eps)
-    for run in runs("a.flange - r.left, r.right - b.flange", 0.5, **parts):
+    for run in trials("a.flange - r.left, r.right - b.flange", 0.5, **parts):
         assert instants(run)[0] == pytest.approx(0.3)
         assert run["b.speed"].at(0.5) == pytest.approx(slow, abs=1e-12)
         assert run["a.speed"].at(0.5) == pytest.approx(fast, abs=1e-12)
@@ -345,7 +315,7 @@ def test_a_rope_pulls_and_does_not_push() -> None:
         "b": mass(2.0),
         "f": push("3 [N]*cos(pi*time/(1 [s]))"),
     }
-    for run in runs("a.flange - r.left, r.right - b.flange, b.flange - f.flange", 1, **parts):
+    for run in trials("a.flange - r.left, r.right - b.flange, b.flange -> f.flange", 1, **parts):
         assert run["r.tension"].at(0.25) == pytest.approx(math.cos(math.pi / 4))
         assert run["r.taut"].at(0.25) == 1
         assert instants(run) == [pytest.approx(0.5)]
@@ -364,7 +334,9 @@ def test_a_jumper_on_an_elastic_rope(d: float) -> None:
     }
     # up is positive: the rope's right end is the bridge
     deep = (100 + math.sqrt(100**2 + 2 * 60 * 500)) / 60
-    for run in runs("m.flange - r.left, r.right - bridge.flange, m.flange - w.flange", 8, **parts):
+    for run in trials(
+        "m.flange - r.left, r.right - bridge.flange, m.flange - w.flange", 8, **parts
+    ):
         assert instants(run)[0] == pytest.approx(1.0)
         pull = run["r.tension"].at(np.linspace(0, 8, 200))
         assert pull.min() >= 0
@@ -383,7 +355,7 @@ def test_an_elastic_rope_may_begin_stretched() -> None:
         "r": hb.Submodel("translational.elastic_rope", k="100 N/m", reserve="-0.2 m"),
         "m": mass(1.0),
     }
-    for run in runs("wall.flange - r.left, r.right - m.flange", 1, **parts):
+    for run in trials("wall.flange - r.left, r.right - m.flange", 1, **parts):
         assert run["r.tension"].at(0) == pytest.approx(20.0)
         assert instants(run) == [pytest.approx(math.pi / 20)]
         assert run["m.speed"].at(1) == pytest.approx(-2.0)

@@ -102,3 +102,45 @@ def test_ports_of_two_domains_cannot_be_joined() -> None:
     with pytest.raises(hb.ModelError) as caught:
         m.flatten()
     assert caught.value.code == "HB-M134"
+
+
+@pytest.mark.parametrize("given", ["if time < 1 then 50 else 0", "50", "50 + 10*sin(0*time)", 50])
+def test_what_is_given_without_a_unit_is_in_the_unit_of_the_input(given: object) -> None:
+    inner = hb.Model("inner", domain="rotational", parameters={"r": "0.1 m"})
+    inner.add(M=hb.Se("r*force"), d=hb.R("1 N*m*s"), w=hb.One())
+    inner.bond("M -> w -> d")
+    inner.input(force="0 N")
+    inner.signal(twice="2*force")
+    m = hb.Model("outer", domain="rotational")
+    m.add(a=hb.Submodel(inner, inputs={"force": given}))
+    run = hb.simulate(m, until=2)
+    assert run["a.d.f"].at(0.5) == pytest.approx(5.0)
+    assert run["a.twice"].at(0.5) == pytest.approx(100.0)
+
+
+def test_what_is_given_in_another_unit_after_a_number_is_still_refused() -> None:
+    inner = hb.Model("inner", domain="electrical")
+    inner.add(V=hb.Se("u"), R=hb.R("1 ohm"), i=hb.One())
+    inner.bond("V -> i -> R")
+    inner.input(u="5 V")
+    m = hb.Model("outer", domain="electrical")
+    m.add(a=hb.Submodel(inner, inputs={"u": "2*way"}))
+    m.signal(way=hb.Integral("1 [m/s]"))
+    with pytest.raises(hb.UnitError) as caught:
+        m.flatten()
+    assert (caught.value.code, caught.value.where) == ("HB-U103", "a.u")
+
+
+def test_a_parameter_given_without_a_unit_is_in_the_unit_of_its_own_value() -> None:
+    inner = hb.Model("inner", domain="rotational", parameters={"m": "1 kg", "l": "1 m"})
+    inner.parameter(J="m*l^2")
+    inner.add(rotor=hb.I("J", f="3 rad/s"), w=hb.One())
+    inner.bond("w -> rotor")
+    for m, l in ((2, 3.0), ("2", "3 m"), ("two", "300 cm")):
+        outer = hb.Model("outer", domain="rotational", parameters={"two": 2})
+        outer.add(a=hb.Submodel(inner, m=m, l=l))
+        assert hb.simulate(outer, until=1)["a.rotor.p"].at(1) == pytest.approx(54.0)
+    assert hb.simulate(inner, until=1, parameters={"l": 2})["rotor.p"].at(1) == pytest.approx(12)
+    outer.elements["a"] = hb.Submodel(inner, m="2 m")
+    with pytest.raises(hb.UnitError):
+        outer.flatten()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -297,3 +298,27 @@ def test_closing_and_opening_at_once_is_one_event_with_a_pinnacle(guards) -> Non
         assert e.steps[0].impulses
         assert not e.steps[1].impulses
     assert run.audit().holds(1e-9)
+
+
+def test_a_stop_that_an_input_leads_away_from_does_not_hide_the_other_stop() -> None:
+    # an amplifier between two stops; at 2 ms the input jumps, and with it what is asked of it
+    part = hb.library.part("electrical.op_amp")
+    part.machines["limit"] = replace(
+        part.machines["limit"],
+        rules=(
+            "linear -> at_high when inside >= high and asked > 0",
+            "linear -> at_low when inside <= low and asked < 0",
+            "at_high -> linear when asked < 0",
+            "at_low -> linear when asked > 0",
+        ),
+    )
+    m = hb.Model("inverting", domain="electrical")
+    m.add(V=hb.Se("v"), i=hb.One(), r1=hb.R(1000), n=hb.Zero(), j=hb.One(), r2=hb.R(5000))
+    m.add(u=hb.Submodel(part, low="-10 V", high="12 V"), y=hb.Zero(), zero=hb.Se(0), g=hb.Zero())
+    m.bond("V -> i -> n -> j -> y", "i -> r1", "j -> r2", "zero -> g", "u.out -> y")
+    m.bond("g -> u.plus", "n -> u.minus", "g -> u.ground")
+    m.input(v=hb.Input(table=[(0, "-1 V"), ("1 ms", "-8 V"), ("2 ms", "8 V")]))
+    run = hb.simulate(m, until="3 ms")
+    found = run["u.voltage"].at([0.0009, 0.0019, 0.0029])
+    assert found == pytest.approx([5 / (1 + 6e-5), 12, -10], rel=1e-8)
+    assert not run.sliding

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from hybond.library.shelves import SHELVES, part
+from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import InputPart, Integral, Sampled
+from hybond.model.unit_words import unit_of
 from hybond.units import Dimension
 
 
@@ -68,7 +70,8 @@ def sheet(name: str) -> Sheet:
     graph = model.flatten()
     said = _comments(text)
     units = {given.path: _unit(given.dimension) for given in graph.inputs}
-    units |= {path: _unit(dimension) for path, dimension in graph.dimensions.items()}
+    units |= {path: unit_of(tree, graph) for path, tree in graph.signals.items()}
+    units |= {s.path: unit_of(Name(f"s:{s.index}"), graph) for s in graph.integrals}
 
     def line(section: str, key: str, value: str) -> Line:
         unit = "" if section == "parameters" else units.get(key, "")

@@ -16,6 +16,7 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import (
+    Binary,
     Compare,
     Expr,
     Name,
@@ -101,6 +102,7 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     dimensions = _dimensions(bonds, storages, nodes)
     inputs = _inputs(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
+    _give_units(opened, resolver, dimensions)
     integrals = _integrals(opened, resolver, dimensions)
     samples = samples_of(opened, resolver, dimensions)
     for path in opened.given:
@@ -145,6 +147,23 @@ def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
     )
     check_readers(graph)
     return fieldless.checked(graph)
+
+
+def _give_units(
+    opened: Opened, resolver: Resolver, dimensions: Mapping[str, Dimension | None]
+) -> None:
+    """Read what is given to an input without a unit in the unit of the input's own value."""
+    for path, (scope, part) in opened.given.items():
+        own = _input(0, path, scope, part).dimension
+        if own is None:
+            continue
+        tree = resolver.signal(path)
+        scaled = Binary("*", tree, Number(1.0, own))
+        where = f"signals.{path}"
+        plain = resolver.dimension(tree, dimensions, where) is None
+        # times a unit, plain numbers have it; what is unknown stays unknown
+        if plain and resolver.dimension(scaled, dimensions, where) == own:
+            resolver.read_as(path, scaled)
 
 
 def _check_given(path: str, given: Dimension | None, opened: Opened) -> None:

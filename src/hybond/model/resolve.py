@@ -204,6 +204,10 @@ class Resolver:
             self._open.pop()
         return self._signals[path]
 
+    def read_as(self, path: str, tree: Expr) -> None:
+        """Let a signal mean this tree to all that read it from now on."""
+        self._signals[path] = tree
+
     def _of_a_node(self, path: str, where: str) -> Expr | None:
         base, _, variable = path.rpartition(".")
         if variable in ("p", "q") and path in self.stored:

@@ -20,6 +20,12 @@ from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 
+_QUIET = 1e-3
+"""Part of a run's largest power below which a point's imbalance is measured against that part.
+
+The sum of powers is rounded to some 1e-16 of the largest one, and has to hold to 1e-12 of this.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Audit:
@@ -137,8 +143,8 @@ def audit(program: Program, trace: Trace) -> Audit:
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
     if sizes:
         size = np.concatenate(sizes)
-        # a system at rest has no power to be a part of
-        size = np.maximum(size, 1e-9 * size.max(initial=0.0))
+        # where a motion turns round there is no power to be a part of, but the rounding of flows
+        size = np.maximum(size, _QUIET * size.max(initial=0.0))
         ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
         power = float(ratio.max(initial=0.0))
     energy = max(energy, trace.stats.get("energy_unbalanced", 0.0))

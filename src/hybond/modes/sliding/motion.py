@@ -182,7 +182,8 @@ class Slider:
                 v = self._values(t, y, mode, interval)
             if any(not f(v) for rest in self._rests[k] for f in rest):
                 continue
-            sure = (crossed or s in held) and not jumped
+            # at a timed event a rule may have fired because an input jumped over the surface
+            sure = ((crossed and not anew) or s in held) and not jumped
             if s.machine in back:
                 # there and back by a pinnacle: towards the surface, if its jumps have vanished
                 crossed = sure = True

@@ -1,0 +1,69 @@
+"""The unit of a signal in the words of its domain: a torque is in N*m, not in J.
+
+Dimensions do not tell torque from energy or an angle from a number. A bond does, and what is added
+to a torque, or is the larger of two, is a torque as well.
+"""
+
+from __future__ import annotations
+
+from hybond.model.dimensions import infer_dimension
+from hybond.model.expressions import Expr, Name
+from hybond.model.expressions.tree import Binary, Call, If, Neg, Number, Pre
+from hybond.model.graph import FlatGraph
+
+_KEEP = ("abs", "min", "max", "hypot")
+"""Functions whose value is of the kind of their arguments."""
+
+
+def unit_of(e: Expr, graph: FlatGraph) -> str:
+    """Return the SI unit of an expression of a graph, empty if it has none or is not known.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> graph = hb.library.part("rotational.clutch").flatten()
+    >>> [unit_of(graph.signals[name], graph) for name in ("torque", "slip", "locked")]
+    ['N*m', 'rad/s', '']
+    """
+    word = _word(e, graph)
+    if word:
+        return word
+    dimension = infer_dimension(e, graph.dimensions.get)
+    text = "" if dimension is None else str(dimension)
+    return "" if text == "1" else text
+
+
+def _word(e: Expr, graph: FlatGraph) -> str | None:
+    """Return the word that all terms agree on; empty if they do not, None for a number."""
+    match e:
+        case Number():
+            return None
+        case Name(path):
+            return _of_name(path, graph)
+        case Neg(arg) | Pre(arg):
+            return _word(arg, graph)
+        case Binary("+" | "-", left, right) | If(_, left, right):
+            return _common((left, right), graph)
+        case Call(function, args) if function in _KEEP:
+            return _common(args, graph)
+    return ""
+
+
+def _common(terms: tuple[Expr, ...], graph: FlatGraph) -> str | None:
+    words = {_word(term, graph) for term in terms} - {None}
+    return "" if len(words) > 1 else next(iter(words), None)
+
+
+def _of_name(path: str, graph: FlatGraph) -> str:
+    kind, _, index = path.partition(":")
+    if kind in ("e", "f"):
+        domain = graph.bonds[int(index)].domain
+        return domain.effort_unit if kind == "e" else domain.flow_unit
+    if kind == "s":
+        rate = _word(graph.integrals[int(index)].rate, graph) or ""
+        return "rad" if rate == "rad/s" else ""
+    if kind == "x":
+        storage = graph.storages[int(index)]
+        turns = storage.kind == "C" and graph.bonds[storage.bond].domain.flow_unit == "rad/s"
+        return "rad" if turns else ""
+    return ""

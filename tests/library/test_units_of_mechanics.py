@@ -1,0 +1,37 @@
+"""The units of all signals of mechanical parts, by the names of the signals."""
+
+import pytest
+
+import hybond as hb
+
+LINES = {
+    "N": """
+        force force_left force_right force_pivot force_x force_y friction normal
+        tension tension_left tension_right
+    """,
+    "N*m": "torque torque_carrier torque_input torque_output torque_ring torque_sun",
+    "m": "dx dy elongation gap height length position reach slack x x_a x_b y y_a y_b",
+    "rad": "angle lift twist",
+    "m/s": "speed slip",
+    "rad/s": "overrun",
+    "J": "energy heat",
+    "W": "power",
+    "N*s": "momentum",
+    "": "driven holds locked rolls sticks taut touches",
+}
+UNITS = {name: unit for unit, names in LINES.items() for name in names.split()}
+OWN = {
+    "translational": {"offset": "m"},
+    "rotational": {"offset": "rad", "speed": "rad/s", "slip": "rad/s", "momentum": "J*s"},
+    "planar": {},
+}
+OF_ITS_WHEEL = {("translational.lever", "speed"), ("translational.pulley", "speed")}
+PARTS = [name for name in hb.library.names() if name.partition(".")[0] in OWN]
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_signals_have_the_units_of_their_names(name: str) -> None:
+    expected = UNITS | OWN[name.partition(".")[0]]
+    for line in hb.library.sheet(name).signals:
+        turns = (name, line.name) in OF_ITS_WHEEL
+        assert line.unit == ("rad/s" if turns else expected[line.name]), line.name
