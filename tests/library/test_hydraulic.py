@@ -379,7 +379,7 @@ def test_a_pump_drives_a_motor(leak):
         assert run["motor.torque"].at(1) == pytest.approx(load * w)
         if leak == 0:
             assert w / speed == pytest.approx(D1 / D2)
-        assert run["pump.torque"].unit == "J"
+        assert run["pump.torque"].unit == "N*m"
 
 
 def bodied(cylinder: hb.Submodel, mass: float, **parts: object) -> hb.Model:
