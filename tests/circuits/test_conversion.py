@@ -159,6 +159,20 @@ class TestSigns:
         assert wave(other) == pytest.approx(-wave(straight), rel=1e-6, abs=1e-6)
         assert np.abs(wave(straight)).max() > 1
 
+    @pytest.mark.parametrize("k", [0.8, 1])
+    @pytest.mark.parametrize("feed", ["L1 a 0 10m", "R1 a p 5\nL1 p 0 10m"])
+    @pytest.mark.parametrize("ends", ["b 0", "0 b"])
+    def test_an_open_winding_shows_what_is_induced(self, simulate, k, feed, ends):
+        run = simulate(
+            "V1 a 0 SIN(0 10 1k)", *feed.split("\n"), f"L2 {ends} 40m", f"K1 L1 L2 {k}",
+            ".print tran v(b) i(V1)", ".tran 1u 2m uic",
+        )  # fmt: skip
+        sign = 1 if ends == "b 0" else -1
+        for t in np.linspace(0.1e-3, 1.9e-3, 11):
+            drop = -5 * printed(run, 1).at(t) if "R1" in feed else 0.0
+            induced = k * 2 * (10 * math.sin(2000 * math.pi * t) - drop)
+            assert printed(run).at(t) == pytest.approx(sign * induced, rel=1e-6, abs=1e-6)
+
     def test_a_rigid_transformer_steps_voltage_up_by_its_turns(self, simulate):
         run = simulate("V1 a 0 SIN(0 10 1k)", "L1 a 0 1", "L2 b 0 9", "K1 L1 L2 1", "R2 b 0 90",
                        ".print tran v(b) i(V1)", ".tran 1u 1m uic")  # fmt: skip

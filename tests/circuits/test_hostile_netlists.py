@@ -18,6 +18,7 @@ WRONG = {
     "half an expression": (GOOD + "R2 a 0 {1+}\n", "HB-F131", 4),
     "an unknown function": (GOOD + "R2 a 0 {system(1)}\n", "HB-F131", 4),
     "a division by zero": (GOOD + "R2 a 0 {1/0}\n", "HB-F131", 4),
+    "a number that is too large": (GOOD + "R2 a 0 1e999\n", "HB-F131", 4),
     "an overflow": (GOOD + "R2 a 0 {1e300*1e300}\n", "HB-F131", 4),
     "brackets without end": (GOOD + "R2 a 0 {" + "(" * 500 + "1" + ")" * 500 + "}\n", "HB-F131", 4),
     "an open brace": (GOOD + "R2 a 0 {1\n", "HB-F130", 4),
@@ -88,6 +89,11 @@ WRONG = {
         5,
     ),
     "no inductance": (GOOD + "L1 a 0 0\n", "HB-F140", 4),
+    "a coupled coil without inductance": (
+        GOOD + "L1 a 0 1\nL2 b 0 0\nR2 b 0 1\nK1 L1 L2 1\n",
+        "HB-F140",
+        5,
+    ),
     "a coupling above one": (GOOD + "L1 a 0 1\nL2 b 0 1\nR2 b 0 1\nK1 L1 L2 1.1\n", "HB-F140", 7),
     "a time that is none": (GOOD + ".tran 0 1\n", "HB-F140", 4),
     "couplings that make energy": (

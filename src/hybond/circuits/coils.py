@@ -42,6 +42,8 @@ class Magnetics:
     inductance: str | float
     ratios: tuple[tuple[str | float, str | float], ...]
     turns: tuple[float, ...]
+    numbers: tuple[tuple[float, ...], ...]
+    """The matrix of inductances with the values of the parameters, H."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,14 @@ def couple(opened: Opened, texts: Texts) -> dict[str, Winding]:
         return {}
     coils = {b.key: b for b in opened.branches if b.kind == "l"}
     pairs = _pairs(opened.couplings, coils)
+    for key in {key for pair in pairs for key in pair}:
+        branch = coils[key]
+        if branch.value is None or branch.value.number <= 0.0:
+            raise branch.line.refuse(
+                f"the coupled coil {branch.name} has no positive inductance",
+                code="HB-F140",
+                hint="give it one, or take its coupling out",
+            )
     found: dict[str, Winding] = {}
     for first in coils:
         if first in found or not any(first in pair for pair in pairs):
@@ -167,6 +177,10 @@ def _core(
         texts.value(inductances[0], "H"),
         tuple(ratios),
         turns_of,
+        tuple(
+            tuple(float(k[i, j]) * math.sqrt(a * b) for j, b in enumerate(numbers))
+            for i, a in enumerate(numbers)
+        ),
     )
 
 

@@ -213,7 +213,10 @@ class _Parser:
         if kind == "number":
             match = NUMERAL.fullmatch(word)
             assert match is not None
-            return Number(scaled(match))
+            value = scaled(match)
+            if not math.isfinite(value):
+                raise self.refuse(f"the number {word} is too large")
+            return Number(value)
         if kind != "name":
             raise self.refuse(f"{word!r} stands where a value is needed in {self.text!r}")
         name = word.lower()

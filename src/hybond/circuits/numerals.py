@@ -52,7 +52,8 @@ def numeral(text: str) -> float | None:
     match = NUMERAL.fullmatch(text.lstrip("+-") if text[:1] in ("+", "-") else text)
     if match is None or text[1:2] in ("+", "-"):
         return None
-    return sign * scaled(match)
+    value = sign * scaled(match)
+    return value if math.isfinite(value) else None
 
 
 def scaled(match: re.Match[str]) -> float:

@@ -16,6 +16,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from hybond.circuits.blocks import blocks
 from hybond.circuits.coils import Magnetics
 from hybond.circuits.graph_names import GraphNames
@@ -69,6 +71,8 @@ class Woven:
     """Of each switch, its controlled junction."""
     inputs: dict[int, str] = field(default_factory=dict)
     """Of each source that is an input, its name."""
+    signals: dict[str, str] = field(default_factory=dict)
+    """Voltages of open windings."""
     own: list[str] = field(default_factory=list)
     """The name that each branch has, or would have."""
 
@@ -121,6 +125,7 @@ class _Weaver:
         self.inside: dict[int, list[str]] = {}
         """Of each switch, the resistance and the drop in series with it."""
         self.cores: dict[str, str] = {}
+        self.open: set[int] = set()
 
     # the whole
 
@@ -136,11 +141,15 @@ class _Weaver:
                 code="HB-F139",
                 hint=f"connect them to node {GROUND}; a winding may have a resistor to ground",
             )
+        self.open = {b.edges[0] for b in found if len(b.edges) == 1}
         for block in sorted(found, key=lambda b: b.edges[0]):
             if len(block.edges) == 1:
                 self.leave_idle(block.edges[0])
             else:
                 self.block(block.reference, block.edges)
+        for k in self.out.idle:
+            if self.leaves[k].role == "winding":
+                self.open_winding(k)
         self.sort()
         return self.out
 
@@ -170,15 +179,51 @@ class _Weaver:
             )
         if leaf.role in ("R", "I", "meter", "winding"):
             self.out.drops[k] = ()
-        if branch.kind not in "veh":
+        if leaf.role == "winding":
+            self.notices.add(branch.line, f"{branch.name} is open: no current can pass it")
+        elif branch.kind not in "veh":
             self.notices.add(
                 branch.line, f"{branch.name} is left out: no current can pass it, it is in no loop"
             )
-        if leaf.role == "winding":
-            assert leaf.winding is not None
-            if leaf.winding.core.matrix is None and leaf.winding.index == 0:
-                return
-            del self.out.drops[k]  # another winding may induce a voltage
+
+    def wound(self, core: Magnetics) -> list[int]:
+        """Return the coils of a core that have a current, by their place."""
+        open_keys = {self.leaves[k].branch.key for k in self.open}
+        return [i for i, key in enumerate(core.coils) if key not in open_keys]
+
+    def port(self, core: Magnetics, index: int) -> str:
+        """Return the port of a coil at the field of its core; a single coil needs none."""
+        kept = self.wound(core)
+        return "" if len(kept) == 1 else f".{kept.index(index) + 1}"
+
+    def open_winding(self, k: int) -> None:
+        """Let a coil without current see what the others of its core induce."""
+        winding = self.leaves[k].winding
+        assert winding is not None
+        core = self.cores.get(winding.core.name)
+        if core is None:
+            return  # none of them has a current
+        if winding.core.matrix is not None:
+            # e = M i' of the coils with a current, so i' = M^-1 e, which induces m i' here
+            kept = self.wound(winding.core)
+            numbers = np.array(winding.core.numbers)
+            parts = np.linalg.solve(numbers[np.ix_(kept, kept)], numbers[kept, winding.index])
+            terms = (
+                f"{float(c)!r}*{core}{self.port(winding.core, i)}.e"
+                for c, i in zip(parts, kept, strict=True)
+            )
+            name = self.own[k]
+            self.out.signals[name] = " + ".join(terms)
+            self.out.drops[k] = ((1, name),)
+        elif winding.index == 0:
+            self.out.drops[k] = ((1, f"{core}.e"),)
+        else:
+            name = self.element(k, "TF", winding.core.ratios[winding.index][0])
+            nothing = self.out.names.take(f"{name}_open")
+            self.out.elements[nothing] = Part("Sf", "0 A")
+            self.bond(nothing, name)
+            self.bond(name, core)
+            self.out.drops[k] = ((1, f"{name}.1.e"),)
 
     def block(self, reference: int, edges: tuple[int, ...]) -> None:
         self.reference = reference
@@ -449,10 +494,14 @@ class _Weaver:
         starts = [keys[c].start for c in core.coils]
         if core.matrix is not None:
             options: dict[str, Any] = {}
-            if any(s is not None and s.number for s in starts):
-                given = [0.0 if s is None else self.texts.value(s, "A") for s in starts]
-                options["f"] = given
-            self.out.elements[name] = Part("I", [list(row) for row in core.matrix], options)
+            kept = self.wound(core)
+            used = [starts[i] for i in kept]
+            if any(s is not None and s.number for s in used):
+                given = [0.0 if s is None else self.texts.value(s, "A") for s in used]
+                options["f"] = given if len(kept) > 1 else given[0]
+            rows: Any = [[core.matrix[i][j] for j in kept] for i in kept]
+            value = rows if len(kept) > 1 else rows[0][0]
+            self.out.elements[name] = Part("I", value, options)
         else:
             if not host:
                 self.junction("0", name)
@@ -477,7 +526,7 @@ class _Weaver:
         core = self.core(winding.core)
         self.out.currents[k] = ((sign, f"{host}.f"),)
         if winding.core.matrix is not None:
-            port = f"{core}.{winding.index + 1}"
+            port = f"{core}{self.port(winding.core, winding.index)}"
             self.out.drops[k] = ((1, f"{port}.e"),)
             if sign > 0:
                 self.bond(host, port)
@@ -515,7 +564,9 @@ class _Weaver:
             self.winding_on_one(k, between, 1)
         else:
             self.winding_on_one(k, host, 1)
-            port = f"{self.cores[winding.core.name]}.{winding.index + 1}"
+            port = self.cores[winding.core.name]
+            if not rigid:
+                port += self.port(winding.core, winding.index)
             own = f"{self.own[k]}.1" if rigid else port
             self.out.currents[k] = ((1, f"{own}.f"),)
 

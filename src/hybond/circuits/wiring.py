@@ -59,6 +59,7 @@ class _Assembly:
     def run(self) -> None:
         model, woven = self.model, self.woven
         model.elements.update(woven.elements)
+        model.signals.update(woven.signals)
         for k, name in woven.inputs.items():
             drive = self.leaves[k].drive
             assert drive is not None and drive.input is not None
