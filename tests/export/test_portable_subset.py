@@ -9,7 +9,7 @@ import pytest
 import hybond.export.portable
 from hybond.export.translate import PortableError, load, load_texts
 from hybond.export.translate.effects import effects_of
-from hybond.export.translate.reach import reached
+from hybond.export.translate.reach import reached, uses_of
 
 PORTABLE = Path(hybond.export.portable.__file__).parent
 FILES = sorted(p for p in PORTABLE.glob("*.py") if p.stem not in ("__init__", "words"))
@@ -154,7 +154,7 @@ def test_functions_of_one_name_are_printed_with_their_modules() -> None:
     f = "def f(a: int) -> int:\n    return a\n"
     program = load_texts({"a": f, "b": f + "def g(a: int) -> int:\n    return f(a)\n"})
     assert sorted(program.functions) == ["a_f", "b_f", "g"]
-    assert reached(program, ["g"]).functions == {"g", "b_f"}
+    assert reached(program, ["g"], uses_of(program)).functions == {"g", "b_f"}
 
 
 def test_constants_are_worked_out() -> None:

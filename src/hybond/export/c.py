@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybond._version import __version__
-from hybond.export.program import NAMES, Exported, exported
+from hybond.export.program import NAMES, Exported, exported, printed_before
 from hybond.export.story import story, title_of
 from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
 from hybond.export.translate.c_words import HEADERS, c_words
@@ -44,7 +44,10 @@ def to_c(model: Model, **options: object) -> str:
     """
     graph = model.flatten()
     found = exported(graph, **options)
-    printer = CPrinter(found.program, found.roots)
+    printer = CPrinter(
+        found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
+    )
+    printer.known = printed_before("c")
     printer.given = {
         **{name: _names(printer, found, name) for name in NAMES},
         "evaluate_pair": _pairs(printer, found),
@@ -61,8 +64,8 @@ def to_c(model: Model, **options: object) -> str:
     for name, points in found.points.items():
         lines += ["", *c_table(name, points)]
     lines += ["", *c_words(printer.reached.words), "", *printer.typedefs()]
-    modules = {m.name: m for m in found.program.modules}
-    order = [m.name for m in found.program.modules]
+    modules = {m.name: m for m in found.runs.program.modules}
+    order = [m.name for m in found.runs.program.modules]
     first = [n for n in LEAVES if n in modules]
     for name in [*first, "model", *(n for n in order if n not in first and n != "model")]:
         module = modules[name]
@@ -113,7 +116,7 @@ def _heading(name: str, doc: str) -> list[str]:
 def _names(printer: CPrinter, found: Exported, function: str) -> list[str]:
     if function not in printer.reached.functions:
         return []
-    f = found.program.functions[function]
+    f = found.runs.program.functions[function]
     texts: Sequence[str] = getattr(found.tables, NAMES[function])
     listed = ", ".join(c_text(t) for t in texts) or '""'
     return [
@@ -128,7 +131,7 @@ def _names(printer: CPrinter, found: Exported, function: str) -> list[str]:
 
 
 def _values(printer: CPrinter, found: Exported) -> list[str]:
-    f = found.program.functions["value"]
+    f = found.runs.program.functions["value"]
     lines = [*printer.documented(f.doc, f.above), printer.signature(f), "{", "    (void)m;"]
     if not found.values:
         lines += ["    (void)v;"]
@@ -140,7 +143,7 @@ def _values(printer: CPrinter, found: Exported) -> list[str]:
 
 
 def _pairs(printer: CPrinter, found: Exported) -> list[str]:
-    f = found.program.functions["evaluate_pair"]
+    f = found.runs.program.functions["evaluate_pair"]
     lines = [*printer.documented(f.doc, f.above), printer.signature(f), "{", "    (void)m;"]
     if not found.pairs:
         return [*lines, "    (void)k;", "    (void)s;", "}"]
@@ -156,7 +159,7 @@ def _model(printer: CPrinter, found: Exported) -> list[str]:
     """Return the tables of the model as one record."""
     t = found.tables
     lines = ["static const Model MODEL = {"]
-    for m in printer.members(found.program.records["Model"]):
+    for m in printer.members(found.runs.program.records["Model"]):
         match m.type.kind:
             case "int":
                 lines.append(f"    .{m.name} = {int(t.numbers[m.name])},")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from hybond._version import __version__
 from hybond.export.identifiers import identifier
-from hybond.export.program import NAMES, Exported, exported, runtime
+from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
 from hybond.export.story import story, title_of
 from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
 from hybond.export.translate.java_words import IMPORTS, java_words
@@ -53,7 +53,10 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     graph = model.flatten()
     found = exported(graph, **options)
     name = name or class_name(graph.name or graph.title or "model")
-    printer = JavaPrinter(found.program, found.roots)
+    printer = JavaPrinter(
+        found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
+    )
+    printer.known = printed_before("java")
     printer.given = {
         **{f: _names(printer, found, f) for f in NAMES},
         "value": _values(printer, found),
@@ -72,7 +75,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     for points, numbers in found.points.items():
         inside += ["", *_array(points, "double", [java_number(x) for x in numbers])]
     inside += java_words(printer.reached.words)
-    for module in found.program.modules:
+    for module in found.runs.program.modules:
         if printer.needed(module):
             inside += ["", *line_comments((f"Chapter: {module.name}.",), 0)]
             inside += line_comments(tuple(prose(module.doc)), 0)
@@ -122,7 +125,7 @@ def _slots(found: Exported) -> Iterator[str]:
 def _names(printer: JavaPrinter, found: Exported, function: str) -> list[str]:
     if function not in printer.reached.functions:
         return []
-    f = found.program.functions[function]
+    f = found.runs.program.functions[function]
     texts: Sequence[str] = getattr(found.tables, NAMES[function])
     return [
         *_array(f"{function.upper()}S", "String", [java_text(t) for t in texts]),
@@ -153,7 +156,7 @@ def _array(name: str, kind: str, texts: list[str]) -> list[str]:
 
 
 def _values(printer: JavaPrinter, found: Exported) -> list[str]:
-    f = found.program.functions["value"]
+    f = found.runs.program.functions["value"]
     cases = []
     for case in found.values:
         lines = [f"    case {case.number}: // {plain(case.text)}"[:95]]
@@ -164,7 +167,7 @@ def _values(printer: JavaPrinter, found: Exported) -> list[str]:
 
 
 def _pairs(printer: JavaPrinter, found: Exported) -> list[str]:
-    f = found.program.functions["evaluate_pair"]
+    f = found.runs.program.functions["evaluate_pair"]
     cases = []
     for case in found.pairs:
         lines = [f"    case {case.number}: // {plain(case.text)}"[:95]]
@@ -197,7 +200,7 @@ def _switch(
 
 def _model(printer: JavaPrinter, found: Exported) -> list[str]:
     """Return the tables of the model: a class, and the one of it."""
-    record = found.program.records["Model"]
+    record = found.runs.program.records["Model"]
     members = printer.members(record)
     lines: list[str] = []
     for m in members:

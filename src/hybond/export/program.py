@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from hybond.errors import ModelError
 from hybond.export.formulas import PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.export.tables import ModelTables, tables_of
+from hybond.export.translate.effects import Effects, effects_of
 from hybond.export.translate.modules import Program, load
-from hybond.export.translate.reach import reached
-from hybond.export.translate.specialise import specialised
+from hybond.export.translate.reach import Uses
+from hybond.export.translate.specialise import Specialist, deciding
 from hybond.export.translate.tree import Block, Expr
 from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
@@ -32,6 +33,8 @@ NAMES = {
     "rule_text": "rules",
 }
 """Given functions that name something, and the list of names in `ModelTables`."""
+GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
+"""What the runtime asks of a model, and is printed here."""
 PORTABLE = Path(__file__).parent / "portable"
 
 
@@ -39,6 +42,36 @@ PORTABLE = Path(__file__).parent / "portable"
 def runtime() -> Program:
     """Return the runtime, read and checked."""
     return load([PORTABLE / "run.py", PORTABLE / "lookup.py"])
+
+
+@lru_cache(maxsize=1)
+def specialist() -> Specialist:
+    """Return what makes the runtime of one model."""
+    program = runtime()
+    return Specialist(program, effects_of(program, ROOTS))
+
+
+@lru_cache(maxsize=2)
+def printed_before(language: str) -> dict[int, list[str]]:
+    """Return the definitions that were printed in a language, by the identity of the function.
+
+    The functions themselves are kept by `specialist`.
+    """
+    return {}
+
+
+@dataclass(frozen=True, slots=True)
+class Runtime:
+    """The runtime of one model: a program, what its functions change, and what they use."""
+
+    program: Program
+    effects: Effects
+    uses: Mapping[str, Uses]
+
+
+@lru_cache(maxsize=1)
+def _deciding() -> frozenset[tuple[str, str]]:
+    return deciding(runtime())
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +99,7 @@ class Exported:
     Parameters
     ----------
     tables : ModelTables
-    program : Program
-        The runtime.
+    runs : Runtime
     slots : list of (str, int, str)
         Identifier, number and meaning of the slots that expressions read.
     points : dict of str to tuple of float
@@ -76,24 +108,22 @@ class Exported:
         Expressions.
     roots : tuple of str
         Functions that main and expressions call.
-    early : frozenset of str
-        Functions that `values` call.
     """
 
     tables: ModelTables
-    program: Program
+    runs: Runtime
     slots: list[tuple[str, int, str]]
     points: dict[str, tuple[float, ...]]
     values: list[Case]
     pairs: list[PairCase]
     roots: tuple[str, ...]
-    early: frozenset[str]
 
 
 def exported(graph: FlatGraph, **options: object) -> Exported:
     """Return what a model adds to the runtime."""
     tables = tables_of(graph, **options)
-    program = specialised(runtime(), _facts(tables))
+    program, uses = specialist().program_for(_facts(tables))
+    runs = Runtime(program, specialist().effects, uses)
     index = tables.slots.index
     spoken_names = {name: spoken(graph, name) for name in index}
     taken = {PRIOR, *program.constants, *program.functions, *program.records, "MODEL"}
@@ -103,7 +133,6 @@ def exported(graph: FlatGraph, **options: object) -> Exported:
         Case(k, _said(e, text, spoken_names), formulas.number(e))
         for k, (e, text) in enumerate(zip(tables.values.all, tables.values.text))
     ]
-    early = frozenset(formulas.calls)
     pairs = [
         PairCase(k, _said(e, _pair_text(tables, k), spoken_names), formulas.pairs(e))
         for k, e in enumerate(tables.pairs)
@@ -115,9 +144,7 @@ def exported(graph: FlatGraph, **options: object) -> Exported:
     ]
     points = {name: values for values, name in formulas.tables.items()}
     roots = tuple(sorted({*ROOTS, *formulas.calls}))
-    found = Exported(tables, program, slots, points, values, pairs, roots, early)
-    _check(found)
-    return found
+    return Exported(tables, runs, slots, points, values, pairs, roots)
 
 
 def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:
@@ -127,7 +154,8 @@ def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:
         number = tables.numbers.get(member.name)
         if member.type.kind == "int" and number == 0 and member.name not in OPTIONS:
             known[member.name] = 0
-    return {("Model", name): number for name, number in known.items()}
+    named = {("Model", name): number for name, number in known.items()}
+    return {place: number for place, number in named.items() if place in _deciding()}
 
 
 def _pair_text(tables: ModelTables, k: int) -> str:
@@ -139,14 +167,3 @@ def _said(e: object, text: str, spoken_names: dict[str, str]) -> str:
     if text:
         return text
     return to_text(substitute(e, {n: Name(spoken_names[n]) for n in names_of(e)}))  # type: ignore[arg-type]
-
-
-def _check(found: Exported) -> None:
-    """Refuse what this code and the runtime do not agree on."""
-    needed = reached(found.program, found.roots)
-    for name in needed.functions:
-        f = found.program.functions[name]
-        if f.body is None and name not in NAMES and name not in ("value", "evaluate_pair"):
-            raise ModelError(
-                f"the runtime asks the model for {name!r}", code="HB-E602", where=f.place
-            )

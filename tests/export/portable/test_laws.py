@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from portable_runs import assert_the_same, portable
+from portable_runs import assert_the_same
 
 import hybond as hb
-from hybond.errors import ModelError
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 IDLE = ("cockcroft_walton", "mmc_arm", "parallel_resonant_converter")
@@ -30,6 +29,7 @@ FILES = [
     "newtons_cradle",
     "one_way_clutch",
     "parallel_resonant_converter",
+    "planar_puck",
     "ratchet",
     "rlcd",
     "six_pulse_rectifier",
@@ -77,10 +77,15 @@ def test_friction_whose_limit_follows_a_force(limit, monkeypatch):
     assert_the_same(m, monkeypatch, until=5)
 
 
-def test_friction_in_the_plane_is_refused():
-    model = hb.load(EXAMPLES / "planar_puck.toml")
-    with pytest.raises(ModelError, match="HB-E651"):
-        portable(model, pytest.MonkeyPatch())
+@pytest.mark.parametrize("push", [(0.5, 0.0), (2.0, 1.5), (3.0, 2.5)])
+def test_a_block_in_the_plane_slips_stops_and_holds(push, monkeypatch):
+    """Friction of 2.5 N: a block that is pushed too weakly, just so, and enough to slip on."""
+    m = hb.Model("block", domain="translational")
+    for axis, start, force in zip("xy", (3.0, 4.0), push, strict=True):
+        m.add(**{f"m{axis}": hb.I("1 kg", f=start), f"push_{axis}": hb.Se(force)})
+    m.add(x=hb.One(law="coulomb", limit=2.5, breakaway=3), y=hb.One(law="coulomb", pair="x"))
+    m.bond("x -> mx", "y -> my", "push_x -> x", "push_y -> y")
+    assert_the_same(m, monkeypatch, until=4)
 
 
 def test_a_contact_on_a_moving_table_with_nonlinear_storage(monkeypatch):

@@ -11,7 +11,9 @@ from hybond.export.portable.landing_records import Landings, make_landings
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.export.portable.model import Model
 from hybond.export.portable.pairs import Stack, make_stack
+from hybond.export.portable.planar_records import Planar, make_planar
 from hybond.export.portable.radau_room import Radau, make_radau
+from hybond.export.portable.slide_records import Slide, make_slide
 from hybond.export.portable.svd import Svd, make_svd
 from hybond.export.portable.words import (
     Floats,
@@ -283,8 +285,11 @@ class Engine:
     pre: Floats
     """What ``pre()`` reads at an instant."""
     mode: Mode
+    mode_at: int
+    """Where it stands in `modes`."""
     trial: Trial
     step: Step
+    slide: Slide
     rounding: Floats
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     largest_state: Floats
@@ -321,6 +326,9 @@ class Engine:
     """Equations with the laws of junctions left open."""
     radau: Radau
     landings: Landings
+    planar: Planar
+    curved: bool
+    """Whether the last step is one of a descent: a cubic, whatever the method."""
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -498,6 +506,7 @@ def make_engine(m: Model) -> Engine:
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
     e.step = make_step(e.states)
+    e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
@@ -511,6 +520,7 @@ def make_engine(m: Model) -> Engine:
     if m.laws > 0:
         e.laws = make_laws(m)
     e.landings = make_landings(m)
+    e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
     return e

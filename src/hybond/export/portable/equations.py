@@ -44,6 +44,7 @@ def mode_of(e: Engine, state: Ints) -> int:
         if is_same(m.machines + m.discrete, mode.state, e.key):
             mode.used = e.clock
             e.mode = mode
+            e.mode_at = k
             return check_depth(e, mode)
         if mode.used < some(e.modes[oldest]).used:
             oldest = k
@@ -53,6 +54,7 @@ def mode_of(e: Engine, state: Ints) -> int:
         e.modes_made += 1
     mode = some(e.modes[oldest])
     mode.used = e.clock
+    e.mode_at = oldest
     for k in range(m.machines + m.discrete):
         mode.state[k] = e.key[k]
     e.mode = mode

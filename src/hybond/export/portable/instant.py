@@ -25,6 +25,9 @@ class Instant:
     cause: int
     steps: int
     kind: Places
+    struck: Places
+    """Of each step: whether impulses passed."""
+    struck_now: bool
     first: Places
     """Of each step: its transitions."""
     fired: int
@@ -42,6 +45,7 @@ def make_instant() -> Instant:
     """Return an instant at which nothing happened."""
     i = Instant()
     i.kind = make_places(16)
+    i.struck = make_places(16)
     i.first = make_places(16)
     i.machine = make_places(16)
     i.source = make_places(16)
@@ -81,8 +85,17 @@ def note_step(i: Instant, kind: int) -> int:
     """Note a mode visited, entered by what fired last; return its number."""
     grow_places(i.kind, i.steps + 1)
     grow_places(i.first, i.steps + 2)
+    grow_places(i.struck, i.steps + 1)
     i.kind.at[i.steps] = kind
+    i.struck.at[i.steps] = 1 if i.struck_now else 0
     i.first.at[i.steps] = i.fired
+    i.steps += 1
+    append_fired(i)
+    return i.steps - 1
+
+
+def append_fired(i: Instant) -> None:
+    """Add what fired last to the transitions of the last step."""
     for k in range(i.waiting):
         grow_places(i.machine, i.fired + 1)
         grow_places(i.source, i.fired + 1)
@@ -92,6 +105,4 @@ def note_step(i: Instant, kind: int) -> int:
         i.target.at[i.fired] = i.wait_target.at[k]
         i.fired += 1
     i.waiting = 0
-    i.steps += 1
     i.first.at[i.steps] = i.fired
-    return i.steps - 1

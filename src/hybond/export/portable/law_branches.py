@@ -34,6 +34,7 @@ from hybond.export.portable.law_records import Laws, Ports, Response
 from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.paired import evaluate_pair
 from hybond.export.portable.pairs import clear, sign_at
+from hybond.export.portable.planar import answer_rests, find_disks, put_on_the_way
 from hybond.export.portable.ports import base_mode, open_mode, partner_sizes, ports_of, respond
 from hybond.export.portable.storage import energy_of
 from hybond.export.portable.svd import least_squares, null_space
@@ -242,6 +243,7 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
         p.common[k] = 1 if r.now.given[k] == COMMON else 0
         if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
             rubs = True
+    rubs = rubs or e.planar.ready
     if rubs:
         for i in range(2 * m.slots):
             r.later[i] = r.v[i]
@@ -250,6 +252,7 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
         for k in range(n):
             if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
                 linearise_limit(e, r, k, r.resting[k] != 0)
+    rests = e.planar.ready and put_disks(e, r)
     for i in range(n * n):
         p.m[i] = a.d[i] + h * a.ce[i]
     for k in range(n):
@@ -261,6 +264,8 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
         if idle and q[k] < 0.0 and q[k] >= -LAW_DUST * a.size[k]:
             p.q[k] = 0.0
         p.shift[k] = r.rebound[k] if shifted else 0.0
+    if rests and not shifted:
+        return answer_rests(e, p, r.start)
     if rubs:
         return solve_laws(p, r.start)
     # in units in which efforts and flows are of one size: both must show their signs
@@ -275,6 +280,29 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
     for k in range(n):
         p.l[k] *= r.units[k]
     return True
+
+
+def put_disks(e: Engine, r: Laws) -> bool:
+    """Put the limits of disks there; return whether any is at rest."""
+    m = e.model
+    p = e.planar
+    n = m.ports
+    some_rest = False
+    for d in range(m.disks):
+        first = m.disk_port[2 * d]
+        if p.resting[d] == 0:
+            put_on_the_way(m, p, r.problem, d)
+            continue
+        some_rest = True
+        linearise_limit(e, r, first, True)
+        p.rest[d] = r.problem.limit[first]
+        for j in range(n):
+            p.rest_slope[d * n + j] = r.problem.slope[first * n + j]
+        linearise_limit(e, r, first, False)
+        p.limit[d] = r.problem.limit[first]
+        for j in range(n):
+            p.limit_slope[d * n + j] = r.problem.slope[first * n + j]
+    return some_rest
 
 
 def find_units(m: Model, r: Laws, q: Floats) -> None:
@@ -383,6 +411,9 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
         return REFUSED
     find_rounding(e, r)
     find_start(m, r)
+    e.planar.ready = False
+    if m.disks > 0 and find_disks(e, r) != OK:
+        return REFUSED
     r.attempt = 0
     r.second = False
     r.solved = False
@@ -402,6 +433,19 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
     # a contact that still approaches is for the next jump
     comes = m.port_restitution[k] != NO_LAW_VALUE and state_like and r.y[k] < 0.0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
+
+
+def hold_disks(e: Engine, r: Laws) -> None:
+    """Let disks take part whose slip is zero, in both directions or in none, or that slip."""
+    m = e.model
+    if not e.planar.ready:
+        return
+    for d in range(m.disks):
+        for way in range(2):
+            k = m.disk_port[2 * d + way]
+            rests = e.planar.resting[d] != 0
+            r.y[k] = 0.0 if rests else r.response.y[k]
+            r.role[k] = SHUT if rests else FORWARD
 
 
 def is_stored(m: Model, r: Laws, k: int) -> bool:
@@ -435,6 +479,7 @@ def next_lasting(e: Engine, r: Laws) -> bool:
                 r.y[k] = a.y[k]
         for k in range(n):
             r.role[k] = lasting_role(m, r, k)
+        hold_disks(e, r)
         for k in range(n):
             # what is stored keeps these apart, however fast that may change
             r.apart[k] = 0
@@ -552,6 +597,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         return -1
     if respond(e, r, r.v, r.x, False) != OK:
         return -1
+    e.planar.ready = False
     find_rounding(e, r)
     clean(m, r, r.y)
     if find_able(e, r) != OK:

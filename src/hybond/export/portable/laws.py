@@ -19,6 +19,7 @@ from hybond.export.portable.law_branches import (
 from hybond.export.portable.law_records import AGAIN, TURNED, Laws
 from hybond.export.portable.model import Model, machine_name
 from hybond.export.portable.paired import holds
+from hybond.export.portable.planar import put_headings
 from hybond.export.portable.storage import energy_of, reach_of
 from hybond.export.portable.trial import (
     begin_trial,
@@ -148,7 +149,9 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
 def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     """Try the mode in r.candidate from the state in r.here; what follows is in `e.trial`."""
     m = e.model
-    if begin_trial(e, r.t, x, r.s, r.candidate) != OK:
+    signals = e.planar.signals
+    put_headings(m, e.planar, r.s, r.candidate)
+    if begin_trial(e, r.t, x, signals, r.candidate) != OK:
         return STOPS
     e.trial.factors = 0
     for k in range(m.storages):
@@ -157,7 +160,7 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
         found = sweep_candidate(e, r)
         if found != STANDS:
             return found
-    write_entry(e, r.t, x, r.s)
+    write_entry(e, r.t, x, signals)
     e.moved = STAYS
     if r.struck:
         e.trial.factors = r.factors
@@ -178,7 +181,7 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
             e.trial.x[k] = x[k]
     e.trial.struck = False
     e.trial.dusted = False
-    if finish_trial(e, r.t, x, r.s) != OK:
+    if finish_trial(e, r.t, x, signals) != OK:
         return STOPS
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it

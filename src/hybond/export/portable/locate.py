@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.export.portable.blend import sizes_here, solve_here
 from hybond.export.portable.dopri import spacing
 from hybond.export.portable.engine import OK, REFUSED, Engine, Mode, say_fault
-from hybond.export.portable.landing_records import in_force
+from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.model import rule_text, value
-from hybond.export.portable.newton import sizes_of, solve
 from hybond.export.portable.paired import holds
 from hybond.export.portable.products import times_matrix
 from hybond.export.portable.stepping import between
@@ -44,6 +44,10 @@ SEARCH: Final = 40
 """Most iterations of one root or extremum search."""
 MOST: Final = 4000
 ROUNDING: Final = 1e-13
+WEIGHTS: Final = 6
+"""Surfaces that may be slid on at once."""
+BEYOND: Final = 1e-13
+"""A weight this far beyond 0 or 1 has left."""
 
 
 @record
@@ -72,6 +76,8 @@ class Locator:
     """Samples to what a polynomial of degree 5 does not explain of them."""
     fine: Floats
     """Samples to that polynomial on a fine grid."""
+    rounded: bool
+    """Whether a guard leaves as soon as it holds with rounding counted as zero."""
     failed: bool
     t: Floats
     low: Floats
@@ -108,8 +114,8 @@ def make_instants(n: int) -> Instants:
 def make_locator(e: Engine) -> Locator:
     """Return a locator without guards."""
     m = e.model
-    rules = m.rule_first[m.machines]
-    atoms = m.atom_first[rules]
+    rules = m.rule_first[m.machines] + 2 * WEIGHTS
+    atoms = m.atom_first[m.rule_first[m.machines]] + 2 * WEIGHTS
     g = Locator()
     g.rule = ints(rules)
     g.atom_first = ints(rules + 1)
@@ -171,9 +177,9 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     g.atoms = 0
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[r] != state[k] or m.rule_watched[r] == 0:
+            if m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
                 continue
-            if not in_force(m, e.landings, k, r):
+            if e.planar.leading and m.law_planar[k] != 0:
                 continue
             g.rule[g.guards] = r
             g.atom_first[g.guards] = g.atoms
@@ -181,6 +187,14 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
                 g.atom[g.atoms] = a
                 g.atoms += 1
             g.guards += 1
+    g.rounded = e.slide.k == 0
+    for margin in range(2 * e.slide.k):
+        # where a weight leaves 0 ... 1, a machine leaves its surface
+        g.rule[g.guards] = -1 - margin
+        g.atom_first[g.guards] = g.atoms
+        g.atom[g.atoms] = -1 - margin
+        g.atoms += 1
+        g.guards += 1
     g.atom_first[g.guards] = g.atoms
 
 
@@ -258,7 +272,7 @@ def look(e: Engine, g: Locator, t: float) -> None:
         return
     between(e, t, g.y)
     set_state(e, e.mode, e.v, t, g.y)
-    if solve(e, e.mode, e.v) != OK:
+    if solve_here(e, e.mode, e.v) != OK:
         g.failed = True
     g.looked = t
     g.sized = False
@@ -267,7 +281,26 @@ def look(e: Engine, g: Locator, t: float) -> None:
 def atom_at(e: Engine, g: Locator, a: int, t: float) -> float:
     """Return the difference that comparison a of the locator looks at."""
     look(e, g, t)
+    return atom_here(e, g, a)
+
+
+def atom_here(e: Engine, g: Locator, a: int) -> float:
+    """Return the same at the values of the motion."""
+    if g.atom[a] < 0:
+        return e.slide.margin[-1 - g.atom[a]]
     return value(e.model, e.model.atom_value[g.atom[a]], e.v)
+
+
+def size_here(e: Engine, g: Locator, a: int) -> float:
+    """Return what the magnitudes of the two sides of a comparison add up to."""
+    return 1.0 if g.atom[a] < 0 else value(e.model, e.model.atom_size[g.atom[a]], e.v)
+
+
+def test_here(e: Engine, rule: int) -> bool:
+    """Return the truth of a guard at the values of the motion, rounding being counted."""
+    if rule < 0:
+        return e.slide.margin[-1 - rule] < -BEYOND
+    return value(e.model, e.model.rule_test[rule], e.v) != 0.0
 
 
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
@@ -280,6 +313,8 @@ def holds_here(e: Engine, g: Locator, rule: int) -> bool:
     """Ask a guard at the values of the motion; nothing jumps there."""
     m = e.model
     stack = e.work.stack
+    if rule < 0:
+        return test_here(e, rule)
     if not g.sized:
         put_sizes(e, e.mode)
         g.sized = True
@@ -299,7 +334,7 @@ def holds_here(e: Engine, g: Locator, rule: int) -> bool:
 def put_sizes(e: Engine, mode: Mode) -> None:
     """Put what rounding of each signal is measured by into `e.work.terms`, after `solve`."""
     m = e.model
-    sizes_of(e, mode)
+    sizes_here(e, mode, e.v)
     for k in range(m.slots):
         e.work.terms[k] = math.fabs(e.v[k])
     widen_sizes(e, mode)
@@ -327,14 +362,12 @@ def read_stored(e: Engine, x: Floats) -> None:
 
 def sample(e: Engine, g: Locator) -> None:
     """Sample all guards of the block."""
-    m = e.model
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         for k in range(g.guards):
-            true = value(m, m.rule_test[g.rule[k]], e.v)
-            g.truth[k * SAMPLES + i] = 1 if true != 0.0 else 0
+            g.truth[k * SAMPLES + i] = 1 if test_here(e, g.rule[k]) else 0
         for a in range(g.atoms):
-            g.shape[a * SAMPLES + i] = value(m, m.atom_value[g.atom[a]], e.v)
+            g.shape[a * SAMPLES + i] = atom_here(e, g, a)
 
 
 def find_shape(g: Locator) -> None:
@@ -408,7 +441,7 @@ def is_resolved(e: Engine, g: Locator) -> bool:
     # what a bond variable cancels from: its own value may be nothing but rounding
     g.looked = math.nan
     look(e, g, g.t[0])
-    sizes_of(e, e.mode)
+    sizes_here(e, e.mode, e.v)
     widen_sizes(e, e.mode)
     for k in range(2 * m.bonds):
         g.magnitude[k] = e.work.sizes[k]
@@ -421,7 +454,7 @@ def is_resolved(e: Engine, g: Locator) -> bool:
             for k in range(2 * m.bonds):
                 own = math.fabs(e.v[m.bond_slot + k])
                 e.v[m.bond_slot + k] = max(own, g.magnitude[k])
-            largest = max(largest, value(m, m.atom_size[g.atom[a]], e.v))
+            largest = max(largest, size_here(e, g, a))
             g.looked = math.nan
         if not largest * ROUNDING >= g.rest[a]:
             return False
@@ -702,6 +735,10 @@ def around(e: Engine, g: Locator, k: int, here: float) -> None:
     low = g.bracket_low
     high = g.bracket_high
     if holds_at(e, g, k, here):
+        if not g.rounded:
+            g.bracket_low = here
+            g.bracket_high = here
+            return
         yes = here
         at = here - reach
         while at > low and not g.failed and holds_at(e, g, k, at):

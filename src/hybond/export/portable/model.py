@@ -265,6 +265,17 @@ class Model:
     limit_column: Ints
     limit_slope: Ints
     limit_slope_constant: Floats
+    disks: int
+    """Friction in the plane: two junctions that share a disk."""
+    disk_machine: Ints
+    disk_port: Ints
+    """The two ports of each disk."""
+    disk_heading: Ints
+    """What it keeps between events, among the integrated signals: the direction of slip."""
+    disk_slow: Ints
+    """The speed at which slip ends, or below zero, up to which the direction counts."""
+    law_planar: Ints
+    """Of each machine: whether it is friction in the plane."""
     orient: Ints
     """Whether the net variable of each port is given, for all states of the other machines, the
     last of which runs fastest."""
@@ -290,6 +301,31 @@ class Model:
     """Of each reaction: bond variables whose sum must vanish at rest."""
     prescribed_column: Ints
     prescribed_sign: Floats
+
+    # switching surfaces: where two rules of a machine, forth and back, share one function
+    surfaces: int
+    surface_machine: Ints
+    surface_below: Ints
+    surface_above: Ints
+    """The states in which the machine is where the function is negative, and positive."""
+    surface_up: Ints
+    surface_down: Ints
+    """The rules that lead there."""
+    surface_value: Ints
+    surface_twin: Ints
+    """Of each pair of surfaces, row after row: whether they coincide."""
+    surface_first: Ints
+    """Of each surface: the slopes of its function."""
+    surface_kind: Ints
+    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable."""
+    surface_index: Ints
+    surface_slope: Ints
+    surface_constant: Floats
+    surface_rest: Ints
+    """Of each surface: what else the rule asks for that leads up, then that which leads down."""
+    rest_value: Ints
+    rest_moves: Ints
+    """Whether that changes while time passes."""
 
     # what is printed
     outputs: int

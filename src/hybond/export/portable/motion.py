@@ -8,6 +8,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.export.portable.blend import combine_here, onto_surfaces
+from hybond.export.portable.descent import (
+    ENDLESS,
+    IS_DOWN,
+    begin_descent,
+    end_descent,
+    step_descent,
+)
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.instant import (
@@ -39,10 +47,14 @@ from hybond.export.portable.report import (
 )
 from hybond.export.portable.scale import start_scale
 from hybond.export.portable.settle import Settling, make_settling, settle
+from hybond.export.portable.sliding import slide_after
 from hybond.export.portable.stepping import between, retry, start, step
+from hybond.export.portable.stops import arm_slips, begin_slips, follows_slip
 from hybond.export.portable.values import begin_field, evaluate, set_state
 from hybond.export.portable.words import Floats, floats, record
 
+SHORTER: Final = 30
+"""Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""
 IDLE: Final = 100
@@ -64,6 +76,7 @@ class Run:
     locator: Locator
     report: Report
     events: int
+    before: Floats
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
@@ -76,6 +89,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.instant = make_instant()
     r.locator = make_locator(e)
     r.report = report
+    r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
     return r
 
@@ -125,11 +139,17 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     before_event(e)
     if settle(e, r.settling, i) != OK:
         return REFUSED
+    settled = i.steps > 0
+    if settled:
+        observe_event(e, i)
+    for k in range(e.states):
+        r.before[k] = e.landings.before[k]
+    if slide_after(e, i, r.before) != OK:
+        return REFUSED
     if i.steps > 0:
         r.events += 1
-        observe_event(e, i)
         report_event(e, r.report, i)
-    if i.steps > 0 or cause != GUARD:
+    if settled or cause != GUARD:
         r.idle = 0
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
@@ -167,18 +187,24 @@ def flow(e: Engine, r: Run) -> int:
     """
     m = e.model
     g = r.locator
-    if mode_of(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return -1
     end = min(e.next_break, e.until)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
     begin_field(e, e.mode)
-    start_scale(e, e.mode)
+    if m.disks > 0:
+        begin_slips(e, e.t, e.y)
+        begin_field(e, e.mode)
+    if e.slide.k == 0:
+        start_scale(e, e.mode)
     if start(e, e.t, e.y, end, True) != OK:
         return -1
     beyond = 0.0
     while True:
         if step(e, end) != OK:
+            return -1
+        if m.disks > 0 and follow(e) != OK:
             return -1
         beyond = beyond + 1.0 if e.refusal else max(beyond - 0.1, 0.0)
         if e.refusal and beyond > BEYOND:
@@ -205,8 +231,63 @@ def flow(e: Engine, r: Run) -> int:
             continue
         if note(e, r, at) != OK:
             return -1
+        if m.disks > 0 and lead_to_rest(e, r, end) != OK:
+            return -1
         timed = e.t >= end and e.next_break <= end
         return timed_cause(e) if timed else GUARD
+
+
+def follow(e: Engine) -> int:
+    """Repeat a step shorter until it follows slip in the plane. After Executive._followed."""
+    for _ in range(SHORTER):
+        if follows_slip(e):
+            return OK
+        h = 0.25 * (e.step.t1 - e.step.t0)
+        if e.step.t0 + h == e.step.t0:
+            return say_fault(e, "HB-N408", "no step follows the slip", "")
+        if retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+    return OK
+
+
+def lead_to_rest(e: Engine, r: Run, end: float) -> int:
+    """Lead slip in the plane to its end, if it is about to end. After Executive._to_rest."""
+    m = e.model
+    p = e.planar
+    if not begin_descent(e, e.t, e.y):
+        return OK
+    p.leading = True
+    watch(e, r.locator, e.state)
+    p.leading = False
+    begin_field(e, e.mode)
+    while e.t < end:
+        found = step_descent(e, e.t, e.y, end)
+        if found == ENDLESS:
+            return REFUSED
+        if found == IS_DOWN or e.step.t1 == e.step.t0:
+            break
+        if locate(e, r.locator) != OK:
+            return REFUSED
+        if r.locator.at < math.inf:
+            for d in range(m.disks):
+                p.ends[d] = 0
+            if note(e, r, r.locator.at) != OK:
+                return REFUSED
+            break
+        if note(e, r, e.step.t1) != OK:
+            return REFUSED
+        if any_ends(e):
+            break
+    end_descent(e, e.t, e.y)
+    return OK
+
+
+def any_ends(e: Engine) -> bool:
+    """Whether the last step has brought a slip to rest."""
+    found = False
+    for d in range(e.model.disks):
+        found = found or e.planar.ends[d] != 0
+    return found
 
 
 def land(e: Engine, g: Locator) -> int:
@@ -243,9 +324,13 @@ def note(e: Engine, r: Run, t: float) -> int:
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
     keep_still(e, e.y)
+    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+        return REFUSED
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)
+    if m.disks > 0:
+        arm_slips(e, t, e.y)
     e.t = t
     report_step(e, r.report)
     return OK

@@ -14,6 +14,7 @@ from hybond.export.portable.instant import (
     Instant,
 )
 from hybond.export.portable.model import (
+    Model,
     machine_name,
     output_name,
     state_name,
@@ -148,12 +149,20 @@ def put_transition(e: Engine, i: Instant, f: int, step: int) -> None:
     put_text(" ")
     put_text(machine_name(m, machine))
     put_text(" ")
-    put_text(state_name(m, m.state_first[machine] + i.source.at[f]))
+    put_state(m, machine, i.source.at[f])
     put_text(" -> ")
-    put_text(state_name(m, m.state_first[machine] + i.target.at[f]))
+    put_state(m, machine, i.target.at[f])
     put_text(" ")
     put_text(kind_name(i.kind.at[step]))
     put_line()
+
+
+def put_state(m: Model, machine: int, state: int) -> None:
+    """Print a state of a machine; a negative one says that it slides."""
+    if state < 0:
+        put_text("sliding")
+    else:
+        put_text(state_name(m, m.state_first[machine] + state))
 
 
 def cause_name(cause: int) -> Text:
@@ -178,6 +187,15 @@ def kind_name(kind: int) -> Text:
     return "pinnacle" if kind == PINNACLE else "continuous"
 
 
+def is_engines_own(e: Engine, signal: int) -> bool:
+    """Whether an integrated signal is one that friction in the plane keeps for itself."""
+    m = e.model
+    found = False
+    for d in range(m.disks):
+        found = found or m.disk_heading[d] == signal or m.disk_slow[d] == signal
+    return found
+
+
 def put_final(e: Engine, r: Report) -> None:
     """Print the final state."""
     if not r.events:
@@ -186,6 +204,8 @@ def put_final(e: Engine, r: Report) -> None:
     put_number(e.t)
     put_line()
     for k in range(e.states):
+        if is_engines_own(e, k - e.model.storages):
+            continue
         put_text("state ")
         put_text(stored_name(e.model, k))
         put_text(" ")

@@ -13,6 +13,7 @@ import math
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
 from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import is_fieldless
+from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.instant import (
     CONTINUOUS,
     MYTHICAL,
@@ -24,7 +25,6 @@ from hybond.export.portable.instant import (
     note_step,
 )
 from hybond.export.portable.interval import interval_after
-from hybond.export.portable.landing_records import in_force
 from hybond.export.portable.model import machine_name, rule_text, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.trial import a_priori, refuse_pair, show_trial
@@ -100,6 +100,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             if fired == 0:
                 break
             if fired_any or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
+                i.struck_now = is_struck(e)
                 note_step(i, MYTHICAL)
             elif written >= 0:
                 i.kind.at[written] = PINNACLE
@@ -137,6 +138,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         return say_fault(e, "HB-N403", why, "")
     if i.steps == 0 and i.cause == START:
         drop_fired(i)
+        i.struck_now = False
         note_step(i, CONTINUOUS)
     for k in range(m.storages):
         e.y[k] = g.x[k]
@@ -154,8 +156,10 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     pinnacle. After Recorder.written.
     """
     m = e.model
+    i.struck_now = is_struck(e)
     if e.trial.struck:
         write_struck(e, i)
+        i.struck_now = False
     written = note_step(i, CONTINUOUS)
     for k in range(m.storages):
         g.x[k] = e.trial.x[k]
@@ -164,6 +168,17 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     for k in range(m.machines):
         g.state[k] = e.trial.state[k]
     return written
+
+
+def is_struck(e: Engine) -> bool:
+    """Whether a jump has impulses that are more than rounding."""
+    m = e.model
+    if not e.trial.jumps:
+        return False
+    for k in range(2 * m.bonds):
+        if e.trial.jump[m.bond_slot + k] != 0.0:
+            return True
+    return False
 
 
 def write_struck(e: Engine, i: Instant) -> None:
@@ -228,7 +243,7 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             continue
         chosen = False
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[r] != e.trial.state[k] or not in_force(m, e.landings, k, r):
+            if not is_asked(e, k, r, e.trial.state[k]):
                 continue
             if e.trial.loose > 0 and is_indeterminate(e, r):
                 why = "a guard reads what the equations leave open"

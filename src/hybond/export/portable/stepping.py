@@ -23,6 +23,7 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
 def step(e: Engine, t_end: float) -> int:
     """Make one step that satisfies the tolerance, not beyond `t_end`."""
     e.refusal = False
+    e.curved = False
     if e.model.method == RADAU:
         return radau_step(e, t_end)
     return dopri_step(e, t_end)
@@ -31,6 +32,7 @@ def step(e: Engine, t_end: float) -> int:
 def retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     e.refusal = False
+    e.curved = False
     if e.model.method == RADAU:
         return radau_retry(e, t_end)
     return dopri_retry(e, t_end)
@@ -43,7 +45,7 @@ def between(e: Engine, t: float, y: Floats) -> None:
     """
     s = e.step
     n = e.states
-    if e.model.method == RADAU:
+    if e.model.method == RADAU and not e.curved:
         radau_between(e.radau, t, y)
         return
     if t == s.t0 or t == s.t1:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
 from hybond.export.portable.blocks import fit
 from hybond.export.portable.engine import (
     OK,
@@ -18,7 +19,7 @@ from hybond.export.portable.engine import (
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.jump import JUMPS, STAYS, enter_mode
 from hybond.export.portable.model import node_name
-from hybond.export.portable.newton import freedom_at, frozen_at, may_refuse, sizes_of, solve
+from hybond.export.portable.newton import frozen_at, may_refuse
 from hybond.export.portable.paired import evaluate_pair
 from hybond.export.portable.pairs import (
     DIVIDED_JUMPS,
@@ -47,7 +48,7 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     for k in range(m.slots):
         e.v[m.slots + k] = 0.0
     set_values(e, e.mode, e.v, t, x, s)
-    if solve(e, e.mode, e.v) != OK:
+    if combine_here(e, state) != OK or solve_here(e, e.mode, e.v) != OK:
         return REFUSED
     # storages show what they store, even if the state is not consistent yet
     for k in range(m.storages):
@@ -64,7 +65,7 @@ def begin_trial(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     m = e.model
     for k in range(m.machines):
         e.trial.state[k] = state[k]
-    if mode_of(e, state) != OK:
+    if mode_of(e, state) != OK or combine_here(e, state) != OK:
         return REFUSED
     write_entry(e, t, x, s)
     return OK
@@ -157,14 +158,14 @@ def solve_trial(e: Engine) -> int:
         e.v[m.stored_slot + k] = trial.x[k]
     for k in range(m.integrals):
         e.v[m.signal_slot + k] = trial.s[k]
-    if may_refuse(solve(e, e.mode, e.v)) != OK:
+    if may_refuse(solve_here(e, e.mode, e.v)) != OK:
         return REFUSED
-    sizes_of(e, e.mode)
+    sizes_here(e, e.mode, e.v)
     for k in range(m.slots):
         trial.terms[k] = math.fabs(e.v[k])
     for k in range(2 * m.bonds):
         trial.terms[m.bond_slot + k] = e.work.sizes[k]
-    trial.loose = freedom_at(e, e.mode, e.v)
+    trial.loose = freedom_here(e, e.mode, e.v)
     n = 2 * m.bonds * trial.loose
     fit(trial.freedom, n)
     for i in range(n):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.export.portable.blend import blended_field, solve_here
 from hybond.export.portable.engine import OK, Engine, Mode
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.model import value
@@ -41,7 +42,7 @@ def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
     """
     m = e.model
     set_state(e, mode, v, t, y)
-    status = solve(e, mode, v)
+    status = solve_here(e, mode, v)
     for k in range(m.slots):
         v[m.slots + k] = v[k]
     for k in range(m.priors):
@@ -57,6 +58,10 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
     m = e.model
     v = e.v
     e.evaluations += 1
+    if e.slide.k > 0:
+        status = blended_field(e, t, y, rate)
+        e.refusal = e.refusal or status != OK
+        return status
     set_time(e, v, t)
     for k in range(m.storages):
         v[m.stored_slot + k] = y[k]

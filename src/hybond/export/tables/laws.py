@@ -12,6 +12,8 @@ from hybond.errors import ModelError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import FlatGraph
 from hybond.model.laws import JunctionLaw
+from hybond.model.planar_friction import HEADING, SLOW
+from hybond.names import join
 
 if TYPE_CHECKING:
     from hybond.export.tables.make import ModelTables
@@ -29,19 +31,10 @@ def put_laws(t: ModelTables) -> None:
     Raises
     ------
     ModelError
-        HB-E650 more settings of machines beside the laws than are looked at, HB-E651 friction in
-        the plane.
+        HB-E650 more settings of machines beside the laws than are looked at.
     """
     g = t.graph
     laws = [(m, law) for m in g.machines if m.law is not None for law in m.law.junctions]
-    for m, law in laws:
-        if law.planar:
-            raise ModelError(
-                "an export has no friction in the plane",
-                code="HB-E651",
-                where=m.path,
-                hint="run the model in hybond, or give each direction friction of its own",
-            )
     junctions = [n.index for n in g.nodes if n.is_junction]
     domains = sorted({g.nodes[law.node].domain.name for _, law in laws})
     t.numbers["ports"] = len(laws)
@@ -60,6 +53,7 @@ def put_laws(t: ModelTables) -> None:
     _put_gaps(t, [law for _, law in laws])
     _put_pairs(t, [law for _, law in laws])
     _put_slopes(t, [law for _, law in laws])
+    _put_disks(t, [law for _, law in laws])
     _put_orientation(t)
 
 
@@ -121,6 +115,20 @@ def _put_slopes(t: ModelTables, laws: list[JunctionLaw]) -> None:
     t.ints["limit_column"] = columns
     t.ints["limit_slope"] = slopes
     t.floats["limit_slope_constant"] = constants
+
+
+def _put_disks(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put friction in the plane: the ports of each disk, and what it keeps between events."""
+    g = t.graph
+    own = [m for m in g.machines if m.law is not None and m.law.planar]
+    at = {i.path: i.index for i in g.integrals}
+    place = {law.node: k for k, law in enumerate(laws)}
+    t.numbers["disks"] = len(own)
+    t.ints["disk_machine"] = [m.index for m in own]
+    t.ints["disk_port"] = [place[law.node] for m in own if m.law for law in m.law.junctions]
+    t.ints["disk_heading"] = [at[join(m.path, HEADING)] for m in own]
+    t.ints["disk_slow"] = [at[join(m.path, SLOW)] for m in own]
+    t.ints["law_planar"] = [int(m.law is not None and m.law.planar) for m in g.machines]
 
 
 def _put_orientation(t: ModelTables) -> None:

@@ -16,6 +16,7 @@ from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions
 from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import options_of
+from hybond.export.tables.surfaces import put_surfaces
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -101,6 +102,7 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _signals(t)
     _priors(t)
     put_laws(t)
+    put_surfaces(t)
     put_contacts(t)
     _outputs(t, options.outputs)
     return t

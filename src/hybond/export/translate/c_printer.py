@@ -6,15 +6,14 @@ import math
 from collections.abc import Iterable, Mapping
 
 from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
-from hybond.export.translate.effects import effects_of
+from hybond.export.translate.effects import Effects, effects_of
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
 from hybond.export.translate.modules import Program
-from hybond.export.translate.reach import Reached, reached
+from hybond.export.translate.reach import Reached, Uses, reached, uses_of
 from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
     Binary,
-    Call,
     Constant,
     Function,
     Local,
@@ -45,15 +44,28 @@ class CPrinter(Braces):
     program : Program
     roots : iterable of str
         Functions that are called from outside; what they do not need is not printed.
+    effects : Effects, optional
+    uses : mapping, optional
+        What the program's functions change and use, if it is known already.
     """
 
-    def __init__(self, program: Program, roots: Iterable[str]) -> None:
+    def __init__(
+        self,
+        program: Program,
+        roots: Iterable[str],
+        *,
+        effects: Effects | None = None,
+        uses: Mapping[str, Uses] | None = None,
+    ) -> None:
         roots = tuple(roots)
-        super().__init__(effects_of(program, roots))
+        super().__init__(effects or effects_of(program, roots))
+        self.uses = uses or uses_of(program)
         self.program = program
-        self.reached: Reached = reached(program, roots)
+        self.reached: Reached = reached(program, roots, self.uses)
         self.given: Mapping[str, list[str]] = {}
         """The text of given functions, which stands where they are declared."""
+        self.known: dict[int, list[str]] = {}
+        """Definitions that were printed before, by the identity of the function."""
 
     def type_name(self, t: Type) -> str:
         """Return a type, ready to stand before a name."""
@@ -160,7 +172,9 @@ class CPrinter(Braces):
                 if early:
                     lines += ["", *early]
                     early = []
-                lines += ["", *self.definition(f)]
+                if id(f) not in self.known:
+                    self.known[id(f)] = self.definition(f)
+                lines += ["", *self.known[id(f)]]
             elif f is not None and self.given.get(name):
                 flush()
                 lines += ["", *self.given[name]]
@@ -181,11 +195,10 @@ class CPrinter(Braces):
         own = {f.name: f for f in printed}
         for f in printed:
             defined.add(f.name)
-            assert f.body is not None
-            for e in every(f.body):
-                if isinstance(e, Call) and e.function in own and e.function not in defined:
-                    defined.add(e.function)
-                    early += wrapped(self.signature(own[e.function]) + ";", 0)
+            for called in self.uses[f.name].calls:
+                if called in own and called not in defined:
+                    defined.add(called)
+                    early += wrapped(self.signature(own[called]) + ";", 0)
         return early
 
     def enumeration(self, constants: list[Constant]) -> list[str]:

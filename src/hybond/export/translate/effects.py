@@ -69,7 +69,7 @@ class Effects:
         return found
 
 
-def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
+def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = True) -> Effects:
     """Return what the functions of a program change.
 
     Parameters
@@ -77,6 +77,8 @@ def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
     program : Program
     roots : iterable of str
         Functions that are called from outside, where their results may be changed.
+    ordered : bool
+        Whether to look for places where the order of evaluation would matter.
 
     Raises
     ------
@@ -84,7 +86,6 @@ def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
         HB-E601 where the order of evaluation would matter, or a table of the model is changed.
     """
     found = Effects()
-    functions = program.functions
     found.written.update(("result", name, "") for name in roots)
     _close_changes(found, program)
     _close_written(found, program)
@@ -95,10 +96,11 @@ def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
                     f"{record.name}.{member.name} is given by the model, and changed",
                     place=record.place,
                 )
-    for f in functions.values():
-        if f.body is not None:
-            for s in statements(f.body):
-                _check_order(s, f, found)
+    if ordered:
+        for f in program.functions.values():
+            if f.body is not None:
+                for s in statements(f.body):
+                    _check_order(s, f, found)
     return found
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 
 from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
 from hybond.export.translate.c_printer import decimal, helper_of
-from hybond.export.translate.effects import effects_of
+from hybond.export.translate.effects import Effects, effects_of
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
 from hybond.export.translate.modules import Program
-from hybond.export.translate.reach import Reached, reached
+from hybond.export.translate.reach import Reached, Uses, reached, uses_of
 from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
@@ -55,18 +55,31 @@ class JavaPrinter(Braces):
     program : Program
     roots : iterable of str
         Functions that are called from outside; what they do not need is not printed.
+    effects : Effects, optional
+    uses : mapping, optional
+        What the program's functions change and use, if it is known already.
     """
 
     null = "null"
     member = "."
 
-    def __init__(self, program: Program, roots: Iterable[str]) -> None:
+    def __init__(
+        self,
+        program: Program,
+        roots: Iterable[str],
+        *,
+        effects: Effects | None = None,
+        uses: Mapping[str, Uses] | None = None,
+    ) -> None:
         roots = tuple(roots)
-        super().__init__(effects_of(program, roots))
+        super().__init__(effects or effects_of(program, roots))
+        self.uses = uses or uses_of(program)
         self.program = program
-        self.reached: Reached = reached(program, roots)
+        self.reached: Reached = reached(program, roots, self.uses)
         self.given: Mapping[str, list[str]] = {}
         """The text of given functions, which stands where they are declared."""
+        self.known: dict[int, list[str]] = {}
+        """Definitions that were printed before, by the identity of the function."""
 
     def type_name(self, t: Type) -> str:
         """Return a type."""
@@ -143,7 +156,9 @@ class JavaPrinter(Braces):
                 lines += ["", *self.record(record)]
             f = module.functions.get(name)
             if f is not None and f.name in self.reached.functions and f.body is not None:
-                lines += ["", *self.definition(f)]
+                if id(f) not in self.known:
+                    self.known[id(f)] = self.definition(f)
+                lines += ["", *self.known[id(f)]]
             elif f is not None and self.given.get(name):
                 lines += ["", *self.given[name]]
         return [ascii_only(line) for line in lines]

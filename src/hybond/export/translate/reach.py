@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from hybond.export.translate.modules import Program
-from hybond.export.translate.tree import Call, Field, Global, Type, Word
+from hybond.export.translate.tree import Call, Field, Function, Global, Type, Word
 from hybond.export.translate.walks import every
 
 
@@ -30,42 +30,64 @@ class Reached:
     fields: frozenset[tuple[str, str]]
 
 
-def reached(program: Program, roots: Iterable[str]) -> Reached:
-    """Return what calls of `roots` need."""
-    functions = program.functions
-    done: set[str] = set()
+@dataclass(frozen=True, slots=True)
+class Uses:
+    """What one function uses: calls in the order in which they stand there."""
+
+    calls: tuple[str, ...]
+    constants: frozenset[str]
+    types: frozenset[Type]
+    words: frozenset[str]
+    fields: frozenset[tuple[str, str]]
+
+
+def uses_of(program: Program) -> dict[str, Uses]:
+    """Return what each function uses."""
+    return {f.name: function_uses(f) for f in program.functions.values()}
+
+
+def function_uses(f: Function) -> Uses:
+    """Return what one function uses."""
+    calls: dict[str, None] = {}
     constants: set[str] = set()
-    types: set[Type] = set()
+    types = {f.signature.result, *(t for _, t in f.signature.parameters)}
     words: set[str] = set()
     fields: set[tuple[str, str]] = set()
+    for e in every(f.body) if f.body is not None else ():
+        types.add(e.type)
+        match e:
+            case Call(function):
+                calls[function] = None
+            case Global(named):
+                constants.add(named)
+            case Field(base, member):
+                fields.add((base.type.record, member))
+            case Word(word, _, t):
+                words.add(_word(word, t))
+    named_types = frozenset(t for t in types if t.record)
+    return Uses(
+        tuple(calls), frozenset(constants), named_types, frozenset(words), frozenset(fields)
+    )
+
+
+def reached(program: Program, roots: Iterable[str], uses: Mapping[str, Uses]) -> Reached:
+    """Return what calls of `roots` need."""
+    done: dict[str, Uses] = {}
     waiting = list(roots)
     while waiting:
         name = waiting.pop()
-        if name in done:
-            continue
-        done.add(name)
-        f = functions[name]
-        types.update([f.signature.result, *(t for _, t in f.signature.parameters)])
-        if f.body is None:
-            continue
-        for e in every(f.body):
-            types.add(e.type)
-            match e:
-                case Call(function):
-                    waiting.append(function)
-                case Global(named):
-                    constants.add(named)
-                case Field(base, member):
-                    fields.add((base.type.record, member))
-                case Word(word, _, t):
-                    words.add(_word(word, t))
-    records = _records(program, types, fields)
+        if name not in done:
+            done[name] = uses[name]
+            waiting.extend(uses[name].calls)
+    found = done.values()
+    types = frozenset[Type]().union(*(u.types for u in found))
+    fields = frozenset[tuple[str, str]]().union(*(u.fields for u in found))
     return Reached(
         frozenset(done),
-        frozenset(constants),
-        frozenset(records),
-        frozenset(words),
-        frozenset(fields),
+        frozenset[str]().union(*(u.constants for u in found)),
+        frozenset(_records(program, types, fields)),
+        frozenset[str]().union(*(u.words for u in found)),
+        fields,
     )
 
 

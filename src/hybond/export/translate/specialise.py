@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from hybond.export.translate.effects import Effects, effects_of
+from hybond.export.translate.effects import Effects
 from hybond.export.translate.modules import Program
+from hybond.export.translate.reach import Uses, function_uses, uses_of
 from hybond.export.translate.tree import (
     BOOL,
     Assign,
@@ -45,20 +46,51 @@ _COMPARED = {
 }
 
 
-def specialised(program: Program, facts: Facts) -> Program:
-    """Return a program without the branches and loops that `facts` rule out.
+class Specialist:
+    """Makes programs without the branches and loops that facts rule out; keeps what it made.
 
     Only conditions are decided; sizes and indices stay as they were written. Variables that
     nothing reads afterwards go, too.
+
+    Parameters
+    ----------
+    program : Program
+    effects : Effects
+        What its functions change.
     """
-    effects = effects_of(program)
-    constants = {c.name: c.value for c in program.constants.values() if type(c.value) is int}
-    work = _Specialiser(facts, constants, effects)
-    modules = []
-    for m in program.modules:
-        functions = {name: work.function(f) for name, f in m.functions.items()}
-        modules.append(replace(m, functions=functions))
-    return Program(tuple(modules))
+
+    def __init__(self, program: Program, effects: Effects) -> None:
+        self.program = program
+        self.effects = effects
+        self._uses = uses_of(program)
+        self._constants = {
+            c.name: c.value for c in program.constants.values() if type(c.value) is int
+        }
+        self._made: dict[tuple[str, tuple[tuple[tuple[str, str], int], ...]], Function] = {}
+        self._made_uses: dict[int, Uses] = {}
+
+    def program_for(self, facts: Facts) -> tuple[Program, dict[str, Uses]]:
+        """Return the program where these facts hold, and what its functions use.
+
+        A function that the same of these facts concern is the same object in all programs.
+        """
+        modules = []
+        uses: dict[str, Uses] = {}
+        for m in self.program.modules:
+            functions = {name: self._function(f, facts) for name, f in m.functions.items()}
+            modules.append(replace(m, functions=functions))
+            uses.update((f.name, self._made_uses[id(f)]) for f in functions.values())
+        return Program(tuple(modules)), uses
+
+    def _function(self, f: Function, facts: Facts) -> Function:
+        fields = sorted(self._uses[f.name].fields & facts.keys())
+        key = f.name, tuple((place, facts[place]) for place in fields)
+        made = self._made.get(key)
+        if made is None:
+            work = _Specialiser(facts, self._constants, self.effects)
+            made = self._made[key] = work.function(f) if fields else f
+            self._made_uses[id(made)] = function_uses(made)
+        return made
 
 
 class _Specialiser:
@@ -241,4 +273,21 @@ def _read(body: Block) -> frozenset[str]:
         if isinstance(own, Local):
             names.remove(own.name)
         found.update(names)
+    return frozenset(found)
+
+
+def deciding(program: Program) -> frozenset[tuple[str, str]]:
+    """Return the fields, by record and name, that stand in conditions or bounds of loops."""
+    found: set[tuple[str, str]] = set()
+    for f in program.functions.values():
+        for s in statements(f.body) if f.body is not None else ():
+            for e in of_statement(s):
+                match e:
+                    case Choice(cond):
+                        asked: tuple[Expr, ...] = (cond,)
+                    case Binary() if e.type == BOOL:
+                        asked = (e.left, e.right)
+                    case _:
+                        asked = (s.start, s.stop) if isinstance(s, For) else ()
+                found.update((a.base.type.record, a.name) for a in asked if isinstance(a, Field))
     return frozenset(found)

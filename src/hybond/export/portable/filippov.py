@@ -1,0 +1,117 @@
+"""Which way a state on switching surfaces goes on: through them, or along some of them.
+
+With weights in [0, 1] of the states above, Filippov's inclusion asks for functions that move up
+only where the weight is 1 and down only where it is 0. After modes/sliding/filippov.py.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.export.portable.engine import Engine
+from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
+from hybond.export.portable.products import all_finite
+
+SLIDES: Final = 0
+ABOVE: Final = 1
+BELOW: Final = 2
+
+
+def find_ways(e: Engine) -> int:
+    """Find the way on from the surfaces ``side[0 .. k - 1]``; return how many there are.
+
+    The speeds of their functions are in ``part_speed``. The way is put into ``best``: that of the
+    `sides` asked for if it is one, else the first of those that slide most.
+    """
+    s = e.slide
+    ways = 0
+    most = -1
+    asked = False
+    total = 1
+    for _ in range(s.k):
+        total *= 3
+    for number in range(total):
+        rest = number
+        slides = 0
+        for j in range(s.k):
+            p = s.k - 1 - j
+            s.trial_side[p] = rest % 3
+            rest = rest // 3
+            slides += 1 if s.trial_side[p] == SLIDES else 0
+        if not is_way(e):
+            continue
+        ways += 1
+        same = True
+        for j in range(s.k):
+            same = same and s.trial_side[j] == s.sides[j]
+        if asked or not (same or slides > most):
+            continue
+        asked = same
+        most = max(most, slides)
+        for j in range(s.k):
+            s.best[j] = s.trial_side[j]
+            s.best_weight[j] = s.weight[j]
+    return ways
+
+
+def is_way(e: Engine) -> bool:
+    """Whether the sides in `trial_side` agree with the speeds that they lead to."""
+    s = e.slide
+    free = 0
+    for j in range(s.k):
+        s.weight[j] = 1.0 if s.trial_side[j] == ABOVE else 0.0
+    for j in range(s.k):
+        if s.trial_side[j] != SLIDES:
+            continue
+        s.right[free] = -speed_of(e, j)
+        column = 0
+        for p in range(s.k):
+            if s.trial_side[p] == SLIDES:
+                s.matrix[free * count_slides(e) + column] = added(e, j, p)
+                column += 1
+        free += 1
+    if free > 0:
+        if lu_factor(free, s.matrix, s.pivot) == SINGULAR:
+            return False
+        lu_solve(free, s.matrix, s.pivot, 1, s.right)
+        if not all_finite(free, s.right):
+            return False
+        at = 0
+        for j in range(s.k):
+            if s.trial_side[j] == SLIDES:
+                s.weight[j] = s.right[at]
+                at += 1
+    for j in range(s.k):
+        speed = speed_of(e, j)
+        if s.trial_side[j] == SLIDES:
+            if s.weight[j] < 0.0 or s.weight[j] > 1.0:
+                return False
+        elif s.trial_side[j] == ABOVE:
+            if speed < 0.0:
+                return False
+        elif speed > 0.0:
+            return False
+    return True
+
+
+def count_slides(e: Engine) -> int:
+    """Return how many of the sides tried slide."""
+    many = 0
+    for j in range(e.slide.k):
+        many += 1 if e.slide.trial_side[j] == SLIDES else 0
+    return many
+
+
+def added(e: Engine, j: int, p: int) -> float:
+    """Return what machine p being above adds to the speed of function j."""
+    s = e.slide
+    return s.part_speed[(p + 1) * s.k + j] - s.part_speed[j]
+
+
+def speed_of(e: Engine, j: int) -> float:
+    """Return the speed of function j at the weights."""
+    s = e.slide
+    total = s.part_speed[j]
+    for p in range(s.k):
+        total += added(e, j, p) * s.weight[p]
+    return total
