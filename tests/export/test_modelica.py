@@ -164,7 +164,19 @@ def test_impacts_that_accumulate_end_the_run_instead_of_passing_the_floor() -> N
     assert found is not None and float(found[1]) == pytest.approx(limit, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["falling_rod", "bouncing_ball", "half_bridge", "end_stops"])
+def test_staying_in_a_state_without_a_field_ends_the_run() -> None:
+    model = load("bouncing_ball_newton")
+    floor = model.machines["floor"]
+    model.machines["floor"] = floor.__class__(
+        floor.states, floor.start, (floor.rules[0], "impact -> away when pre(ball.p) >= 100")
+    )
+    with pytest.raises(HybondError):
+        hb.simulate(model)
+    with pytest.raises(Exception, match="holds at an instant only"):
+        in_peer(to_modelica(model), 6.0)
+
+
+@pytest.mark.parametrize("name", ["bouncing_ball", "half_bridge", "end_stops"])
 def test_a_parser_reads_the_text(name: str) -> None:
     parser = pytest.importorskip("pymoca.parser")
     tree = parser.parse(to_modelica(load(name)))

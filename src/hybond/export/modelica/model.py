@@ -665,6 +665,12 @@ class ModelText:
             f'Integer {burst}(start = 0, fixed = true) "impacts close to each other";',
         ]
         yield f'assert({burst} < {BURST}, "impacts accumulate here, and have no end in Modelica");'
+        for m in self.graph.machines:
+            for k, fieldless in enumerate(m.fieldless):
+                if fieldless:
+                    stays = f"{self._state(m.index, k)} and pre({self._calm()}) == {self.settled}"
+                    said = f"{m.path} stays in {m.states[k]}, which holds at an instant only"
+                    yield f"assert(not ({stays} and time > {last}), {quoted(said)});"
 
     def _written(self) -> str:
         """Return the condition that what a mode sets has been written, and is not set again.
