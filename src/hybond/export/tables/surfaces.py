@@ -45,7 +45,8 @@ def put_surfaces(t: ModelTables) -> None:
 
 
 def _place(rules: Sequence[Rule], rule: Rule) -> int:
-    return next(k for k, r in enumerate(rules) if r is rule)
+    # surfaces are kept from model to model: their rules are equal, not always the same objects
+    return rules.index(rule)
 
 
 def _first(rows: Sequence[Sequence[object]]) -> list[int]:
