@@ -98,3 +98,13 @@ def test_a_contact_on_a_moving_table_with_nonlinear_storage(monkeypatch):
     m.signal(above=hb.Integral("v.f", start="0.2 m"), below=hb.Integral("w.f", start=0))
     a, _ = assert_the_same(m, monkeypatch, until=0.6)
     assert len(a.events) > 2
+
+
+def test_a_limit_that_would_push_is_refused_as_by_the_reference(monkeypatch):
+    m = hb.Model("block", domain="translational")
+    m.add(
+        mass=hb.I("1 kg"), push=hb.Se("5 N"), v=hb.One(law="coulomb", limit="2 [N] - 2*time*1[N/s]")
+    )
+    m.bond("push -> v -> mass")
+    _, b = assert_the_same(m, monkeypatch, until=2)
+    assert b.code == "HB-N407"

@@ -91,6 +91,25 @@ def test_events_and_final_state_are_those_of_the_reference(name):
 
 
 @pytest.mark.parametrize(
+    ("name", "until"),
+    [
+        ("evaporator", "30 s"),
+        ("relay_fast_switches", "1 s"),
+        ("relay_feedback", "6 s"),
+        ("sliding_clutch", None),
+        ("tank_overflow_sliding", None),
+        ("weirs", "2.5"),
+    ],
+)
+def test_motion_slides_along_the_surfaces_of_the_reference(name, until):
+    code, run = compared(name, until)
+    assert code == 0
+    # the other two cross their surfaces again and again
+    slides = name not in ("evaporator", "relay_fast_switches", "weirs")
+    assert bool(run.trace.slidings) == slides
+
+
+@pytest.mark.parametrize(
     "name", ["falling_rod_threshold", "diode_inductor_no_mode", "bouncing_ball_no_mode"]
 )
 def test_a_cycle_of_modes_ends_the_run_where_the_reference_ends_it(name):

@@ -17,6 +17,11 @@ room to work in. Data flows so::
     values, scale, stepping   values while time passes; tolerances; one step (dopri, radau)
     locate                    the first instant of a step at which a guard holds
     motion                    the executive: segment after segment
+    radau, radau_stages       implicit steps
+    ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
+    law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution
+    planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
+    accumulation, rest, landing     contacts that come to rest
     report, run               what is printed; options; the program
 
 What junction laws and implicit steps ask of it, and give to it:

@@ -12,6 +12,8 @@ from hybond.export.portable.engine import Engine
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.products import all_finite
 
+FEW: Final = 6
+"""Most surfaces for which all choices are tried."""
 SLIDES: Final = 0
 ABOVE: Final = 1
 BELOW: Final = 2
@@ -24,6 +26,8 @@ def find_ways(e: Engine) -> int:
     `sides` asked for if it is one, else the first of those that slide most.
     """
     s = e.slide
+    if s.k > FEW:
+        return 1 if pivot(e) else 0
     ways = 0
     most = -1
     asked = False
@@ -56,8 +60,38 @@ def find_ways(e: Engine) -> int:
 
 def is_way(e: Engine) -> bool:
     """Whether the sides in `trial_side` agree with the speeds that they lead to."""
+    return weigh(e) and wrong_at(e, 0) < 0
+
+
+def pivot(e: Engine) -> bool:
+    """Find a way on for many surfaces by pivoting, into ``best``; False if there is none.
+
+    After modes/sliding/filippov.py, future (Judice and Pires 1992).
+    """
+    s = e.slide
+    for j in range(s.k):
+        s.trial_side[j] = SLIDES
+    for _ in range(40 + 20 * s.k):
+        if not weigh(e):
+            return False
+        j = wrong_at(e, 0)
+        if j < 0:
+            for p in range(s.k):
+                s.best[p] = s.trial_side[p]
+                s.best_weight[p] = s.weight[p]
+            return True
+        if s.trial_side[j] != SLIDES:
+            s.trial_side[j] = SLIDES
+        else:
+            s.trial_side[j] = BELOW if s.weight[j] < 0.0 else ABOVE
+    return False
+
+
+def weigh(e: Engine) -> bool:
+    """Find the weights with which the surfaces that slide stay where they are."""
     s = e.slide
     free = 0
+    many = count_slides(e)
     for j in range(s.k):
         s.weight[j] = 1.0 if s.trial_side[j] == ABOVE else 0.0
     for j in range(s.k):
@@ -67,31 +101,38 @@ def is_way(e: Engine) -> bool:
         column = 0
         for p in range(s.k):
             if s.trial_side[p] == SLIDES:
-                s.matrix[free * count_slides(e) + column] = added(e, j, p)
+                s.matrix[free * many + column] = added(e, j, p)
                 column += 1
         free += 1
-    if free > 0:
-        if lu_factor(free, s.matrix, s.pivot) == SINGULAR:
-            return False
-        lu_solve(free, s.matrix, s.pivot, 1, s.right)
-        if not all_finite(free, s.right):
-            return False
-        at = 0
-        for j in range(s.k):
-            if s.trial_side[j] == SLIDES:
-                s.weight[j] = s.right[at]
-                at += 1
+    if free == 0:
+        return True
+    if lu_factor(free, s.matrix, s.pivot) == SINGULAR:
+        return False
+    lu_solve(free, s.matrix, s.pivot, 1, s.right)
+    if not all_finite(free, s.right):
+        return False
+    at = 0
     for j in range(s.k):
+        if s.trial_side[j] == SLIDES:
+            s.weight[j] = s.right[at]
+            at += 1
+    return True
+
+
+def wrong_at(e: Engine, first: int) -> int:
+    """Return the first surface, from `first` on, whose side does not fit the weights; -1: none."""
+    s = e.slide
+    for j in range(first, s.k):
         speed = speed_of(e, j)
         if s.trial_side[j] == SLIDES:
             if s.weight[j] < 0.0 or s.weight[j] > 1.0:
-                return False
+                return j
         elif s.trial_side[j] == ABOVE:
             if speed < 0.0:
-                return False
+                return j
         elif speed > 0.0:
-            return False
-    return True
+            return j
+    return -1
 
 
 def count_slides(e: Engine) -> int:

@@ -22,6 +22,7 @@ from hybond.export.portable.accumulation import (
     room_of,
     tick_of,
 )
+from hybond.export.portable.blend import combine_here
 from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import mode_of
@@ -143,7 +144,7 @@ def touch(e: Engine, g: Landings, machine: int) -> None:
 def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
     """Return how far a state is from what the impact laws prescribe at rest."""
     m = e.model
-    if mode_of(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return 0.0
     evaluate(e, e.mode, g.v, e.t, y)
     for k in range(m.slots):
@@ -220,7 +221,7 @@ def land_contacts(e: Engine, s: Settling, i: Instant) -> int:
         if would_rest(e, g):
             return put_down(e, g, s, i)
     g.touches = 0
-    if kept > 0 and mode_of(e, e.state) != OK:
+    if kept > 0 and (mode_of(e, e.state) != OK or combine_here(e, e.state) != OK):
         return -1
     return 0
 
@@ -388,7 +389,7 @@ def carry_over(e: Engine, g: Landings) -> int:
     limit = g.found_t
     if not (e.t < limit and limit < min(e.next_break, e.until)):
         return OK
-    if mode_of(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     begin_field(e, e.mode)
     h = limit - e.t

@@ -120,6 +120,7 @@ class Laws:
     units: Floats
     rebound: Floats
     largest: Floats
+    largest_limit: Floats
     branch: Ints
     answer: Ints
     answer_open: Ints
@@ -233,6 +234,7 @@ def make_laws(m: Model) -> Laws:
     r.units = floats(n)
     r.rebound = floats(n)
     r.largest = floats(n)
+    r.largest_limit = floats(n)
     r.branch = ints(n)
     r.answer = ints(n)
     r.answer_open = ints(n)

@@ -17,7 +17,7 @@ from hybond.export.portable.law_branches import (
     take_instant,
 )
 from hybond.export.portable.law_records import AGAIN, TURNED, Laws
-from hybond.export.portable.model import Model, machine_name
+from hybond.export.portable.model import Model, machine_name, node_name
 from hybond.export.portable.paired import holds
 from hybond.export.portable.planar import put_headings
 from hybond.export.portable.storage import energy_of, reach_of
@@ -31,6 +31,8 @@ from hybond.export.portable.trial import (
 )
 from hybond.export.portable.words import Floats, Ints
 
+LIMIT_ROUNDING: Final = 1e-6
+"""Part of the largest limit so far up to which a limit below zero is one that ends there."""
 DUST_OF_STATE: Final = 1e-9
 """A change of what is stored below this part of what it may be is no impulse."""
 
@@ -303,3 +305,39 @@ def observe(e: Engine, v: Floats) -> None:
         for k in range(m.storages):
             r.moved[k] = v[m.stored_slot + k]
         e.energy = max(e.energy, math.fabs(energy_of(e, r.moved)))
+
+
+def check_limits(e: Engine, t: float, v: Floats) -> int:
+    """Look at limits of friction that vary: they must stay what friction can have.
+
+    HB-N407 for a limit below zero, or above that of breaking loose. As modes.laws.limits.
+    """
+    m = e.model
+    r = e.laws
+    for k in range(m.ports):
+        if m.port_limit[k] < 0 and m.port_breakaway[k] < 0:
+            continue
+        limit = quantity(m, m.port_limit, m.port_limit_constant, k, v)
+        most = limit
+        if m.port_breakaway[k] != NO_LAW_VALUE:
+            most = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, v)
+        size = max(max(math.fabs(limit), math.fabs(most)), r.largest_limit[k])
+        r.largest_limit[k] = size
+        why = ""
+        if min(limit, most) < -LIMIT_ROUNDING * size:
+            why = "the limit of the friction is below zero: it would push"
+        elif most < limit - LIMIT_ROUNDING * size:
+            why = "friction breaks loose at less than it slides with"
+        if min(limit, most) < -LIMIT_ROUNDING * size or most < limit - LIMIT_ROUNDING * size:
+            say_fault(e, "HB-N407", why, node_name(m, m.port_node[k]))
+            e.fault.t = t
+            return REFUSED
+    return OK
+
+
+def limits_vary(m: Model) -> bool:
+    """Whether any limit of friction is no constant."""
+    found = False
+    for k in range(m.ports):
+        found = found or m.port_limit[k] >= 0 or m.port_breakaway[k] >= 0
+    return found

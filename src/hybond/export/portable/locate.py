@@ -44,7 +44,7 @@ SEARCH: Final = 40
 """Most iterations of one root or extremum search."""
 MOST: Final = 4000
 ROUNDING: Final = 1e-13
-WEIGHTS: Final = 6
+WEIGHTS: Final = 32
 """Surfaces that may be slid on at once."""
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""

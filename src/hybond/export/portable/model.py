@@ -317,7 +317,8 @@ class Model:
     surface_first: Ints
     """Of each surface: the slopes of its function."""
     surface_kind: Ints
-    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable."""
+    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable;
+    5: it reads that Boolean of the mode."""
     surface_index: Ints
     surface_slope: Ints
     surface_constant: Floats

@@ -36,7 +36,7 @@ from hybond.export.portable.landing import (
     observe_event,
     stuck,
 )
-from hybond.export.portable.laws import observe
+from hybond.export.portable.laws import check_limits, limits_vary, observe
 from hybond.export.portable.locate import Locator, locate, make_locator, watch
 from hybond.export.portable.report import (
     Report,
@@ -192,6 +192,8 @@ def flow(e: Engine, r: Run) -> int:
     end = min(e.next_break, e.until)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
     watch(e, g, e.state)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return -1
     begin_field(e, e.mode)
     if m.disks > 0:
         begin_slips(e, e.t, e.y)
@@ -323,9 +325,9 @@ def note(e: Engine, r: Run, t: float) -> int:
             return REFUSED
         if on_constraints(e, e.mode, e.shown, e.y) != OK:
             return REFUSED
-    keep_still(e, e.y)
     if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
         return REFUSED
+    keep_still(e, e.y)
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)
@@ -333,7 +335,16 @@ def note(e: Engine, r: Run, t: float) -> int:
         arm_slips(e, t, e.y)
     e.t = t
     report_step(e, r.report)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
     return OK
+
+
+def look_at_limits(e: Engine) -> int:
+    """Look at limits of friction at the present point of the motion."""
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    return check_limits(e, e.t, e.shown)
 
 
 def go_on(e: Engine) -> int:

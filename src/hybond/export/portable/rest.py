@@ -6,12 +6,12 @@ As modes.landing.rest.
 import math
 from typing import Final
 
+from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
 from hybond.export.portable.blocks import fit
 from hybond.export.portable.engine import OK, REFUSED, Engine, make_ways
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.jump import enter_mode, impulse_directions
 from hybond.export.portable.landing_records import Landings
-from hybond.export.portable.newton import freedom_at, sizes_of, solve
 from hybond.export.portable.storage import reach_of
 from hybond.export.portable.values import set_values
 from hybond.export.portable.words import Floats, Ints
@@ -52,7 +52,7 @@ def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
     impulses are `g.area`, bond variables `g.force`, and the values ``e.v`` with sizes.
     """
     m = e.model
-    if mode_of(e, target) != OK:
+    if mode_of(e, target) != OK or combine_here(e, target) != OK:
         return REFUSED
     mode = e.mode
     set_values(e, mode, e.v, t, g.x, g.s)
@@ -78,13 +78,13 @@ def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
     still_stored(e, g.moves, g.x)
     for k in range(m.storages):
         e.v[m.stored_slot + k] = g.x[k]
-    if solve(e, mode, e.v) != OK:
+    if solve_here(e, mode, e.v) != OK:
         return REFUSED
-    sizes_of(e, mode)
+    sizes_here(e, mode, e.v)
     for b in range(2 * m.bonds):
         g.force[b] = e.v[m.bond_slot + b]
         g.size[b] = e.work.sizes[b]
-    g.loose = freedom_at(e, mode, e.v)
+    g.loose = freedom_here(e, mode, e.v)
     fit(e.trial.freedom, 2 * m.bonds * g.loose)
     for i in range(2 * m.bonds * g.loose):
         e.trial.freedom.at[i] = e.work.freedom.at[i]

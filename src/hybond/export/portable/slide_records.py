@@ -8,7 +8,7 @@ from hybond.export.portable.blocks import Block, make_block
 from hybond.export.portable.model import Model
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
-MOST: Final = 6
+MOST: Final = 32
 """Most surfaces that are slid on, or decided on, at once."""
 
 

@@ -67,8 +67,13 @@ def is_of_state(e: Engine, surface: int) -> bool:
     """Whether a switching function reads nothing that can jump."""
     m = e.model
     for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
-        if m.surface_kind[i] == 4 and storage_behind(e, m.surface_index[i]) == NO_STORAGE:
+        index = m.surface_index[i]
+        if m.surface_kind[i] == 4 and storage_behind(e, index) == NO_STORAGE:
             return False
+        for part in range(1, e.slide.k + 1):
+            here = part_mode(e, part)
+            if m.surface_kind[i] == 5 and here.flags[index] != part_mode(e, 0).flags[index]:
+                return False
     return True
 
 
@@ -115,7 +120,7 @@ def surface_rate(e: Engine, surface: int, v: Floats, rate: Floats, at: int, time
             total += slope if timed else 0.0
         elif kind == 3:
             total += slope * v[m.input_rate_slot + index] if timed else 0.0
-        else:
+        elif kind == 4:
             k = storage_behind(e, index)
             way = float(m.storage_sign[k]) if m.storage_kind[k] == 1 else 1.0
             for p in range(m.stiff_first[k], m.stiff_first[k + 1]):

@@ -12,6 +12,7 @@ from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import is_fieldless, mode_of
 from hybond.export.portable.filippov import ABOVE, BELOW, SLIDES, find_ways
 from hybond.export.portable.jump import enter_mode, is_constrained
+from hybond.export.portable.model import value
 from hybond.export.portable.newton import solve
 from hybond.export.portable.slide_records import MOST
 from hybond.export.portable.storage import reach_of
@@ -26,6 +27,8 @@ MOVES_ALIKE: Final = 1e-12
 """Two states of a machine move what is stored alike if their rates differ by less: rounding."""
 ADDITIVE: Final = 1e-9
 """Fields are additive if what they lack is below this part of them."""
+AGREES: Final = 1e-9
+"""Parts give a switching function one value up to this part of what it reads."""
 NO_WAY: Final = 0
 A_WAY: Final = 1
 STOPS: Final = 2
@@ -161,6 +164,10 @@ def decide(e: Engine) -> int:
         return STOPS
     for j in range(s.k):
         if not is_of_state(e, s.side[j]):
+            if s.k == 1 and not is_one_value(e):
+                # the switch itself makes it jump: there is no surface to slide on
+                s.met = 0
+                return NO_WAY
             return stop(e, "a surface that reads what can jump is not part of an export")
     how = find_common(e)
     show_state(e, e.t, e.y, s.v)
@@ -185,6 +192,35 @@ def decide(e: Engine) -> int:
     if how != ALONE and slides > 0:
         return push(e, slides)
     return A_WAY
+
+
+def is_one_value(e: Engine) -> bool:
+    """Whether both parts give the only switching function the same value.
+
+    After Combined.outputs_agree.
+    """
+    m = e.model
+    s = e.slide
+    surface = s.side[0]
+    low = 0.0
+    size = 0.0
+    for part in range(2):
+        mode = part_mode(e, part)
+        show_state(e, e.t, e.y, s.v)
+        for k in range(m.switches + m.state_first[m.machines]):
+            s.v[m.on_slot + k] = mode.flags[k]
+        if solve(e, mode, s.v) != OK:
+            return True
+        g = value(m, m.surface_value[surface], s.v)
+        for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
+            if m.surface_kind[i] == 4:
+                size = max(size, math.fabs(s.v[m.bond_slot + m.surface_index[i]]))
+        if part == 0:
+            low = g
+            s.right[0] = math.fabs(g)
+        elif math.fabs(g - low) > AGREES * (size + max(s.right[0], math.fabs(g))):
+            return False
+    return True
 
 
 def stop(e: Engine, why: Text) -> int:

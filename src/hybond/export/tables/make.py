@@ -34,7 +34,7 @@ from hybond.model.inputs import Called, Constant, Pwm, Timetable
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
 from hybond.modes.guards import magnitude, seen_in_motion
-from hybond.programs.interval import discrete_names
+from hybond.programs.interval import discrete_names, interval_after
 from hybond.programs.program import Program
 from hybond.simulation import start_of
 
@@ -87,8 +87,8 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     Raises
     ------
     ModelError
-        HB-E630 an input that is a function in Python, HB-E631 an element that says too many
-        things; those of `options.options_of`.
+        HB-M205 a gap that is not the distance of a contact, HB-E630 an input that is a function in
+        Python, HB-E631 an element that says too many things; those of `options.options_of`.
     """
     options = options_of(graph, given)
     graph = options.graph
@@ -102,6 +102,7 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _signals(t)
     _priors(t)
     put_laws(t)
+    _check_gaps(t)
     put_surfaces(t)
     put_contacts(t)
     _outputs(t, options.outputs)
@@ -133,6 +134,25 @@ def _sizes(t: ModelTables) -> None:
     )
     t.nodes = [n.path for n in g.nodes]
     t.bonds = [f'"{b.name}".{kind}' for kind in "ef" for b in g.bonds]
+
+
+def _check_gaps(t: ModelTables) -> None:
+    """Refuse contacts whose gap is not their distance, as a run does at its start: HB-M205."""
+    g = t.graph
+    if not any(m.law is not None for m in g.machines):
+        return
+    from hybond.modes.laws.complementarity import Instant
+    from hybond.modes.trial import Trials
+    from hybond.trace import Trace
+
+    program = Program(g)
+    y = start_of(program)
+    x, s = y[: program.nx], y[program.nx : program.nx + program.ns]
+    interval = interval_after(g, 0.0)
+    trials = Trials(program, Trace())
+    pre = trials.a_priori(0.0, x, s, g.start_mode, interval)
+    at = Instant(0.0, s, g.start_mode, interval, pre)
+    trials.laws.consistent(at, x, abs(program.storage.energy(x)))
 
 
 def _first(rows: list[list[Any]]) -> list[int]:

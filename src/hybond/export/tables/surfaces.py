@@ -6,27 +6,29 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
+from hybond.export.tables.contacts import rules_of
 from hybond.model.expressions import Expr, differentiate, names, simplify
-from hybond.model.graph import Rule
 
 if TYPE_CHECKING:
     from hybond.export.tables.make import ModelTables
 
-KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4}
-"""What a switching function reads: stored quantities, signals, time, inputs, bond variables."""
+KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4, "on": 5, "in": 5}
+"""What a switching function reads: stored quantities, signals, time, inputs, bond variables, and
+what is ON or the state of a machine."""
 
 
 def put_surfaces(t: ModelTables) -> None:
     """Put the switching surfaces of all machines into the tables."""
     g = t.graph
     surfaces = surfaces_of(g)
-    rules = [r for m in g.machines for r in m.rules]
+    # what was found of a surface is kept from model to model: its rules are equal, not the same
+    rules = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
     t.numbers["surfaces"] = len(surfaces)
     t.ints["surface_machine"] = [s.machine for s in surfaces]
     t.ints["surface_below"] = [s.below for s in surfaces]
     t.ints["surface_above"] = [s.above for s in surfaces]
-    t.ints["surface_up"] = [_place(rules, s.up) for s in surfaces]
-    t.ints["surface_down"] = [_place(rules, s.down) for s in surfaces]
+    t.ints["surface_up"] = [rules.index((s.machine, s.up)) for s in surfaces]
+    t.ints["surface_down"] = [rules.index((s.machine, s.down)) for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
     t.ints["surface_twin"] = [
         int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
@@ -44,11 +46,6 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["rest_moves"] = [int(moves(e)) for row in rests for e in row]
 
 
-def _place(rules: Sequence[Rule], rule: Rule) -> int:
-    # surfaces are kept from model to model: their rules are equal, not always the same objects
-    return rules.index(rule)
-
-
 def _first(rows: Sequence[Sequence[object]]) -> list[int]:
     """Return where each row begins in all of them, and where the last ends."""
     found = [0]
@@ -59,10 +56,13 @@ def _first(rows: Sequence[Sequence[object]]) -> list[int]:
 
 def _slopes(t: ModelTables, s: Surface) -> list[tuple[int, int, tuple[int, float]]]:
     """Return the derivatives of a switching function by what it reads."""
-    found = []
+    found: list[tuple[int, int, tuple[int, float]]] = []
     for name in sorted(names(s.g)):
         kind, _, index = name.partition(":")
         if kind not in KINDS:
+            continue
+        if KINDS[kind] == 5:
+            found.append((5, t.slots.index[name] - t.slots.on.start, (-1, 0.0)))
             continue
         slope: Expr = simplify(differentiate(s.g, name))
         place = int(index) if index else 0
