@@ -24,13 +24,13 @@ def export_model(given: Namespace) -> int:
     Raises
     ------
     UsageError
-        HB-E603 for an unknown target, HB-X102 or HB-X104 for a file that cannot be written.
+        HB-E602 for an unknown target, HB-X102 or HB-X104 for a file that cannot be written.
     """
     target = TARGETS.get(given.to)
     if target is None:
         raise UsageError(
             f"there is no export to {given.to!r}",
-            code="HB-E603",
+            code="HB-E602",
             where="--to",
             hint=did_you_mean(given.to, TARGETS) or ", ".join(TARGETS),
         )

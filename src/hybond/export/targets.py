@@ -80,7 +80,7 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
     Raises
     ------
     UsageError
-        HB-E603 for a target or option that does not exist.
+        HB-E602 for a target or option that does not exist.
     ModelError
         For what the target does not have; see its page in docs/export.md.
 
@@ -95,7 +95,7 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
     if target is None:
         raise UsageError(
             f"there is no export to {to!r}",
-            code="HB-E603",
+            code="HB-E602",
             where="to",
             hint=did_you_mean(to, TARGETS),
         )
@@ -103,7 +103,7 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
         if name not in target.options:
             raise UsageError(
                 f"an export to {to!r} has no option {name!r}",
-                code="HB-E603",
+                code="HB-E602",
                 where=name,
                 hint=did_you_mean(name, target.options),
             )

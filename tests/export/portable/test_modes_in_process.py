@@ -7,6 +7,7 @@ import io
 import math
 
 import pytest
+from kernel.switched_models import converter, striking
 
 import hybond as hb
 from hybond.export.portable.engine import make_engine
@@ -130,3 +131,16 @@ def test_the_table_has_both_limits_of_an_event():
     assert rows[0][0] == 0.0
     assert rows[-1][0] == 2.0
     assert len(rows) == 502
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kind", [converter, striking])
+def test_random_switched_models_run_alike(kind, seed):
+    graph = kind(seed).flatten()
+    code, lines = portable(graph, until=1.0)
+    run = hb.simulate(graph, until=1.0, kernel=False, on_error="return")
+    told = [line.split() for line in lines if line.split()[0] not in ("state", "final", "#")]
+    wanted = transitions(run)
+    assert (code == 0) == (run.error is None)
+    assert [(w[1], w[2], w[3], w[5], w[6]) for w in told] == [t[1:] for t in wanted]
+    assert [float(w[0]) for w in told] == pytest.approx([t[0] for t in wanted], abs=1e-8)

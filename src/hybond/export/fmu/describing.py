@@ -33,6 +33,7 @@ def _two(own: Interface) -> str:
         "CoSimulation",
         modelIdentifier=own.identifier,
         canHandleVariableCommunicationStepSize="true",
+        canBeInstantiatedOnlyOncePerProcess="true",
     )
     _units(root, own)
     _experiment(root, own)
@@ -89,6 +90,7 @@ def _three(own: Interface) -> str:
         "CoSimulation",
         modelIdentifier=own.identifier,
         canHandleVariableCommunicationStepSize="true",
+        canBeInstantiatedOnlyOncePerProcess="true",
     )
     _units(root, own)
     _experiment(root, own)

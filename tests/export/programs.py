@@ -1,0 +1,83 @@
+"""Exported programs: compiled, run, and what they print as events and states."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+
+needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
+needs_java = pytest.mark.skipif(shutil.which("javac") is None, reason="no Java compiler (javac)")
+
+
+@dataclass
+class Said:
+    """What ``--events`` prints."""
+
+    transitions: list[tuple[str, ...]] = field(default_factory=list)
+    """Cause, machine, from, to, kind."""
+    times: list[float] = field(default_factory=list)
+    states: dict[str, float] = field(default_factory=dict)
+    sizes: dict[str, float] = field(default_factory=dict)
+    """Of each state: the largest that one of its kind was; known of runs in hybond."""
+    end: float = float("nan")
+    stopped: str = ""
+
+
+def read_events(text: str) -> Said:
+    """Read what ``--events`` prints; names may contain blanks, words do not."""
+    said = Said()
+    for line in text.splitlines():
+        words = line.split(" ")
+        if words[0] == "final":
+            said.end = float(words[1])
+        elif words[0] == "state":
+            said.states[" ".join(words[1:-1])] = float(words[-1])
+        elif words[0] == "#":
+            said.stopped = line
+        elif words[0] != "impulse":
+            left, right = (part.split(" ") for part in line.split(" -> "))
+            said.times.append(float(left[0]))
+            said.transitions.append((left[1], " ".join(left[2:-1]), left[-1], right[0], right[-1]))
+    return said
+
+
+def expected(run) -> Said:
+    """Return the same of a run in hybond."""
+    said = Said(end=run.t_end)
+    for event in run.events:
+        for step in event.steps:
+            fired = [(f.machine, f.source, f.target) for f in step.fired] or [("-", "-", "-")]
+            said.times += [event.t] * len(fired)
+            said.transitions += [(event.cause, *f, step.kind) for f in fired]
+    kinds = {s.path: s.kind for s in run.graph.storages}
+    kinds |= {i.path: i.path for i in run.graph.integrals}
+    said.states = {path: float(run[path].at([run.t_end])[0]) for path in kinds}
+    most: dict[str, float] = {}
+    for path, kind in kinds.items():
+        values = run[path].at(np.linspace(0.0, run.t_end, 101).tolist())
+        most[kind] = max(most.get(kind, 0.0), float(np.abs(values).max()))
+    said.sizes = {path: most[kind] for path, kind in kinds.items()}
+    return said
+
+
+def compile_c(text: str, folder: Path, name: str, flags: Sequence[str] = ("-O0",)) -> Path:
+    """Compile a program without a warning; return it."""
+    source, program = folder / f"{name}.c", folder / name
+    source.write_text(text, encoding="utf-8")
+    subprocess.run(["cc", *STRICT, *flags, "-o", program, source, "-lm"], check=True)
+    return program
+
+
+def ask(*command: str | Path, code: int = 0) -> str:
+    """Run a program that ends with this code and complains of nothing; return what it printed."""
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (code, "")
+    return done.stdout

@@ -1,0 +1,96 @@
+"""Every example as a C program and as a Java class: the same events, the same final state."""
+
+from __future__ import annotations
+
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from export.programs import Said, ask, compile_c, expected, needs_c, needs_java, read_events
+
+import hybond as hb
+from hybond.errors import NumericsError
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+LABELS = {
+    "cockcroft_walton": "which diode is called conducting while it carries nothing",
+    "mmc_arm": "which diode is called conducting while it carries nothing",
+}
+"""Examples whose states agree, and whose events are called by other names."""
+STOPPED = {"bouncing_ball_no_mode", "diode_inductor_no_mode", "falling_rod_threshold"}
+"""Examples that end in HB-N401, as they are meant to."""
+KEPT = {"slip_x.heading", "slip_x.slow"}
+NAMES = [p.stem for p in EXAMPLES]
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, Said]:
+    found = {}
+    for path in EXAMPLES:
+        try:
+            run = hb.simulate(hb.load(path))
+        except NumericsError as error:
+            run = error.partial
+        found[path.stem] = expected(run)
+    return found
+
+
+@pytest.fixture(scope="module")
+def printed_by_c(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    folder = tmp_path_factory.mktemp("c")
+    texts = {p.stem: hb.export(hb.load(p), to="c") for p in EXAMPLES}
+
+    def run(name: str) -> str:
+        program = compile_c(texts[name], folder, name)
+        return ask(program, "--events", code=3 if name in STOPPED else 0)
+
+    with ThreadPoolExecutor(2) as pool:
+        return dict(zip(texts, pool.map(run, texts)))
+
+
+@pytest.fixture(scope="module")
+def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """All classes are compiled at once, and run in one machine."""
+    folder = tmp_path_factory.mktemp("java")
+    calls = []
+    for k, path in enumerate(EXAMPLES):
+        hb.export(hb.load(path), to="java", path=folder / f"Example{k}.java")
+        calls.append(f'Example{k}.run(System.out, "--events"); System.out.print("\\f");')
+    main = "public static void main(String[] words) { " + "\n".join(calls) + " }"
+    (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
+    sources = map(str, sorted(folder.glob("*.java")))
+    lint = ["-Xlint:all", "-Werror", "-d", str(folder)]
+    subprocess.run(["javac", *lint, *sources], check=True)
+    return dict(zip(NAMES, ask("java", "-cp", folder, "All").split("\f")))
+
+
+def check(name: str, said: Said, run: Said) -> None:
+    span = run.end
+    assert said.end == pytest.approx(span, rel=1e-9)
+    assert bool(said.stopped) == (name in STOPPED)
+    if name not in LABELS:
+        assert said.transitions == run.transitions
+        assert said.times == pytest.approx(run.times, abs=1e-9 * span)
+    # hybond keeps more of a friction in the plane: how the slip turns
+    assert set(said.states) == {path for path in run.states if path not in KEPT}
+    for path, value in said.states.items():
+        # what is smaller than its kind by 1e-4 is made of differences
+        size = max(abs(value), 1e-4 * run.sizes[path])
+        assert value == pytest.approx(run.states[path], abs=1e-9 * size), path
+
+
+@needs_c
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_as_a_c_program(
+    name: str, printed_by_c: dict[str, str], runs: dict[str, Said]
+) -> None:
+    check(name, read_events(printed_by_c[name]), runs[name])
+
+
+@needs_java
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_as_a_java_class(
+    name: str, printed_by_java: dict[str, str], runs: dict[str, Said]
+) -> None:
+    check(name, read_events(printed_by_java[name]), runs[name])
