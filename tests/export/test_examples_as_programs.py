@@ -94,3 +94,15 @@ def test_an_example_as_a_java_class(
     name: str, printed_by_java: dict[str, str], runs: dict[str, Said]
 ) -> None:
     check(name, read_events(printed_by_java[name]), runs[name])
+
+
+@needs_c
+def test_a_program_stays_within_its_memory(tmp_path: Path) -> None:
+    """Run under the sanitizers, which end a program that reads beside an array or leaks."""
+    path = next(p for p in EXAMPLES if p.stem == "buck")
+    flags = ["-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    program = compile_c(hb.export(hb.load(path), to="c"), tmp_path, "buck", flags)
+    table = ask(program, "--points", "20").splitlines()
+    assert table[0] == "time,out.e,L.f,u,ramp"
+    assert len(table) > 21
+    assert all(line.count(",") == 4 for line in table)

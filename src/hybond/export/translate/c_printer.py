@@ -243,6 +243,9 @@ class CPrinter(Braces):
         if not self.members(record):
             lines.append("    int nothing;")
         for m in self.members(record):
+            if m.above and not lines[-1].endswith("{"):
+                lines.append("")
+            lines += line_comments(m.above, 4)
             entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
             note = f" // {plain(m.note)}" if m.note else ""
             if len(entry) + len(note) > 99:

@@ -189,6 +189,9 @@ class JavaPrinter(Braces):
         lines = block_comment(prose(record.doc), opener="/**") if record.doc else []
         lines.append(f"private static final class {record.name} {{")
         for m in self.members(record):
+            if m.above and not lines[-1].endswith("{"):
+                lines.append("")
+            lines += line_comments(m.above, 4)
             entry = f"    {self.declarator(m.name, m.type)};"
             note = f" // {plain(m.note)}" if m.note else ""
             if len(entry) + len(note) > 95:

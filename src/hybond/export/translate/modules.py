@@ -310,15 +310,16 @@ class _Raw:
                 case ast.Expr(value=ast.Constant(value=str(text))):
                     if members:
                         m = members[-1]
-                        members[-1] = Member(m.name, m.type, m.note or " ".join(text.split()))
+                        note = m.note or " ".join(text.split())
+                        members[-1] = Member(m.name, m.type, note, m.above)
                 case ast.AnnAssign(target=ast.Name(id=name), value=None):
-                    note = " ".join(self.comments.between(last + 1, line.lineno - 1))
-                    note = self.comments.behind.get(line.lineno, note)
+                    above = self.comments.between(last + 1, line.lineno - 1)
+                    note = self.comments.behind.get(line.lineno, "")
                     if name.startswith("_"):
                         raise self.refuse(line.lineno, f"no field can be called {name!r}")
                     if ast.unparse(line.annotation) != "Outside":
                         found = annotated_type(line.annotation, around)
-                        members.append(Member(name, found, note))
+                        members.append(Member(name, found, note, above))
                 case _:
                     raise self.refuse(line.lineno, "a record has annotated fields, and no more")
             last = line.end_lineno or line.lineno

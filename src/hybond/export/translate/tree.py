@@ -251,6 +251,8 @@ class Member:
     name: str
     type: Type
     note: str = ""
+    above: tuple[str, ...] = ()
+    """Comments that begin a group of fields."""
 
 
 @dataclass(frozen=True, slots=True)
