@@ -290,7 +290,9 @@ def _parser() -> Parser:
         "hybond export ball.toml --to java --out -",
     )
     export.add_argument("file", metavar="FILE", help="a model file")
-    export.add_argument("--to", metavar="TARGET", required=True, help="c or java")
+    export.add_argument(
+        "--to", metavar="TARGET", required=True, help="c, java, fmu, python, latex or modelica"
+    )
     export.add_argument("--out", metavar="FILE", help="the file to write; - prints it")
     export.add_argument("--force", action="store_true", help="replace a file that is there")
     _settings(export)

@@ -27,7 +27,12 @@ def _two(own: Interface) -> str:
         variableNamingConvention="flat",
         numberOfEventIndicators=str(own.indicators),
     )
-    ElementTree.SubElement(root, "ModelExchange", modelIdentifier=own.identifier)
+    ElementTree.SubElement(
+        root,
+        "ModelExchange",
+        modelIdentifier=own.identifier,
+        canBeInstantiatedOnlyOncePerProcess="true",
+    )
     ElementTree.SubElement(
         root,
         "CoSimulation",
@@ -84,7 +89,12 @@ def _three(own: Interface) -> str:
         generationTool=f"hybond {__version__}",
         variableNamingConvention="flat",
     )
-    ElementTree.SubElement(root, "ModelExchange", modelIdentifier=own.identifier)
+    ElementTree.SubElement(
+        root,
+        "ModelExchange",
+        modelIdentifier=own.identifier,
+        canBeInstantiatedOnlyOncePerProcess="true",
+    )
     ElementTree.SubElement(
         root,
         "CoSimulation",
