@@ -38,7 +38,7 @@ def test_ctrl_c_in_mid_run_keeps_what_there_is(shell: Any) -> None:
     files = ["--out", "part.csv", "--plot", "part.png"]
     process = start(shell.folder, "run", "charger.toml", "--json", *words, *files)
     assert process.stderr is not None and process.stderr.readline() == "ready\n"
-    time.sleep(3.0)
+    time.sleep(1.0)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130, err

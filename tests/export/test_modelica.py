@@ -14,8 +14,10 @@ from hybond.export.modelica import to_modelica
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 REFUSED = {
+    "automatic_gearbox": "HB-E682",
     "bead_column": "HB-E684",
     "diode_bridge": "HB-E681",
+    "elevator_actuators": "HB-E680",
     "impacting_stick": "HB-E680",
     "mmc_arm": "HB-E684",
     "parallel_resonant_converter": "HB-E681",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hybond._version import __version__
 from hybond.export.program import NAMES, Exported, exported, printed_before
-from hybond.export.story import story, title_of
+from hybond.export.story import noted, story, title_of
 from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
 from hybond.export.translate.c_words import HEADERS, c_words
 from hybond.export.translate.lines import block_comment, plain, prose, wrapped
@@ -61,7 +61,9 @@ def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
         "value": _values(printer, found),
     }
     title = title_of(graph)
-    lines = block_comment([*wrapped(plain(title), 0), "", *_how_to(), "", *story(model, graph)])
+    lines = block_comment(
+        [*wrapped(plain(title), 0), "", *_how_to(), *noted(found), "", *story(model, graph)]
+    )
     lines += ["", *_contraction(), *(f"#include <{h}>" for h in HEADERS)]
     lines += [
         "",

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from hybond._version import __version__
 from hybond.export.identifiers import identifier
 from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
-from hybond.export.story import story, title_of
+from hybond.export.story import noted, story, title_of
 from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
 from hybond.export.translate.java_words import IMPORTS, java_words
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
@@ -62,7 +62,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
         "value": _values(printer, found),
         "evaluate_pair": _pairs(printer, found),
     }
-    head = [plain(title_of(graph)), "", *_how_to(name), "", *story(model, graph)]
+    head = [plain(title_of(graph)), "", *_how_to(name), *noted(found), "", *story(model, graph)]
     lines = [f"import {i};" for i in IMPORTS]
     lines += ["", *(ascii_only(line) for line in _commented(head))]
     lines += [f"public final class {name} {{"]

@@ -6,6 +6,7 @@ import textwrap
 
 from hybond.equations.derive import state_equations
 from hybond.errors import HybondError
+from hybond.export.program import Exported
 from hybond.export.translate.lines import plain
 from hybond.files import dumps
 from hybond.model.builder import Model
@@ -21,6 +22,11 @@ WIDTH = 92
 def title_of(graph: FlatGraph) -> str:
     """Return what the model is called."""
     return graph.title or graph.name or "a hybrid bond graph"
+
+
+def noted(found: Exported) -> list[str]:
+    """Return what of the program's run differs from what the model asks for."""
+    return ["", plain(found.tables.note)] if found.tables.note else []
 
 
 def story(model: Model, graph: FlatGraph) -> list[str]:

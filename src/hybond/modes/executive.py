@@ -154,7 +154,7 @@ class Executive:
             program, self.settler.trials.laws.kept, limits.until, step=step, rtol=rtol
         )
         self.frictions = FrictionLimits(program)
-        self.sampling = Sampling(program, runners)
+        self.sampling = Sampling(program, runners, until=limits.until)
         self.t = 0.0
         self.mode: Mode = program.graph.start_mode
         self._recorder: _Recorder | None = None

@@ -36,9 +36,14 @@ class Sampling:
     program : Program
     runners : mapping
         What runs each block, by its path.
+    until : float
+        The end of the run, at which nothing is sampled: it shows what leads up to it.
     """
 
-    def __init__(self, program: Program, runners: Mapping[str, Runner] | None = None) -> None:
+    def __init__(
+        self, program: Program, runners: Mapping[str, Runner] | None = None, *, until: float
+    ) -> None:
+        self._until = until
         self._samples: list[tuple[Sample, list[Callable[[Sequence[float]], float]]]] = [
             (s, [program.compile(e) for e in s.values]) for s in program.graph.samples
         ]
@@ -59,7 +64,7 @@ class Sampling:
             HB-N305 if a value is not finite, HB-N306 if a block fails.
         """
         due = [(sample, values) for sample, values in self._samples if sample.due(t)]
-        if not due or t <= self._last:
+        if not due or not self._last < t < self._until:
             return None
         self._last = t
         prior = trials.a_priori(t, x, s, mode, before)

@@ -236,6 +236,7 @@ class Form:
                 "an impulse goes through a loop that no formula closes in all modes",
                 code="HB-E682",
                 where=self.graph.name,
+                hint="export C, Java or an FMU: they decide it mode by mode",
             )
         return row
 

@@ -303,6 +303,8 @@ class Engine:
     stop: float
     """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
     sampled_at: float
+    samples_end: float
+    """From when on nothing is sampled any more: the end of a run shows what leads up to it."""
     level: Floats
     asked: Floats
     """Of inputs that are set from outside: their levels, and those from the next instant on."""

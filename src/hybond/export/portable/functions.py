@@ -104,7 +104,9 @@ def function_of(which: int, a: float, b: float) -> float:
         return float(math.ceil(a)) if math.isfinite(a) else a
     if which == ATAN2:
         return math.atan2(a, b)
-    return modulo(a, b)
+    if which == MOD:
+        return modulo(a, b)
+    return math.nan
 
 
 def ratio(a: float, b: float) -> float:

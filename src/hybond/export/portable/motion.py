@@ -114,6 +114,7 @@ def begin(e: Engine) -> None:
 def run_to_end(e: Engine, r: Run) -> int:
     """Run from the start to the end: OK, REFUSED with a fault, or ACCUMULATES."""
     begin(e)
+    e.samples_end = e.until
     interval_after(e, 0.0)
     status = settle_now(e, r, START)
     if status == OK:

@@ -13,7 +13,7 @@ from hybond.export.portable.words import Floats
 def sample(e: Engine, s: Floats) -> int:
     """Set the signals in `s` that are due now to what they read a priori; each instant once."""
     m = e.model
-    if m.samples == 0 or e.t <= e.sampled_at:
+    if m.samples == 0 or e.t <= e.sampled_at or e.t >= e.samples_end:
         return OK
     v = e.work.values
     for k in range(m.slots):

@@ -34,6 +34,7 @@ INSTANT: Final = 1e-12
 def begin_unit(e: Engine, r: Run) -> int:
     """Settle the start, with the inputs that were set."""
     begin(e)
+    e.samples_end = math.inf
     interval_after(e, 0.0)
     return settled(e, r, START)
 

@@ -63,6 +63,8 @@ class ModelTables:
         What `evaluate_pair(m, k, s)` answers: guards, then rates of integrated signals.
     machines, states, stored, outputs, nodes, bonds, rules : list of str
         Names, by number.
+    note : str
+        What of the run differs from what the model asks for.
     """
 
     graph: FlatGraph
@@ -79,6 +81,7 @@ class ModelTables:
     nodes: list[str] = field(default_factory=list)
     bonds: list[str] = field(default_factory=list)
     rules: list[str] = field(default_factory=list)
+    note: str = ""
 
 
 def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
@@ -94,6 +97,7 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
+    t.note = options.note
     _sizes(t)
     _machines(t)
     _elements(t)

@@ -28,6 +28,8 @@ class Options:
     graph: FlatGraph
     numbers: dict[str, float]
     outputs: list[tuple[str, Expr]]
+    note: str = ""
+    """What of the run differs from what the model asks for."""
 
 
 def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
@@ -44,6 +46,11 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     if name == AUTO:
         looking = Program(graph)
         name = fitting(looking, end, start_of(looking)).solver
+    note = ""
+    if name == "exact" and not given.get("solver"):
+        # the same motion to the tolerance, by the method that hybond itself takes where a mode is
+        # not linear
+        name, note = "rk45", "hybond propagates linear modes of this model exactly; this is rk45."
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",
@@ -84,4 +91,4 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     if not outputs:
         outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
         outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
-    return Options(graph, numbers, outputs)
+    return Options(graph, numbers, outputs, note)

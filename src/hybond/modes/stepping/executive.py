@@ -99,7 +99,7 @@ class TimeStepping:
         self._judged = coarser is not None
         self.trace = Trace()
         self.settler = Settler(program, self.trace, max_writes=max_writes)
-        self.sampling = Sampling(program, runners)
+        self.sampling = Sampling(program, runners, until=limits.until)
         self.scheme = ThetaScheme(program, theta)
         self.frictions = FrictionLimits(program)
         self._hand = any(m.law is None for m in self.graph.machines)
