@@ -7,7 +7,16 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from export.programs import Said, ask, compile_c, expected, needs_c, needs_java, read_events
+from export.programs import (
+    Said,
+    ask,
+    compile_c,
+    compile_quickly,
+    expected,
+    needs_c,
+    needs_java,
+    read_events,
+)
 
 import hybond as hb
 from hybond.errors import NumericsError
@@ -45,7 +54,7 @@ def printed_by_c(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     texts = {p.stem: hb.export(hb.load(p), to="c") for p in EXAMPLES}
 
     def run(name: str) -> str:
-        program = compile_c(texts[name], folder, name)
+        program = compile_quickly(texts[name], folder, name)
         return ask(program, "--events", code=3 if name in STOPPED else 0)
 
     with ThreadPoolExecutor(2) as pool:
@@ -89,6 +98,13 @@ def test_an_example_as_a_c_program(
     name: str, printed_by_c: dict[str, str], runs: dict[str, Said]
 ) -> None:
     check(name, read_events(printed_by_c[name]), runs[name])
+
+
+@needs_c
+@pytest.mark.parametrize("name", ["buck", "elevator_actuators", "falling_rod", "rimless_wheel"])
+def test_a_strict_compiler_has_nothing_to_say(name: str, tmp_path: Path) -> None:
+    text = hb.export(hb.load(next(p for p in EXAMPLES if p.stem == name)), to="c")
+    compile_c(text, tmp_path, name)
 
 
 @needs_java

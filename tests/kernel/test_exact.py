@@ -18,7 +18,15 @@ from hybond.kernel.build import SOURCES
 from hybond.solvers import dopri, exact, propagation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-FILES = sorted(f.stem for f in EXAMPLES.glob("*.toml"))
+LONG = {
+    *("automatic_gearbox", "boost", "elevator_actuators", "ratchet", "rectifier_dc_machine"),
+    *("rimless_wheel", "three_tanks"),
+}
+"""Examples that take seconds; their own cases are run by both engines as well."""
+FILES = [
+    pytest.param(f.stem, marks=pytest.mark.slow) if f.stem in LONG else f.stem
+    for f in sorted(EXAMPLES.glob("*.toml"))
+]
 TEXT = (SOURCES / "exact.c").read_text()
 
 

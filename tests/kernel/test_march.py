@@ -8,7 +8,15 @@ from engines import assert_same_events, assert_same_states
 import hybond as hb
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-FILES = sorted(f.stem for f in EXAMPLES.glob("*.toml"))
+LONG = {
+    *("automatic_gearbox", "boost", "elevator_actuators", "ratchet", "rectifier_dc_machine"),
+    *("rimless_wheel", "three_tanks"),
+}
+"""Examples that take seconds; their own cases are run by both engines as well."""
+FILES = [
+    pytest.param(f.stem, marks=pytest.mark.slow) if f.stem in LONG else f.stem
+    for f in sorted(EXAMPLES.glob("*.toml"))
+]
 IDLE = ("cockcroft_walton", "mmc_arm", "parallel_resonant_converter")
 """Where rounding says which diode is called conducting while it carries nothing: the states are the
 same, events that change nothing else are not."""
