@@ -538,6 +538,13 @@ def _signals(t: ModelTables) -> None:
         elif isinstance(w, Pwm):
             kinds.append(3)
             rows.append([(a,) for a in (w.period, w.duty, w.high, w.low, w.phase)])
+        elif isinstance(w, Timetable) and w.period:
+            raise ModelError(
+                f"the input {i.path} is a table that repeats",
+                code="HB-E630",
+                where=f"inputs.{i.path}",
+                hint="give it as pulses, or write out as many periods as the run has",
+            )
         elif isinstance(w, Timetable):
             kinds.append(2 if w.linear else 1)
             rows.append([(a,) for a in (*w.times, *w.values)])
