@@ -43,8 +43,13 @@ NAMES = {
 """Given functions that name something, and the list of names in `ModelTables`."""
 GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
 """What the runtime asks of a model, and is printed here."""
-OWN = (ARRAY, "MODEL", "PARAMETERS", "PARAMETER", "FIXED")
-"""What printed programs call what is not of the runtime, in capitals and in the array."""
+OWN = (
+    *(ARRAY, "MODEL", "USAGE", "PARAMETERS", "PARAMETER", "FIXED", "FIXED_PARAMETER"),
+    *("PARAMETER_START", "PARAMETER_FOLLOWS", "TOKEN", "INPUTS", "INPUT_NUMBER", "INPUT_START"),
+    *("FIRST_INPUT", "FIRST_OUTPUT", "FIRST_STATE", "FIRST_DERIVATIVE", "FIRST_INDICATOR"),
+    *("BEYOND_LAST", "EXPORT", "NOTHING", "ABSENT", "FINE", "BOTH"),
+)
+"""What printed programs and units call what is not of the runtime."""
 PORTABLE = Path(__file__).parent / "portable"
 
 

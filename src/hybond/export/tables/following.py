@@ -39,6 +39,7 @@ SMALLEST = 1e-9
 """The part below which no values are looked for that meet all conditions."""
 LOOKS = 64
 """How often tables are made anew to find out which parameters go where nothing is followed."""
+UNKNOWN = "it goes where values are not followed"
 GOLDEN = 0.6180339887498949
 
 Values = Mapping[str, float]
@@ -95,7 +96,7 @@ def followed(
         proof = _Proof(base, lambda at, wanted=wanted: made(wanted, at))  # type: ignore[misc]
         gone = {k: f"it goes into {why}" for k, why in base.trail.lost.items()} | proof.pinned
         if not gone and not proof.holds(wanted):
-            gone = dict.fromkeys(proof.culprits(wanted), "it goes where values are not followed")
+            gone = {k: proof.refused.get(k, UNKNOWN) for k in proof.culprits(wanted)}
         if not gone:
             return base
         fixed.update(gone)
@@ -116,6 +117,8 @@ class _Proof:
         self.base = base
         self.made = made
         self.looks = 0
+        self.refused: dict[str, str] = {}
+        """Parameters of which another value alone is refused."""
         self.parameters = base.trail.parameters
         self.slots = {PREFIX + path: k for k, path in enumerate(self.parameters)}
         self.rules = {
@@ -202,7 +205,9 @@ class _Proof:
             self.looks += 1
             try:
                 found = self.made(at)
-            except HybondError:
+            except HybondError as error:
+                if len(at) == 1:
+                    self.refused.update(dict.fromkeys(at, f"another value alone is {error.code}"))
                 return False
             if not self._same(found, at):
                 return False
