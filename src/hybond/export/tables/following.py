@@ -95,7 +95,7 @@ def followed(
         base.fixed = fixed
         proof = _Proof(base, lambda at, wanted=wanted: made(wanted, at))  # type: ignore[misc]
         gone = {k: f"it goes into {why}" for k, why in base.trail.lost.items()} | proof.pinned
-        if not gone and not proof.holds(wanted):
+        if wanted and not gone and not proof.holds(wanted):
             gone = {k: proof.refused.get(k, UNKNOWN) for k in proof.culprits(wanted)}
         if not gone:
             return base
