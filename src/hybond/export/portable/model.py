@@ -205,6 +205,8 @@ class Model:
     """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
     of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
     input_number: Floats
+    input_period: Floats
+    """The time after which a table repeats; 0: it does not."""
     level_first: Ints
     """Of each table that is held: which of its levels a piece has, in `level_of`."""
     level_of: Ints

@@ -538,13 +538,6 @@ def _signals(t: ModelTables) -> None:
         elif isinstance(w, Pwm):
             kinds.append(3)
             rows.append([(a,) for a in (w.period, w.duty, w.high, w.low, w.phase)])
-        elif isinstance(w, Timetable) and w.period:
-            raise ModelError(
-                f"the input {i.path} is a table that repeats",
-                code="HB-E630",
-                where=f"inputs.{i.path}",
-                hint="give it as pulses, or write out as many periods as the run has",
-            )
         elif isinstance(w, Timetable):
             kinds.append(2 if w.linear else 1)
             rows.append([(a,) for a in (*w.times, *w.values)])
@@ -563,6 +556,8 @@ def _signals(t: ModelTables) -> None:
         levels.append(own)
     t.ints["input_kind"] = kinds
     _put(t, "input_first", rows, input_number=_FLOATS)
+    tables = [i.waveform if isinstance(i.waveform, Timetable) else None for i in g.inputs]
+    t.floats["input_period"] = [0.0 if w is None else w.period for w in tables]
     _put(t, "level_first", levels, level_of=_INTS)
     lines = [
         affine_in_time(Binary("-", w.compare.left, w.compare.right)) or (0.0, 0.0)
