@@ -22,6 +22,7 @@ from hybond.export.portable.instant import (
     PINNACLE,
     Instant,
     append_fired,
+    is_struck,
     note_fired,
     note_step,
 )
@@ -129,7 +130,7 @@ def show_again(e: Engine) -> int:
 def has_moved(i: Instant) -> bool:
     """Whether what is stored jumped."""
     for k in range(i.steps):
-        if i.kind.at[k] != MYTHICAL and i.struck.at[k] != 0:
+        if i.kind.at[k] != MYTHICAL and is_struck(i, k):
             return True
     return False
 
@@ -352,16 +353,14 @@ def go_on_sliding(e: Engine, i: Instant, slid: int) -> int:
     if waiting == 0:
         return OK
     if i.steps == 0:
-        i.struck_now = False
         note_step(i, CONTINUOUS)
         return OK
     last = i.steps - 1
     differs = False
     for k in range(m.machines):
         differs = differs or s.settled[k] != e.state[k]
-    if i.struck.at[last] != 0 and differs and s.many == 0:
+    if is_struck(i, last) and differs and s.many == 0:
         i.kind.at[last] = PINNACLE
-        i.struck_now = False
         note_step(i, CONTINUOUS)
     else:
         append_fired(i)
