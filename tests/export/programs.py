@@ -56,7 +56,8 @@ def read_events(text: str) -> Said:
 def expected(run) -> Said:
     """Return the same of a run in hybond."""
     said = Said(end=run.t_end)
-    stored = {s.path.rpartition(".")[0]: f'"{run.graph.bonds[s.bond].name}"' for s in run.graph.storages}
+    bonds = run.graph.bonds
+    stored = {s.path.rpartition(".")[0]: f'"{bonds[s.bond].name}"' for s in run.graph.storages}
     for event in run.events:
         for step in event.steps:
             fired = [(f.machine, f.source, f.target) for f in step.fired] or [("-", "-", "-")]

@@ -65,7 +65,7 @@ def fit(b: Block, n: int) -> None:
         b.at = floats(b.size)
 
 
-def grow(b: Block, n: int) -> None:
+def grow_block(b: Block, n: int) -> None:
     """Make room for n numbers; what was there is kept."""
     if n <= b.size:
         return

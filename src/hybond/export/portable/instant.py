@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.export.portable.blocks import Block, Places, grow, grow_places, make_block, make_places
+from hybond.export.portable.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
 from hybond.export.portable.words import record
 
 MYTHICAL: Final = 0
@@ -90,7 +97,7 @@ def drop_fired(i: Instant) -> None:
 def note_hit(i: Instant, bond: int, area: float) -> None:
     """Note an impulse of the step that is noted next."""
     grow_places(i.hit_bond, i.hits + 1)
-    grow(i.hit_area, i.hits + 1)
+    grow_block(i.hit_area, i.hits + 1)
     i.hit_bond.at[i.hits] = bond
     i.hit_area.at[i.hits] = area
     i.hits += 1
