@@ -60,3 +60,25 @@ def test_a_run_in_pieces_is_the_run(name: str, monkeypatch: pytest.MonkeyPatch) 
     n = len(state)
     last = np.asarray(whole.trace.segments[-1].y)[-1][:n]
     assert state == pytest.approx(last, rel=1e-6, abs=1e-8 * np.abs(last).max())
+
+
+def test_instants_that_are_one_but_for_rounding_are_one() -> None:
+    m = hb.Model("chain")
+    m.add(V=hb.Se("wave"), R=hb.R(1), i=hb.One(), C=hb.C(1))
+    m.bond("V -> i -> R", "i -> C")
+    m.input(wave=hb.Input(pwm={"period": "1 ms", "duty": 0.3}))
+    m.signal(
+        read=hb.Sampled("time/(1 ms)", every="1 ms"),
+        late=hb.Sampled("read", every="1 ms", phase="1 ms"),
+        edge=hb.Sampled("V.e", every="0.1 ms"),
+    )
+    e = make_engine(answered(tables_of(m.flatten(), until=1.0)))
+    report = make_report(e)
+    report.silent = True
+    r = motion.make_run(e, report)
+    assert unit.begin_unit(e, r) == OK
+    for k in range(300):
+        assert unit.advance(e, r, (k + 0.5) * 1e-4) == OK
+        late, edge = e.y[2], e.y[3]
+        assert late == pytest.approx(max(k // 10 - 1, 0), abs=1e-9)
+        assert edge == (1.0 if k % 10 in (1, 2, 3) or k == 0 else 0.0)
