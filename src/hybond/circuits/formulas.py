@@ -90,10 +90,9 @@ _ONE: dict[str, Callable[[float], float]] = {
 
 
 def _power(a: float, b: float) -> float:
-    value = a**b
-    if isinstance(value, complex):
-        raise ValueError(f"a root of {a:g}, which is negative")
-    return float(value)
+    if a < 0.0 and b % 2.0 != 0.0:
+        raise ValueError(f"a power of {a:g}, of which some simulators take the magnitude")
+    return float(a**b)
 
 
 _TWO: dict[str, Callable[[float, float], float]] = {
