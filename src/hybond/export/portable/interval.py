@@ -12,6 +12,8 @@ from hybond.export.portable.engine import Engine
 from hybond.export.portable.model import Model
 from hybond.export.portable.words import Floats, Ints
 
+ROUNDING: Final = 1.7763568394002505e-15
+"""Eight units in the last place: what instants that are one on paper differ by."""
 CONSTANT: Final = 0
 HELD: Final = 1
 LINES: Final = 2
@@ -156,26 +158,50 @@ def next_sample(m: Model, k: int, t: float) -> float:
 def is_due(m: Model, k: int, t: float) -> bool:
     """Whether t is one of the instants of a sampled signal."""
     n = math.floor((t - m.sample_phase[k]) / m.sample_every[k] + 0.5)
-    return n >= 0.0 and t == m.sample_phase[k] + n * m.sample_every[k]
+    return n >= 0.0 and one_instant(m.sample_phase[k] + n * m.sample_every[k], t)
+
+
+def one_instant(a: float, b: float) -> bool:
+    """Whether two timed events are one, but for rounding. After model/graph.py."""
+    return math.fabs(a - b) <= ROUNDING * math.fabs(b)
 
 
 def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
-    end = math.inf
     for i in range(m.inputs):
-        end = min(end, next_break(m, i, t))
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]
-    for k in range(m.samples):
-        end = min(end, next_sample(m, k, t))
-    for k in range(m.watches):
-        if m.watch_time[k] > t:
-            end = min(end, m.watch_time[k])
+    end = break_after(m, t)
     inside = t + 0.5 * (end - t) if end < math.inf else t + 1.0
     for k in range(m.watches):
         e.at[k] = 1 if watch_holds(m, k, inside) else 0
     e.next_break = end
+
+
+def break_after(m: Model, t: float) -> float:
+    """Return the first timed event after t; of several that are one but for rounding, the last."""
+    first = math.inf
+    for i in range(m.inputs):
+        first = min(first, next_break(m, i, t))
+    for k in range(m.samples):
+        first = min(first, next_sample(m, k, t))
+    for k in range(m.watches):
+        if m.watch_time[k] > t:
+            first = min(first, m.watch_time[k])
+    last = first
+    for i in range(m.inputs):
+        last = later(last, next_break(m, i, t), first)
+    for k in range(m.samples):
+        last = later(last, next_sample(m, k, t), first)
+    for k in range(m.watches):
+        last = later(last, m.watch_time[k], first)
+    return last
+
+
+def later(last: float, t: float, first: float) -> float:
+    """Return the later of `last` and `t`, if `t` is one instant with `first`."""
+    return max(last, t) if one_instant(t, first) else last
 
 
 def watch_holds(m: Model, k: int, t: float) -> bool:
@@ -206,7 +232,7 @@ def is_timed(e: Engine, t: float) -> bool:
     """Whether an instant is one at which a comparison of time may change."""
     found = False
     for k in range(e.model.watches):
-        found = found or e.model.watch_time[k] == t
+        found = found or one_instant(e.model.watch_time[k], t)
     return found
 
 

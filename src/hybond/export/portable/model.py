@@ -73,6 +73,8 @@ class Model:
     """Of each rule: the differences of its comparisons."""
     atom_value: Ints
     atom_size: Ints
+    atom_zero: Ints
+    """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
 
     # what elements say, by what is constant in a mode
     elements: int

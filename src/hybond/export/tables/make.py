@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     Expr,
     Name,
     Number,
+    comparisons,
     names,
     substitute,
     to_text,
@@ -42,6 +43,8 @@ MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
 _STILL = ("in:", "on:", "at:")
 _OPERATORS = {"<": 0, "<=": 1, ">": 2, ">=": 3}
+_ZERO_IS = {"<": 1, "<=": -1, ">": -1, ">=": 1}
+"""The side of zero on which a difference has the truth that it has at zero."""
 
 
 @dataclass(slots=True)
@@ -211,17 +214,21 @@ def _machines(t: ModelTables) -> None:
         t.pairs.append(rule.guard)
         t.rules.append(rule.text)
         test, differences = seen_in_motion(rule)
+        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(rule.guard)]
         plain.append(t.values.number(rule.guard, rule.text))
         tests.append(t.values.number(test, rule.text))
         moves = any(not n.startswith(_STILL) for n in names(rule.guard))
         watched.append(int(moves))
         atoms.append(
-            [(t.values.number(d), t.values.number(magnitude(d))) for d in differences]
+            [
+                (t.values.number(d), t.values.number(magnitude(d)), sign)
+                for d, sign in zip(differences, signs, strict=True)
+            ]
             if moves
             else []
         )
     t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched)
-    _put(t, "atom_first", atoms, atom_value=_INTS, atom_size=_INTS)
+    _put(t, "atom_first", atoms, atom_value=_INTS, atom_size=_INTS, atom_zero=_INTS)
 
 
 def _machine_of(g: FlatGraph, node: Node) -> Machine:
