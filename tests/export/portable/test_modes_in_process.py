@@ -60,7 +60,7 @@ def compared(name, until=None):
         assert math.isclose(t, s, rel_tol=TOLERANCE, abs_tol=TOLERANCE)
     for path, value in state.items():
         reference = run[path]
-        size = max(abs(float(reference.at(run.t_end * k / 20))) for k in range(21))
+        size = max(abs(float(reference.at(run.t_end * (k / 20)))) for k in range(21))
         assert abs(value - float(reference.at(run.t_end))) <= TOLERANCE * max(size, 1e-3), path
     return code, run
 
