@@ -209,7 +209,10 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             shown = True
         if not is_allowed(e, surface):
             continue
-        sure = (crossed or held) and not moved
+        # at a timed event a rule may have fired because an input jumped over the surface, and one
+        # that asks for more because that has come true
+        sure = held or (crossed and not anew and is_alone(e, surface, i.target.at[f]))
+        sure = sure and not moved
         if turns and i.steps > 0 and went_and_came(i, machine):
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
@@ -225,6 +228,13 @@ def is_between(e: Engine, surface: int, source: int, target: int) -> bool:
     up = source == m.surface_below[surface] and target == m.surface_above[surface]
     down = source == m.surface_above[surface] and target == m.surface_below[surface]
     return up or down
+
+
+def is_alone(e: Engine, surface: int, target: int) -> bool:
+    """Whether the rule that leads over a surface asks for nothing else."""
+    m = e.model
+    side = 2 * surface + (0 if target == m.surface_above[surface] else 1)
+    return m.surface_rest[side] == m.surface_rest[side + 1]
 
 
 def is_allowed(e: Engine, surface: int) -> bool:
