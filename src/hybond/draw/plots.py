@@ -268,7 +268,7 @@ def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:
     """Set the time axis and draw a dotted line at each event that has room for it."""
     end = (result.t_end or 1.0) * factor
     ax.set_xlim(-0.01 * end, 1.01 * end)
-    times = np.array([float(e.t) for e in result.events if len(e.steps)]) * factor
+    times = result.events.t * factor
     times = np.unique(times[(times > 0) & (times < end)])
     for t in times[apart(times, _LINE_GAP * end)]:
         ax.axvline(t, color="#8c8c8c", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
