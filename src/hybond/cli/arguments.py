@@ -288,6 +288,7 @@ def _parser() -> Parser:
         "export",
         "hybond export ball.toml --to c",
         "hybond export ball.toml --to java --out -",
+        "hybond export ball.toml --to fmu --fmi 2.0 --set m=2kg",
     )
     export.add_argument("file", metavar="FILE", help="a model file")
     export.add_argument(
@@ -302,6 +303,7 @@ def _parser() -> Parser:
     export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
     export.add_argument("--max-step", metavar="H", help="longest step")
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
+    export.add_argument("--fmi", metavar="V", help="of fmu: version 3.0 (the default) or 2.0")
     return parser
 
 
