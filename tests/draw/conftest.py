@@ -287,7 +287,8 @@ def make_run(
     times = [np.asarray(t, dtype=float) for t, _ in any_signal]
     areas = list(impulses) or [{} for _ in times]
     graph = SimpleNamespace(
-        machines=[SimpleNamespace(path=p, states=tuple(s)) for p, s in (machines or {}).items()]
+        nodes=[],
+        machines=[SimpleNamespace(path=p, states=tuple(s)) for p, s in (machines or {}).items()],
     )
     events = [
         SimpleNamespace(

@@ -32,7 +32,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
-    "library": "list the ready parts, or show one",
+    "library": "list the ready parts, look for some, or show one",
     "export": "write a model as a program, or for another tool",
 }
 
@@ -278,9 +278,12 @@ def _parser() -> Parser:
         "library",
         "hybond library",
         "hybond library electrical.diode",
+        "hybond library transformer",
         "hybond library electrical.diode --file > my_diode.toml",
     )
-    library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
+    library.add_argument(
+        "part", metavar="PART", nargs="?", help="a part, a domain, or a word to look for"
+    )
     library.add_argument("--file", action="store_true", help="print its model file")
 
     export = _verb(

@@ -63,8 +63,13 @@ def plot_run(
     for name in dict.fromkeys(names):
         groups.setdefault(result.unit(name) or "", []).append(name)
     if not groups:
+        known = [f"{n.path}.e" for n in result.graph.nodes if not n.is_junction and not n.implied]
         raise UsageError(
-            "no signal to plot", code="HB-D103", hint='name one: plot("ball.p", "contact.e")'
+            "no signal to plot",
+            code="HB-D103",
+            hint=f"name one: run.plot({known[0]!r}), or --signals {known[0]}"
+            if known
+            else "the model has no elements",
         )
     factor, time_label = axis_scale("s", result.t_end, least=0.5)
     if ax is not None:
