@@ -222,3 +222,31 @@ def test_ten_thousand_in_series_and_in_parallel(tmp_path):
     path.write_text("\n".join([*rows, ".tran 1 1 uic", ".end"]))
     kinds = [part.kind for part in hb.read_circuit(path).model.elements.values()]
     assert (kinds.count("1"), kinds.count("0")) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (GOOD + "R2 a 0 4k7\n", "try: write 4.7k"),
+        (GOOD + ".trans 1u 1m\n", "did you mean '.tran'"),
+        (GOOD + "Q1 a b 0 N\nM1 a b 0 0 N\n", "2 cards are of such kinds: Q1, M1"),
+        # a node that is written in two ways: no current flows at all
+        ("V1 in 0 5\nR1 in ouut 1k\nC1 out 0 1u\n", "nothing else is joined to ouut"),
+        ("V1 in 0 5\nR1 in ouut 1k\nC1 out 0 1u\n", "nothing of the netlist is left"),
+    ],
+)
+def test_a_slip_of_the_pen_is_told_its_remedy(tmp_path, text, said):
+    path = tmp_path / "slip.cir"
+    path.write_text("A title\n" + text)
+    with pytest.raises(hb.FileError) as caught:
+        hb.read_circuit(path)
+    assert said in str(caught.value)
+
+
+def test_the_node_at_which_a_part_hangs_loose_is_named(tmp_path):
+    path = tmp_path / "loose.cir"
+    path.write_text("A title\n" + GOOD + "R2 a lost 1\n.tran 1m 1 uic\n")
+    (warning,) = hb.read_circuit(path).warnings
+    assert str(warning).endswith(
+        "R2 is left out: no current can pass it, nothing else is joined to lost"
+    )

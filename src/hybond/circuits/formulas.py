@@ -45,6 +45,8 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^()?:,<>!]))",
     re.IGNORECASE,
 )
+_FOR_POINT = re.compile(r"(\d+)([a-zA-Z])(\d+)")
+"""``4k7``, as it is written on schematics."""
 _BINDS = {
     "||": 1,
     "&&": 2,
@@ -176,7 +178,9 @@ class _Parser:
             raise self.refuse("a number or an expression is missing")
         formula = self.choice()
         if self.at < len(self.tokens):
-            raise self.refuse(f"{self.peek()!r} is left over in {self.text!r}")
+            point = _FOR_POINT.fullmatch(self.text.strip())
+            hint = f"write {point[1]}.{point[3]}{point[2]}" if point else ""
+            raise self.refuse(f"{self.peek()!r} is left over in {self.text!r}", hint)
         return formula
 
     def choice(self) -> Formula:

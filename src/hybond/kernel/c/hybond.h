@@ -173,6 +173,7 @@ typedef struct {
 typedef struct {
     double *t, *before, *after, *energy, *approach; /* approach: machines, nan if not struck */
     int32_t *steps, *mode, *interval, *timed, *changed;
+    int32_t *struck;                                /* whether an impulse was written */
     int32_t *fired;                                 /* machines */
     int32_t *wanted;                                /* machines: a mode that was not known */
     double last;                                    /* time of the last event */
@@ -326,6 +327,7 @@ typedef struct {
     double *here, *there, *impulse, *area, *largest; /* n; n; slots; bonds; classes */
     int32_t *target, *written, *slope;               /* machines; HB_WRITES modes; surfaces */
     int struck, jumped;                              /* impulses in the last entry, so far */
+    int crowded;                                     /* the last event was but a moment ago */
     void *all;
 } hb_settler;
 enum { HB_WRITES = 32 };

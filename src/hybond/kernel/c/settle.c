@@ -235,6 +235,10 @@ int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t fro
         /* laws may ask for another jump; a declared impact law must not act on its own result */
         how = hb_branches(s, &now, t, m->ports && !m->fieldless, 1, fired);
     }
+    /* events that crowd may accumulate: the reference looks at each of them; the corner of an input
+     * at which nothing changes is none */
+    if (writes && s->crowded)
+        return HB_DECLINED;
     m = a->mode[now];
     if (m->fieldless)
         return HB_DECLINED;
@@ -246,5 +250,6 @@ int32_t hb_settle(hb_settler *s, double t, double *y, int32_t *mode, int32_t fro
     memcpy(y, s->here, sizeof *y * n);
     *mode = now;
     s->log->changed[row] = writes > 0;
+    s->log->struck[row] = s->jumped;
     return HB_EVENT;
 }
