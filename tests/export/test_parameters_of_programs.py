@@ -274,3 +274,31 @@ def test_every_parameter_of_every_example(path: Path, tmp_path: Path) -> None:
     assert one.times == pytest.approx(two.times, abs=1e-12 * max(two.end, 1e-300))
     for state, value in one.states.items():
         assert value == pytest.approx(two.states[state], rel=1e-9, abs=1e-12), state
+
+
+@needs_c
+def test_inputs_follow_their_times(tmp_path: Path) -> None:
+    """Tables, those that repeat too, pulses and thresholds of time."""
+    m = hb.Model("inputs", domain="electrical")
+    m.parameter(t1="1 ms", t2="3 ms", high="1 V", low="1 V", T="1 ms", duty="0.5", k="1", c="2 ms")
+    m.add(v=hb.Se("step + saw + pulses"), w=hb.Se("if k*time > c then high else -high"))
+    m.add(i=hb.One(), r=hb.R("1 ohm"), l=hb.I("1 mH"))
+    m.bond("v -> i -> r", "i -> l", "w -> i")
+    step = [("0 s", "high"), ("t1", "low"), ("t2", "1 V"), ("4 ms", "2*high")]
+    saw = [("0 s", "0 V"), ("T/2", "low"), ("T", "0 V")]
+    pulses = {"period": "T", "duty": "duty", "high": "high", "low": "0 V"}
+    m.input(step=hb.Input(table=step), pulses=hb.Input(pwm=pulses))
+    m.input(saw=hb.Input(table=saw, linear=True, period="T"))
+    m.experiment["until"] = 0.008
+    program = program_of(m, tmp_path)
+    for values in (
+        {"t1": 1.5e-3},
+        {"t1": 3e-3, "low": 0.5},
+        {"T": 0.7e-3, "duty": 0.3},
+        {"duty": 1.0},
+        {"k": 2.0, "high": 2.0},
+        {"k": -1.0, "c": -1e-3},
+    ):
+        same(read_events(ask(program, "--events", *settings(values))), run_with(m, values))
+    assert "where not t2 >= t1" in refusal(program, "--set", "t1=3.5e-3")
+    assert "where not duty <= 1" in refusal(program, "--set", "duty=1.1")
