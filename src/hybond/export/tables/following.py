@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from hybond.errors import HybondError
 from hybond.export.tables.make import ModelTables, tables_of
+from hybond.export.tables.options import METHODS
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     Binary,
@@ -80,10 +82,10 @@ def followed(
         Of the run.
     """
 
-    def made(wanted: Collection[str], at: Values) -> Following:
+    def made(wanted: Collection[str], at: Values, **chosen: str) -> Following:
         plain = prepared(flatten(model, at))
         trail = Trail(wanted)
-        tables = tables_of(prepared(flatten(model, at, trail)), plain, **options)
+        tables = tables_of(prepared(flatten(model, at, trail)), plain, **{**options, **chosen})
         for e in (*tables.values.all, *tables.pairs):
             _ask_squares(e)
         return Following(tables, plain, trail)
@@ -93,7 +95,9 @@ def followed(
     while True:
         base = made(wanted, {})
         base.fixed = fixed
-        proof = _Proof(base, lambda at, wanted=wanted: made(wanted, at))  # type: ignore[misc]
+        # what "auto" chose for the model stays
+        solver = next(k for k, v in METHODS.items() if v == base.tables.numbers["method"])
+        proof = _Proof(base, partial(made, wanted, solver=solver))
         gone = {k: f"it goes into {why}" for k, why in base.trail.lost.items()} | proof.pinned
         if wanted and not gone and not proof.holds(wanted):
             gone = {k: proof.refused.get(k, UNKNOWN) for k in proof.culprits(wanted)}

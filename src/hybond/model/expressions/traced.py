@@ -228,7 +228,7 @@ def give_up(values: Iterable[float], why: str) -> None:
     """Write down that nothing is followed where these numbers go: into `why`."""
     for value in values:
         if isinstance(value, Traced):
-            for name in names(value.tree):
+            for name in sorted(names(value.tree)):
                 value.trail.lost.setdefault(name.removeprefix(PREFIX), why)
 
 
