@@ -31,6 +31,7 @@ class Chronicle(Sequence[T], Generic[T]):
         self._time_of = time_of
         self._items: list[T | None] = []
         self._blocks: list[tuple[int, Callable[[int], T]]] = []
+        self._plain: list[bool] = []
         self.times: list[float] = []
         self.forgotten = 0
         """Items that were there before the first."""
@@ -40,13 +41,37 @@ class Chronicle(Sequence[T], Generic[T]):
     def append(self, item: T) -> None:
         """Add an item that is there."""
         self._items.append(item)
+        self._plain.append(False)
         self.times.append(float(self._time_of(item)))
 
-    def extend(self, times: Sequence[float], make: Callable[[int], T]) -> None:
-        """Add as many items as there are times; item k of them is ``make(k)``, made once."""
+    def extend(
+        self,
+        times: Sequence[float],
+        make: Callable[[int], T],
+        *,
+        plain: Sequence[bool] | None = None,
+    ) -> None:
+        """Add as many items as there are times; item k of them is ``make(k)``, made once.
+
+        `plain` tells of which items it is known, before they are made, that `telling` need not
+        give them.
+        """
         self._blocks.append((len(self._items), make))
         self._items.extend([None] * len(times))
+        self._plain.extend([False] * len(times) if plain is None else plain)
         self.times.extend(times)
+
+    def telling(self) -> Iterator[T]:
+        """Return the items but for the plain ones, which are not made for it.
+
+        Examples
+        --------
+        >>> squares = Chronicle(float)
+        >>> squares.extend([1.0, 4.0], lambda k: (k + 1) ** 2, plain=[True, False])
+        >>> list(squares.telling())
+        [4]
+        """
+        return (self._item(k) for k, plain in enumerate(self._plain) if not plain)
 
     def forget(self, count: int) -> None:
         """Let go of the first items.
@@ -59,7 +84,7 @@ class Chronicle(Sequence[T], Generic[T]):
         (['d'], 3)
         """
         count = min(count, len(self))
-        del self._items[:count], self.times[:count]
+        del self._items[:count], self._plain[:count], self.times[:count]
         moved = [(first - count, make) for first, make in self._blocks]
         # a block is needed if the next one begins behind the first item that is left
         ends = [*(first for first, _ in moved[1:]), len(self)]
@@ -88,6 +113,7 @@ class Chronicle(Sequence[T], Generic[T]):
     def __setitem__(self, k: int, item: T) -> None:
         k = range(len(self))[k]
         self._items[k], self.times[k] = item, float(self._time_of(item))
+        self._plain[k] = False
 
     def __iter__(self) -> Iterator[T]:
         return (self._item(k) for k in range(len(self)))

@@ -54,6 +54,14 @@ class EventTable(Sequence[Event]):
         times = self.events.times if isinstance(self.events, Chronicle) else [e.t for e in self]
         return np.array(times, dtype=np.float64)
 
+    def with_impulses(self) -> Iterator[Event]:
+        """Return the events but for those of which is known that no impulse was written.
+
+        Of those no records are made, which for many thousands of events takes its time.
+        """
+        events = self.events
+        return events.telling() if isinstance(events, Chronicle) else iter(events)
+
     def rows(self) -> list[tuple[str, str, str, str, str]]:
         """Return time, cause, what, kind and details, one row per transition and mode."""
         rows: list[tuple[str, str, str, str, str]] = []

@@ -158,12 +158,7 @@ def simulate(
         )
     experiment = graph.experiment
     end = end_of(until, experiment)
-    rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
-    if not 1e-14 <= rtol < 1.0:
-        raise UsageError(
-            f"rtol = {rtol:g} is out of range", code="HB-S107", where="rtol", hint="1e-12 to 1e-2"
-        )
-    atol = atol if atol is not None else experiment.get("atol")
+    rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
     fixed = name in ("euler", "rk4")
     given_step = _seconds(step if step is not None else experiment.get("step"), "step")
@@ -223,7 +218,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
-    scale = ErrorScale(program, rtol, None if atol is None else float(atol), end)
+    scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,
         scale=scale,
@@ -281,6 +276,39 @@ def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
             hint='give until="1 s", or [experiment] until in the file',
         )
     return end
+
+
+def tolerances_of(
+    rtol: float | None, atol: float | None, experiment: Mapping[str, Any]
+) -> tuple[float, float | None]:
+    """Return relative and absolute tolerance, as asked for or as the experiment says.
+
+    Raises
+    ------
+    UsageError
+        HB-S107.
+
+    Examples
+    --------
+    >>> tolerances_of(None, None, {"atol": 1e-6})
+    (1e-08, 1e-06)
+    """
+    rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
+    if not 1e-14 <= rtol < 1.0:
+        raise UsageError(
+            f"rtol = {rtol:g} is out of range", code="HB-S107", where="rtol", hint="1e-12 to 1e-2"
+        )
+    atol = atol if atol is not None else experiment.get("atol")
+    if atol is None:
+        return rtol, None
+    if not 0.0 <= float(atol) < math.inf:
+        raise UsageError(
+            f"atol = {float(atol):g} is out of range",
+            code="HB-S107",
+            where="atol",
+            hint="leave it out, or give a positive number in SI",
+        )
+    return rtol, float(atol)
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

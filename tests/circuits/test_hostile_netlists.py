@@ -15,6 +15,23 @@ WRONG = {
     "two values": ("R1 a 0 1 2\n", "HB-F130", 2),
     "no number": (GOOD + "R2 a 0 much\n", "HB-F134", 4),
     "not a number": (GOOD + "R2 a 0 4k7\n", "HB-F131", 4),
+    "an ampere or an attoampere": ("I1 0 a 1A\nR1 a 0 1\n", "HB-F131", 2),
+    "a unit in an expression": (GOOD + "I1 0 a {2*1Amp}\n", "HB-F131", 4),
+    "a power of a power": (GOOD + "R2 a 0 {2^3^2}\n", "HB-F131", 4),
+    "a power of a power, written otherwise": (GOOD + "R2 a 0 {2**3**2}\n", "HB-F131", 4),
+    "a power of a negative number": (GOOD + "R2 a 0 {9+(-2)^3}\n", "HB-F131", 4),
+    "a parameter of the one who uses it": (
+        GOOD + ".param r=3\n.subckt s p q\nR1 p q {r}\n.ends\n.subckt t p q r=1\nX1 p q s\n"
+        ".ends\nX1 a 0 t r=5\n",
+        "HB-F134",
+        6,
+    ),
+    "a root of a negative number": (GOOD + "R2 a 0 {(-8)^(1/3)}\n", "HB-F131", 4),
+    "a pulse as long as the run": (
+        "V1 a 0 PULSE(0 5 0 1u 1u 0 1m)\nR1 a 0 1\n.tran 1u 5m\n",
+        "HB-F140",
+        2,
+    ),
     "half an expression": (GOOD + "R2 a 0 {1+}\n", "HB-F131", 4),
     "an unknown function": (GOOD + "R2 a 0 {system(1)}\n", "HB-F131", 4),
     "a division by zero": (GOOD + "R2 a 0 {1/0}\n", "HB-F131", 4),
@@ -205,3 +222,31 @@ def test_ten_thousand_in_series_and_in_parallel(tmp_path):
     path.write_text("\n".join([*rows, ".tran 1 1 uic", ".end"]))
     kinds = [part.kind for part in hb.read_circuit(path).model.elements.values()]
     assert (kinds.count("1"), kinds.count("0")) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (GOOD + "R2 a 0 4k7\n", "try: write 4.7k"),
+        (GOOD + ".trans 1u 1m\n", "did you mean '.tran'"),
+        (GOOD + "Q1 a b 0 N\nM1 a b 0 0 N\n", "2 cards are of such kinds: Q1, M1"),
+        # a node that is written in two ways: no current flows at all
+        ("V1 in 0 5\nR1 in ouut 1k\nC1 out 0 1u\n", "nothing else is joined to ouut"),
+        ("V1 in 0 5\nR1 in ouut 1k\nC1 out 0 1u\n", "nothing of the netlist is left"),
+    ],
+)
+def test_a_slip_of_the_pen_is_told_its_remedy(tmp_path, text, said):
+    path = tmp_path / "slip.cir"
+    path.write_text("A title\n" + text)
+    with pytest.raises(hb.FileError) as caught:
+        hb.read_circuit(path)
+    assert said in str(caught.value)
+
+
+def test_the_node_at_which_a_part_hangs_loose_is_named(tmp_path):
+    path = tmp_path / "loose.cir"
+    path.write_text("A title\n" + GOOD + "R2 a lost 1\n.tran 1m 1 uic\n")
+    (warning,) = hb.read_circuit(path).warnings
+    assert str(warning).endswith(
+        "R2 is left out: no current can pass it, nothing else is joined to lost"
+    )

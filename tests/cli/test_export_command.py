@@ -39,3 +39,48 @@ def test_what_cannot_be_written_is_refused(tmp_path, capsys) -> None:
     assert capsys.readouterr().err.startswith("HB-X102")
     assert main(["export", BALL, "--to", "c", "--solver", "liqss2", "--out", "-"]) == 1
     assert capsys.readouterr().err.startswith("HB-E632")
+
+
+def refused(capsys, *words: str) -> str:
+    """Return how a command is refused."""
+    assert main(list(words)) in (1, 2)
+    return capsys.readouterr().err
+
+
+def test_a_class_cannot_be_called_as_every_file(tmp_path, capsys) -> None:
+    for name in ("my ball", "2balls", "class", "String"):
+        said = refused(
+            capsys, "export", BALL, "--to", "java", "--out", str(tmp_path / f"{name}.java")
+        )
+        assert said.startswith(f"HB-E606 at name: no Java class can be called {name!r}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_numbers_that_make_no_program_are_refused(capsys) -> None:
+    for option, value, code in (
+        ("--rtol", "-1", "HB-S107"),
+        ("--atol", "-1", "HB-S107"),
+        ("--points", "0", "HB-E607"),
+        ("--max-step", "0 s", "HB-S103"),
+        ("--until", "-1 s", "HB-S106"),
+    ):
+        words = ("export", BALL, "--to", "c", "--out", "-", f"{option}={value}")
+        assert refused(capsys, *words).startswith(code), option
+
+
+def test_remedies_name_what_can_be_done(tmp_path, capsys) -> None:
+    said = refused(capsys, "export", BALL, "--to", "c", "--out", str(tmp_path / "ball.txt"))
+    assert "try: end it in .c\n" in said
+    said = refused(capsys, "export", BALL, "--to", "c", "--out", str(tmp_path))
+    assert "it is a folder" in said
+    said = refused(capsys, "export", BALL, "--to", "python", "--until", "1 s", "--out", "-")
+    assert "leave it out; it is for c, fmu, java" in said
+    said = refused(capsys, "export", str(tmp_path / "buck.cir"), "--to", "c")
+    assert "hybond convert buck.cir buck.toml" in said
+
+
+def test_the_version_of_a_unit_is_an_option(tmp_path, capsys) -> None:
+    said = refused(capsys, "export", BALL, "--to", "fmu", "--fmi", "1.0", "--out", "-")
+    assert said.startswith("HB-E604 at fmi: FMI 1.0 is not written")
+    said = refused(capsys, "export", BALL, "--to", "c", "--fmi", "2.0", "--out", "-")
+    assert said.startswith("HB-E602 at fmi")

@@ -37,3 +37,19 @@ def test_an_unknown_part_and_a_file_of_no_part_are_refused(shell: Any) -> None:
     done = shell("library", "electrical.diod")
     assert done.code == 1 and "HB-X110" in done.err and "'electrical.diode'" in done.err
     assert shell("library", "--file").code == 1
+
+
+def test_a_word_finds_parts_by_name_and_title(shell: Any) -> None:
+    lines = shell("library", "Diode").out.splitlines()
+    found = [line.split()[0] for line in lines]
+    assert {"electrical.diode", "electrical.diode_bridge", "electrical.igbt"} <= set(found)
+    assert all("diode" in line.lower() for line in lines)
+    done = shell("library", "flux_capacitor")
+    assert done.code == 1 and "hybond library lists them all" in done.err
+
+
+def test_the_line_that_a_part_shows_is_one_of_a_model_file(shell: Any) -> None:
+    for part in ("electrical.diode", "electrical.ground", "electrical.resistor"):
+        line = shell("library", part).out.splitlines()[-1]
+        model = hb.loads(f"hybond = 1\n[elements]\n{line}")
+        assert model.flatten().nodes

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from hybond.model.graph import Bond, End, FlatGraph, Machine, Node, Storage
+from hybond.report import EventTable
 from hybond.units import DOMAINS
 
 
@@ -285,24 +286,27 @@ def make_run(
     any_signal = next(iter(signals.values()))[1]
     times = [np.asarray(t, dtype=float) for t, _ in any_signal]
     areas = list(impulses) or [{} for _ in times]
+    graph = SimpleNamespace(
+        nodes=[],
+        machines=[SimpleNamespace(path=p, states=tuple(s)) for p, s in (machines or {}).items()],
+    )
+    events = [
+        SimpleNamespace(
+            t=t[0],
+            steps=(
+                SimpleNamespace(kind="mythical", impulses=dict.fromkeys(a, 99.0)),
+                SimpleNamespace(kind="continuous", impulses=a),
+            ),
+        )
+        for t, a in zip(times, areas)
+    ]
     return SimpleNamespace(
         title="A run of $x$",
         t_end=float(times[-1][-1]),
         warnings=list(warnings),
-        graph=SimpleNamespace(
-            machines=[SimpleNamespace(path=p, states=tuple(s)) for p, s in (machines or {}).items()]
-        ),
+        graph=graph,
         segments=[SimpleNamespace(t=t, mode=m) for t, m in zip(times, modes)],
-        events=[
-            SimpleNamespace(
-                t=t[0],
-                steps=(
-                    SimpleNamespace(kind="mythical", impulses=dict.fromkeys(a, 99.0)),
-                    SimpleNamespace(kind="continuous", impulses=a),
-                ),
-            )
-            for t, a in zip(times, areas)
-        ],
+        events=EventTable(graph, events),  # type: ignore[arg-type]
         unit=lambda name: signals[name][0],
         pieces=lambda name, points_per_segment=None: [
             (np.asarray(t, dtype=float), np.asarray(y, dtype=float)) for t, y in signals[name][1]

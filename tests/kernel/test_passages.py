@@ -233,3 +233,42 @@ def test_samples_of_many_segments_are_those_one_by_one(kernel, side):
     for name in names:
         alone = [float(run.sample([a], [name], side=side)[name][0]) for a in t]
         assert together[name] == pytest.approx(alone, rel=1e-13, abs=1e-15), name
+
+
+def test_corners_of_an_input_beside_an_event_do_not_crowd(kernel):
+    """The edge of a pulse ends 50 ps after the switch has seen it, period after period."""
+    m = hb.Model("gated", domain="electrical")
+    m.add(
+        V=hb.Se("10 V"), s=hb.One(), r=hb.R("1 ohm"), n=hb.Zero(), c=hb.C("1 mF"), g=hb.G("0.1 S")
+    )
+    m.bond("V -> s -> n -> c", "s -> r", "n -> g")
+    edges = [["0 s", 0], ["100 ps", 1], ["0.4 ms", 1], ["400.0001 us", 0]]
+    m.input(gate=hb.Input(table=edges, linear=True, period="1 ms"))
+    m.machine(
+        "M",
+        states={"off": [], "on": ["s"]},
+        start="off",
+        rules=["off -> on when gate > 0.5", "on -> off when gate < 0.5"],
+    )
+    slow, fast = both(m, "20 ms")
+    assert told(slow) == told(fast)
+    assert len(fast.events) == 41
+    assert "in doubt" not in fast.kernel
+    # charged by 10 V through 1 ohm and 0.1 S, discharged by 0.1 S alone
+    on, off, q = np.exp(-1.1 * 0.4), np.exp(-0.1 * 0.6), 0.0
+    for _ in range(20):
+        q = (0.01 / 1.1 + (q - 0.01 / 1.1) * on) * off
+    assert fast["c.q"].at(20e-3) == pytest.approx(q, rel=1e-6)
+
+
+def test_events_without_impulses_are_known_without_their_records(kernel):
+    run = hb.simulate(ball(0.95), 20.0)
+    telling = list(run.events.with_impulses())
+    writing = [e for e in run.events if any(s.impulses for s in e.steps if s.kind != "mythical")]
+    assert len(writing) > 10
+    assert [e for e in telling if e in writing] == writing
+    quiet = hb.simulate(oscillating(RHYTHM), 20.0)
+    assert quiet.stats["crossed"] > 20
+    known = len(list(quiet.events.with_impulses()))
+    assert known <= len(quiet.events) - quiet.stats["crossed"]
+    assert not any(s.impulses for e in quiet.events for s in e.steps)

@@ -144,3 +144,56 @@ def test_a_parameter_given_without_a_unit_is_in_the_unit_of_its_own_value() -> N
     outer.elements["a"] = hb.Submodel(inner, m="2 m")
     with pytest.raises(hb.UnitError):
         outer.flatten()
+
+
+def two_parts(bond: str, **given: object) -> hb.Model:
+    m = hb.Model("wrong", domain="electrical")
+    m.add(
+        V=hb.Submodel("electrical.voltage_source"),
+        s=hb.Submodel("electrical.switch", **given),
+        J=hb.Submodel("rotational.inertia"),
+        gnd=hb.Zero(),
+    )
+    m.bond("V.minus -> gnd", bond)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("bond", "why", "remedy"),
+    [
+        (
+            "V -> s.plus",
+            "'V', which is a submodel and no port of it",
+            "its ports are V.minus, V.pl",
+        ),
+        ("V.plus -> s.pin", "'s.pin', but 's' has no port 'pin'", "its ports are s.minus, s.plus"),
+        ("V.plus -> s.plu", "'s.plu', but 's' has no port 'plu'", "its ports are s.minus, s.plus"),
+        ("V.plus -> gmd", "'gmd', which is not an element", "did you mean 'gnd'?"),
+    ],
+)
+def test_a_bond_that_misses_a_port_is_told_the_ports(bond: str, why: str, remedy: str) -> None:
+    with pytest.raises(hb.ModelError) as caught:
+        two_parts(bond).flatten()
+    assert caught.value.code == "HB-M101"
+    assert caught.value.where == "graph.bonds[1]"
+    assert caught.value.why.endswith(why)
+    assert caught.value.hint.startswith(remedy)
+
+
+def test_the_bond_between_two_domains_is_named() -> None:
+    with pytest.raises(hb.ModelError) as caught:
+        two_parts("V.plus -> J.shaft").flatten()
+    assert caught.value.code == "HB-M134"
+    assert caught.value.where == "graph.bonds[1]"
+    assert "joins 'V.plus' (electrical) to 'J.shaft' (rotational)" in caught.value.why
+
+
+def test_an_input_among_parameters_is_told_its_place() -> None:
+    with pytest.raises(hb.ModelError) as caught:
+        two_parts("V.plus -> s.plus", gate="time > 1").flatten()
+    assert (caught.value.code, caught.value.where) == ("HB-M107", "s.gate")
+    assert caught.value.hint == "it is an input: give it under inputs"
+    with pytest.raises(hb.ModelError) as caught:
+        two_parts("V.plus -> s.plus", inputs={"R_on": "1 ohm"}).flatten()
+    assert (caught.value.code, caught.value.where) == ("HB-M111", "s.R_on")
+    assert caught.value.hint == "it is a parameter: give it under parameters"

@@ -95,6 +95,13 @@ def read_description(path: str | os.PathLike[str], where: str = "") -> Descripti
         if b"<!ENTITY" in text or b"<!DOCTYPE" in text:
             raise _refused("its description declares entities", where)
         root = ElementTree.fromstring(text)
+    except FileNotFoundError:
+        raise FileError(
+            f"there is no file {str(path)!r}",
+            code="HB-F160",
+            where=where,
+            hint="check the path; in a model file it counts from the folder of that file",
+        ) from None
     except OSError as error:
         raise _refused(error.strerror or str(error), where) from None
     except KeyError:

@@ -181,6 +181,14 @@ class _Making:
             model.parameters[self.parameters[key]] = text
         ends = ends_of(self.leaves, self.numbers)
         woven = weave(self.leaves, ends, self.shown, self.names, self.texts, self.notices)
+        if not woven.elements:
+            said = "; ".join(n.what for n in self.notices.found)
+            raise FileError(
+                "nothing of the netlist is left" + (f": {said}" if said else ""),
+                code="HB-F130",
+                where=str(self.path),
+                hint="look at the names of its nodes: only a loop of elements carries a current",
+            )
         assemble(model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices)
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)

@@ -6,11 +6,12 @@ import os
 import re
 from dataclasses import dataclass, field
 
-from hybond.circuits.cards import Card, options_of, read_card, words_of
+from hybond.circuits.cards import WITHOUT_MEANING, Card, options_of, read_card, words_of
 from hybond.circuits.formulas import Formula, read_formula
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.reading import read_lines
 from hybond.errors import FileError
+from hybond.names import did_you_mean
 
 _ASSIGNED = re.compile(r"([A-Za-z_][A-Za-z0-9_.]*)\s*=(?!=)")
 _SETS = re.compile(r"v\s*\(\s*([^()\s,]+)\s*\)\s*=\s*(\{[^}]*\}|'[^']*'|[^\s=]+)", re.IGNORECASE)
@@ -37,6 +38,10 @@ _LEFT_OUT = {
     "sp": "the analysis is left out",
     "title": "",
 }
+_COMMANDS = (
+    *(".param", ".model", ".subckt", ".include", ".lib", ".tran", ".ic", ".global"),
+    *(".print", ".end", ".ends"),
+)
 _ANALYSES = frozenset({"ac", "dc", "noise", "pz", "sens", "disto", "tf", "sp", "op"})
 
 
@@ -152,7 +157,7 @@ class _Reader:
             elif word.startswith("."):
                 self.command(word[1:], line)
             else:
-                self.card(read_card(line, self.notices))
+                self.card(self.read(line, lines))
         if self.scope is not self.top:
             raise self.scope.line.refuse(
                 f"the subcircuit {self.scope.name!r} has no end", code="HB-F130", hint="add .ends"
@@ -208,12 +213,26 @@ class _Reader:
                 if _LEFT_OUT[word]:
                     self.notices.add(line, _LEFT_OUT[word])
             case _:
+                near = did_you_mean(f".{word}", _COMMANDS)
                 raise line.refuse(
                     f"the command .{word} has no meaning here",
                     code="HB-F137",
-                    hint="take it out; known are .param, .model, .subckt, .include, .lib, .tran, "
-                    ".ic, .global, .print",
+                    hint=near
+                    if near.startswith("did")
+                    else f"take it out; known are {', '.join(_COMMANDS)}",
                 )
+
+    def read(self, line: Line, lines: list[Line]) -> Card:
+        """Return the element of a line; a refusal of its kind names all of such kinds."""
+        try:
+            return read_card(line, self.notices)
+        except FileError as error:
+            names = [other.text.split(None, 1)[0] for other in lines]
+            names = [n for n in names if n[0].lower() in WITHOUT_MEANING]
+            if error.code == "HB-F136" and len(names) > 1:
+                shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+                error.why += f"; {len(names)} cards are of such kinds: {shown}"
+            raise
 
     def parameters(self, rest: str, line: Line) -> None:
         for name, text in assignments(rest, line):

@@ -182,8 +182,12 @@ class _Weaver:
         if leaf.role == "winding":
             self.notices.add(branch.line, f"{branch.name} is open: no current can pass it")
         elif branch.kind not in "veh":
+            loose = [n for n in self.ends[k] if n and sum(n in pair for pair in self.ends) == 1]
+            why = "it is in no loop"
+            if loose:
+                why = f"nothing else is joined to {' and '.join(self.nodes[n] for n in loose)}"
             self.notices.add(
-                branch.line, f"{branch.name} is left out: no current can pass it, it is in no loop"
+                branch.line, f"{branch.name} is left out: no current can pass it, {why}"
             )
 
     def wound(self, core: Magnetics) -> list[int]:

@@ -32,7 +32,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
-    "library": "list the ready parts, or show one",
+    "library": "list the ready parts, look for some, or show one",
     "export": "write a model as a program, or for another tool",
 }
 
@@ -278,9 +278,12 @@ def _parser() -> Parser:
         "library",
         "hybond library",
         "hybond library electrical.diode",
+        "hybond library transformer",
         "hybond library electrical.diode --file > my_diode.toml",
     )
-    library.add_argument("part", metavar="PART", nargs="?", help="a part, or a domain")
+    library.add_argument(
+        "part", metavar="PART", nargs="?", help="a part, a domain, or a word to look for"
+    )
     library.add_argument("--file", action="store_true", help="print its model file")
 
     export = _verb(
@@ -288,6 +291,7 @@ def _parser() -> Parser:
         "export",
         "hybond export ball.toml --to c",
         "hybond export ball.toml --to java --out -",
+        "hybond export ball.toml --to fmu --fmi 2.0 --set m=2kg",
     )
     export.add_argument("file", metavar="FILE", help="a model file")
     export.add_argument(
@@ -302,6 +306,7 @@ def _parser() -> Parser:
     export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
     export.add_argument("--max-step", metavar="H", help="longest step")
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
+    export.add_argument("--fmi", metavar="V", help="of fmu: version 3.0 (the default) or 2.0")
     return parser
 
 

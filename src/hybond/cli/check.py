@@ -54,8 +54,11 @@ def check(given: Namespace) -> int:
         ahead = list(ahead_lines(graph, modes_report(graph).ahead))
     for line in ahead:
         say(f"warning: {line}" if not line.startswith(" ") else line)
-    warnings = sum(not line.startswith(" ") for line in ahead) + len(graph.warnings)
-    for warning in graph.warnings:
+    noted = list(graph.warnings)
+    if not graph.nodes:
+        noted.append("the model has no elements")
+    warnings = sum(not line.startswith(" ") for line in ahead) + len(noted)
+    for warning in noted:
         say(f"warning: {warning}")
     for conflict in conflicts:
         complain(str(conflict_error(graph, start, conflict)))

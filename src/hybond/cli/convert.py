@@ -9,11 +9,7 @@ from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
 from hybond.files import load, save
-
-CIRCUITS = (".cir", ".net", ".sp", ".ckt", ".spice")
-"""Endings of SPICE netlists."""
-BOND_GRAPHS = (".bg",)
-"""Endings of files of BondGraphTools."""
+from hybond.files.parse import BOND_GRAPHS, CIRCUITS
 
 
 def convert(given: Namespace) -> int:

@@ -39,11 +39,12 @@ def example(name: str) -> Path:
     files = {f.stem: f for f in models_in(examples_folder())}
     stem = name.removesuffix(".toml")
     if stem not in files:
+        near = did_you_mean(stem, files)
         raise UsageError(
             f"there is no example {name!r}",
             code="HB-X106",
             where="--from",
-            hint=did_you_mean(stem, files),
+            hint=near if near.startswith("did") else f"known names: {', '.join(files)}",
         )
     return files[stem]
 

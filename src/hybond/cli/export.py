@@ -38,7 +38,7 @@ def export_model(given: Namespace) -> int:
     path = None if name == PRINTED else check_target(name, (target.suffix,), "--out")
     if path is not None:
         check_new(path, force=given.force)
-    names = ("until", "solver", "rtol", "atol", "points", "max_step")
+    names = ("until", "solver", "rtol", "atol", "points", "max_step", "fmi")
     options = {n: getattr(given, n) for n in names if getattr(given, n) is not None}
     model = model_with(load(Path(given.file)), given.settings)
     found = export(model, to=given.to, path=path, **options)
@@ -46,6 +46,13 @@ def export_model(given: Namespace) -> int:
         say(name)
     elif isinstance(found, str):
         sys.stdout.write(found)
+    elif sys.stdout.isatty():
+        raise UsageError(
+            "this is no text for a terminal",
+            code="HB-X102",
+            where="--out",
+            hint=f"name a file, such as {default_name(given.to, Path(given.file).stem)}",
+        )
     else:
         sys.stdout.buffer.write(found)
     return 0

@@ -1,4 +1,4 @@
-"""``hybond library``: the ready parts by domain, or what there is to know of one."""
+"""``hybond library``: the ready parts by domain or by a word, or what there is to know of one."""
 
 from __future__ import annotations
 
@@ -13,8 +13,19 @@ from hybond.names import did_you_mean
 
 
 def library(given: Namespace) -> int:
-    """List all parts, those of a domain, or print one."""
+    """List all parts, those of a domain or with a word, or print one."""
     domains = sorted({name.partition(".")[0] for name in names()})
+    if given.part is not None and given.part not in (*names(), *domains):
+        found = _with_word(given.part)
+        if not found or given.file:
+            raise UsageError(
+                f"there is no ready part {given.part!r}",
+                code="HB-X110",
+                where="hybond library",
+                hint=_remedy(given.part, found, domains),
+            )
+        say("\n".join(_lines(found)))
+        return 0
     if given.part is None or given.part in domains:
         if given.file:
             raise UsageError(
@@ -26,25 +37,36 @@ def library(given: Namespace) -> int:
         chosen = domains if given.part is None else [given.part]
         say("\n\n".join("\n".join(_listed(domain)) for domain in chosen))
         return 0
-    if given.part not in names():
-        raise UsageError(
-            f"there is no ready part {given.part!r}",
-            code="HB-X110",
-            where="hybond library",
-            hint=did_you_mean(given.part, [*names(), *domains]),
-        )
-    found = sheet(given.part)
+    page = sheet(given.part)
     if given.file:
-        sys.stdout.write(found.text)
+        sys.stdout.write(page.text)
     else:
-        say("\n".join(_page(found)))
+        say("\n".join(_page(page)))
     return 0
+
+
+def _with_word(word: str) -> list[str]:
+    """Return the parts with a word in name or title; a path with a dot is no word."""
+    word = word.lower()
+    if "." in word:
+        return []
+    return [n for n in names() if word in n.partition(".")[2] or word in sheet(n).title.lower()]
+
+
+def _remedy(wanted: str, found: Sequence[str], domains: Sequence[str]) -> str:
+    if found:
+        return f"did you mean {', '.join(map(repr, found[:3]))}?"
+    near = did_you_mean(wanted, [*names(), *domains])
+    return near if near.startswith("did") else "hybond library lists them all"
 
 
 def _listed(domain: str) -> Iterator[str]:
     yield domain
-    mine = [name for name in names() if name.startswith(f"{domain}.")]
-    yield from _columns((f"  {name}", sheet(name).title) for name in mine)
+    yield from _lines([name for name in names() if name.startswith(f"{domain}.")])
+
+
+def _lines(chosen: Sequence[str]) -> list[str]:
+    return _columns((f"  {name}", sheet(name).title) for name in chosen)
 
 
 def _page(of: Sheet) -> Iterator[str]:
@@ -58,6 +80,20 @@ def _page(of: Sheet) -> Iterator[str]:
         "inputs", [(k.name, f"{k.value} {k.unit}".strip(), k.about) for k in of.inputs]
     )
     yield from _section("signals", [(k.name, k.unit, k.about or k.value) for k in of.signals])
+    yield ""
+    yield "in a model file"
+    yield f"  {_element(of)}"
+
+
+def _element(of: Sheet) -> str:
+    """Return the line of a model file that has the part, with its first parameter and input."""
+    words = [f'submodel = "{of.name}"']
+    if of.parameters:
+        first = of.parameters[0]
+        words.append(f'parameters = {{ {first.name} = "{first.value}" }}')
+    if of.inputs:
+        words.append(f'inputs = {{ {of.inputs[0].name} = "..." }}')
+    return f"x = {{ {', '.join(words)} }}"
 
 
 def _section(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[str]:

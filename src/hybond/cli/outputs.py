@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from hybond.cli.record import run_record, to_json
 from hybond.cli.refusal import refusal_of
+from hybond.cli.streams import complain
 from hybond.errors import HybondError
 from hybond.result import Result
 
 TABLES = (".csv", ".npz", ".json")
 PICTURES = (".png", ".svg", ".pdf")
+LONG = 3000
+"""Pieces of a run whose picture takes more than a second or two."""
 
 
 def write_table(run: Result, path: Path, file: str, names: Sequence[str]) -> None:
@@ -36,6 +40,8 @@ def write_table(run: Result, path: Path, file: str, names: Sequence[str]) -> Non
 def write_plot(run: Result, path: Path, names: Sequence[str]) -> None:
     """Plot a run with a strip of its modes."""
     os.environ.setdefault("MPLBACKEND", "Agg")  # a terminal may have no screen
+    if len(run.segments) > LONG and sys.stderr.isatty():
+        complain(f"drawing {len(run.segments)} pieces between events ...")
     run.plot(*names, path=str(path))
 
 

@@ -18,7 +18,7 @@ from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity
 
-FIRST, LAST = 40, 10
+FIRST, LAST = 12, 4
 """Events printed of a run that has many more."""
 
 

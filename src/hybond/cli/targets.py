@@ -28,11 +28,12 @@ def check_target(text: str | None, suffixes: Sequence[str], option: str) -> Path
         return None
     path = Path(text)
     why = hint = ""
-    if path.suffix.lower() not in suffixes:
-        why = f"{path.suffix!r} is not known" if path.suffix else "it has no ending"
-        hint = f"end the name in {', '.join(suffixes[:-1])} or {suffixes[-1]}"
-    elif path.is_dir():
+    if path.is_dir():
         why, hint = "it is a folder", "name a file in it"
+    elif path.suffix.lower() not in suffixes:
+        why = f"{path.suffix!r} is not known" if path.suffix else "it has no ending"
+        *others, last = suffixes
+        hint = f"end the name in {', '.join(others)} or {last}" if others else f"end it in {last}"
     elif not path.parent.is_dir():
         why, hint = f"there is no folder {str(path.parent)!r}", "make it first"
     if why:

@@ -23,7 +23,7 @@ def impulses_of(result: Any, name: str) -> Vector:
     Steps of one event that write add up; a mythical step writes nothing.
     """
     found = []
-    for event in result.events:
+    for event in result.events.with_impulses():
         steps = [s for s in event.steps if s.kind != "mythical"]
         area = sum(s.impulses.get(name, 0.0) for s in steps)
         if area:

@@ -63,8 +63,13 @@ def plot_run(
     for name in dict.fromkeys(names):
         groups.setdefault(result.unit(name) or "", []).append(name)
     if not groups:
+        known = [f"{n.path}.e" for n in result.graph.nodes if not n.is_junction and not n.implied]
         raise UsageError(
-            "no signal to plot", code="HB-D103", hint='name one: plot("ball.p", "contact.e")'
+            "no signal to plot",
+            code="HB-D103",
+            hint=f"name one: run.plot({known[0]!r}), or --signals {known[0]}"
+            if known
+            else "the model has no elements",
         )
     factor, time_label = axis_scale("s", result.t_end, least=0.5)
     if ax is not None:
@@ -268,7 +273,7 @@ def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:
     """Set the time axis and draw a dotted line at each event that has room for it."""
     end = (result.t_end or 1.0) * factor
     ax.set_xlim(-0.01 * end, 1.01 * end)
-    times = np.array([float(e.t) for e in result.events if len(e.steps)]) * factor
+    times = result.events.t * factor
     times = np.unique(times[(times > 0) & (times < end)])
     for t in times[apart(times, _LINE_GAP * end)]:
         ax.axvline(t, color="#8c8c8c", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)

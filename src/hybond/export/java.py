@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from hybond._version import __version__
+from hybond.errors import UsageError
 from hybond.export.identifiers import identifier
 from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
 from hybond.export.story import noted, story, title_of
 from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
 from hybond.export.translate.java_words import IMPORTS, java_words
 from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
-from hybond.export.translate.reserved import TYPES
+from hybond.export.translate.reserved import JAVA_WORDS, TYPES
 from hybond.export.translate.tree import Member
 from hybond.model.builder import Model
 
@@ -41,7 +43,8 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     Raises
     ------
     ModelError, UsageError
-        HB-E630 to HB-E634 for what the exported runtime does not have.
+        HB-E630 to HB-E634 for what the exported runtime does not have, HB-E606 for a name that no
+        class can have.
 
     Examples
     --------
@@ -51,8 +54,9 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     public final class BouncingBall {
     """
     graph = model.flatten()
-    found = exported(graph, options=options)
     name = name or class_name(graph.name or graph.title or "model")
+    _check_name(name)
+    found = exported(graph, options=options)
     printer = JavaPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
@@ -97,6 +101,18 @@ def class_name(text: str) -> str:
     parts = identifier(text).split("_")
     found = "".join(p[:1].upper() + p[1:] for p in parts if p)
     return f"{found}Model" if found in TYPES or found in runtime().records else found
+
+
+def _check_name(name: str) -> None:
+    plain = re.fullmatch(r"[A-Za-z_$][A-Za-z0-9_$]*", name)
+    if plain and name not in JAVA_WORDS | TYPES and name not in runtime().records:
+        return
+    raise UsageError(
+        f"no Java class can be called {name!r}",
+        code="HB-E606",
+        where="name",
+        hint=f"the file is called as its class: {class_name(name)}.java",
+    )
 
 
 def _how_to(name: str) -> list[str]:

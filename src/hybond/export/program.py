@@ -23,7 +23,8 @@ ROOTS = ("make_engine", "make_report", "run_program")
 """What the printed main calls."""
 DRIVEN = (
     *("make_engine", "make_report", "make_run", "begin_unit", "set_input", "take_inputs"),
-    *("advance", "output_now", "rates_now", "indicators_now", "indicators_of", "settle_unit"),
+    *("advance", "output_now", "rates_now", "indicators_now", "indicators_of"),
+    *("settle_unit", "guard_holds", "nominal_now"),
 )
 """What somebody calls who drives the run: the functions of a functional mock-up unit."""
 OPTIONS = ("points",)

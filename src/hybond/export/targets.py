@@ -65,12 +65,14 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
     ----------
     model : Model
     to : str
-        One of `TARGETS`: ``"c"``, ``"java"``, ``"latex"``, ``"modelica"``, ``"python"``.
+        One of `TARGETS`: ``"c"``, ``"fmu"``, ``"java"``, ``"latex"``, ``"modelica"``,
+        ``"python"``.
     path : str or Path, optional
         The file to write.
     **options
         Of a program's run, which are those of `hybond.simulate`: ``until``, ``solver``, ``rtol``,
-        ``atol``, ``points``, ``max_step``; and ``name``, of a Java class.
+        ``atol``, ``points``, ``max_step``; ``name``, of a Java class; ``fmi``, the version of a
+        functional mock-up unit.
 
     Returns
     -------
@@ -101,11 +103,13 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
         )
     for name in options:
         if name not in target.options:
+            others = [t for t, kind in TARGETS.items() if name in kind.options]
             raise UsageError(
                 f"an export to {to!r} has no option {name!r}",
                 code="HB-E602",
                 where=name,
-                hint=did_you_mean(name, target.options),
+                hint=did_you_mean(name, target.options)
+                or f"leave it out; it is for {', '.join(others) or 'nothing'}",
             )
     if to == "java" and path is not None:
         options.setdefault("name", Path(path).stem)

@@ -17,6 +17,7 @@ import msgspec
 from hybond.errors import FileError
 from hybond.files import limits
 from hybond.files.place import Place, quoted, shortened
+from hybond.files.schema import Waveform
 from hybond.names import did_you_mean
 
 _EXPECTED = re.compile(r"Expected `([^`]*)`(.*?)(?:, got `([^`]*)`)?(?: - at `\$(.*)`)?\Z")
@@ -169,6 +170,8 @@ def _wrong_type(data: Any, shape: Any, place: Place, message: str) -> FileError:
             words.remove("a whole number")
         if words:
             message = f"{describe(data)}, where {' or '.join(words)}{rest} is needed"
+        if shape is Waveform:
+            hint = 'write { constant = "5 V" }, or a table or pwm: docs/model_files.md'
     return place.refuse(message, code="HB-F112", hint=hint)
 
 

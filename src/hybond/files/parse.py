@@ -25,6 +25,10 @@ _MASKED = re.compile(
 )
 _LONG_KEY = re.compile(r"(?<![\w.-])(?:[\w-]++\.){20,}+")
 _LONG_KEYS = 1000
+CIRCUITS = (".cir", ".net", ".sp", ".ckt", ".spice")
+"""Endings of SPICE netlists."""
+BOND_GRAPHS = (".bg",)
+"""Endings of files of BondGraphTools."""
 _DEEPEST_KEY = 2 * limits.LEVELS + 12
 
 
@@ -41,11 +45,14 @@ def format_of(path: Path) -> Format:
         return "toml"
     if suffix == ".json":
         return "json"
+    hint = "model files end in .toml or .json"
+    if suffix in CIRCUITS + BOND_GRAPHS:
+        hint = f"make one of it first: hybond convert {path.name} {path.stem}.toml"
     raise FileError(
         f"{suffix!r} is not a kind of model file" if suffix else "the file name has no suffix",
         code="HB-F102",
         where=str(path),
-        hint="model files end in .toml or .json",
+        hint=hint,
     )
 
 

@@ -210,7 +210,7 @@ def log_for(rows: int, stored: int, machines: int) -> Filled:
     log.put("before", np.zeros((rows, stored)))
     log.put("after", np.zeros((rows, stored + 2)))
     log.put("approach", np.zeros((rows, machines)))
-    for name in ("steps", "mode", "interval", "timed", "changed"):
+    for name in ("steps", "mode", "interval", "timed", "changed", "struck"):
         log.put(name, np.zeros(rows))
     log.put("fired", np.zeros((rows, machines)))
     log.put("wanted", np.zeros(machines))

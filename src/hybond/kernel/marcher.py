@@ -260,6 +260,7 @@ class Marcher:
             after,
             row["timed"].astype(bool),
             row["changed"].astype(bool),
+            row["struck"].astype(bool),
             row["interval"],
             intervals,
             row["energy"],

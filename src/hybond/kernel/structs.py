@@ -209,7 +209,7 @@ class Log(ctypes.Structure):
     _fields_ = (
         *((name, REALS) for name in ("t", "before", "after", "energy", "approach")),
         *((name, INTEGERS) for name in ("steps", "mode", "interval", "timed", "changed")),
-        *((name, INTEGERS) for name in ("fired", "wanted")),
+        *((name, INTEGERS) for name in ("struck", "fired", "wanted")),
         ("last", REAL),
         ("rows", INTEGER),
     )

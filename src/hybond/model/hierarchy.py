@@ -7,7 +7,7 @@ gives them, and follows ports. It does not know what a name in a law means; `res
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -22,6 +22,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
+from hybond.model.misnamed import check_given, no_such_end
 from hybond.model.parts import (
     BlockPart,
     InputPart,
@@ -131,12 +132,7 @@ def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
     for bond in opened.bonds:
         for end in (bond.tail, bond.head):
             if end.path not in opened.nodes:
-                raise ModelError(
-                    f"the bond {bond.name!r} ends at {end.path!r}, which is not an element",
-                    code="HB-M101",
-                    where=bond.where,
-                    hint=did_you_mean(end.path, opened.nodes),
-                )
+                raise no_such_end(bond.name, end.path, bond.where, opened.nodes, opened.ports)
     return opened
 
 
@@ -173,6 +169,7 @@ def _open(
                 where=path,
                 hint="break the cycle",
             )
+        check_given(part.parameters, "parameter", _known(inner), inner.name, path)
         passed = {
             k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
         }
@@ -215,17 +212,16 @@ def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[floa
             layout[inner] = (at[0] + x, at[1] + y)
 
 
+def _known(inner: Model) -> dict[str, Collection[str]]:
+    return {"parameter": inner.parameters.keys(), "input": inner.inputs.keys()}
+
+
 def _connect(part: SubmodelPart, inner: Model, path: str, scope: Scope, opened: Opened) -> None:
     """Put in what the inputs of a submodel are in the model around it."""
     for name, value in part.inputs.items():
         own = join(path, name)
         if own not in opened.inputs:
-            raise ModelError(
-                f"the submodel {inner.name!r} has no input {name!r}",
-                code="HB-M111",
-                where=own,
-                hint=did_you_mean(name, inner.inputs),
-            )
+            check_given([name], "input", _known(inner), inner.name, path)
         if isinstance(literal(value, own), Number):
             opened.inputs[own] = (scope, InputPart(constant=value))
         else:
@@ -255,14 +251,6 @@ def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Mode
 def _parameters(
     model: Model, prefix: str, given: Mapping[str, Number], overrides: dict[str, Value]
 ) -> dict[str, Number]:
-    for name in given:
-        if name not in model.parameters:
-            raise ModelError(
-                f"the submodel {model.name!r} has no parameter {name!r}",
-                code="HB-M107",
-                where=join(prefix, name),
-                hint=did_you_mean(name, model.parameters),
-            )
     values: dict[str, Number] = dict(given)
     written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
     for name in model.parameters:

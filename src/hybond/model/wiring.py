@@ -174,6 +174,25 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
         for k in at[1:]:
             region[find(k)] = find(at[0])
 
+    def declare(table: dict[int, tuple[str, str]], root: int, domain: str, path: str) -> None:
+        _domain(domain, path)
+        name, other = table.setdefault(root, (domain, path))
+        if name == domain:
+            return
+        text = f"{path!r} is {domain} and {other!r} is {name}, but bonds and junctions join them"
+        where = path
+        for k, bond in enumerate(bonds):
+            mixed = _mixed(bond, nodes) if find(k) == root else ""
+            if mixed:
+                text, where = f"the bond {bond.name!r} joins {mixed}", bond.where
+                break
+        raise ModelError(
+            text,
+            code="HB-M134",
+            where=where,
+            hint="put a TF or GY between the domains, or a part that has one, such as a motor",
+        )
+
     said: dict[int, tuple[str, str]] = {}
     default: dict[int, tuple[str, str]] = {}
     for node, at in zip(nodes, touching, strict=True):
@@ -182,27 +201,23 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
         own = node.written.part.options.get("domain")
         root = find(at[0])
         if own is not None:
-            _declare(said, root, str(own), node.path)
+            declare(said, root, str(own), node.path)
         elif default.get(root, ("generic", ""))[0] == "generic":
             # a model without a domain takes that of the parts that it joins
             default[root] = (node.written.scope.model.domain, node.path)
         elif node.written.scope.model.domain not in (default[root][0], "generic"):
-            _declare(default, root, node.written.scope.model.domain, node.path)
+            declare(default, root, node.written.scope.model.domain, node.path)
     chosen: Mapping[int, tuple[str, str]] = {**default, **said}
     return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]
 
 
-def _declare(table: dict[int, tuple[str, str]], root: int, domain: str, path: str) -> None:
-    _domain(domain, path)
-    if root in table and table[root][0] != domain:
-        raise ModelError(
-            f"{path!r} is {domain} and {table[root][1]!r} is {table[root][0]}, "
-            "but bonds and junctions join them",
-            code="HB-M134",
-            where=path,
-            hint="put a TF or GY between the domains",
-        )
-    table.setdefault(root, (domain, path))
+def _mixed(bond: RawBond, nodes: list[RawNode]) -> str:
+    """Return what a bond joins if its ends were written in models of two domains."""
+    ends = [nodes[k] for k in (bond.tail, bond.head)]
+    said = [(n.path, n.written.scope.model.domain) for n in ends if n.written is not None]
+    if len({domain for _, domain in said} - {"generic"}) < 2:
+        return ""
+    return " to ".join(f"{path!r} ({domain})" for path, domain in said)
 
 
 def _domain(name: str, path: str) -> Domain:

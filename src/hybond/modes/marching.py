@@ -110,8 +110,9 @@ class Passage:
         Where the next segment begins.
     mode : list of Mode, length rows
         In which it begins.
-    timed, changed : arrays of bool, shape (rows,)
-        Whether a timed event ended the segment, and whether more than the inputs changed there.
+    timed, changed, struck : arrays of bool, shape (rows,)
+        Whether a timed event ended the segment, whether more than the inputs changed there, and
+        whether impulses were written.
     interval : array of int, shape (rows,)
         Which of `intervals` each segment lies in.
     intervals : list of Interval
@@ -133,6 +134,7 @@ class Passage:
     mode: list[Mode]
     timed: NDArray[np.bool_]
     changed: NDArray[np.bool_]
+    struck: NDArray[np.bool_]
     interval: NDArray[np.intp]
     intervals: list[Interval]
     energy: Vector

@@ -86,7 +86,8 @@ class Recall:
         rows = np.flatnonzero(passage.changed).tolist()
         if rows:
             times = passage.t[rows].tolist()
-            trace.events.extend(times, lambda k: self.event(passage, rows[k]))
+            calm = ~passage.struck[rows]
+            trace.events.extend(times, lambda k: self.event(passage, rows[k]), plain=calm.tolist())
 
     def causes(self, passage: Passage) -> list[Cause]:
         """Return what ended each segment."""

@@ -105,6 +105,12 @@ static bool settle_instant(Unit *u, bool *jumped, double *next)
     return !u->failed;
 }
 
+/* Whether a guard holds that the importer has not found. */
+static bool stepped_over(Unit *u)
+{
+    return ready(u) && guard_holds(u->e);
+}
+
 static const char *fault_text(Unit *u)
 {
     static char text[400];

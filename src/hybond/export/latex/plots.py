@@ -91,7 +91,7 @@ def _axes(run: Result, names: list[str], unit: str) -> Iterator[str]:
 def _impulses(run: Result, name: str) -> list[tuple[float, float]]:
     found = [
         (event.t, step.impulses[name])
-        for event in run.events
+        for event in run.events.with_impulses()
         for step in event.steps
         if step.kind != "mythical" and name in step.impulses
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from hybond.errors import ModelError
 from hybond.model.graph import FlatGraph
-from hybond.model.inputs import Timetable
 
 
 def no_words(what: str, where: str, hint: str) -> ModelError:
@@ -20,9 +19,6 @@ def refuse(graph: FlatGraph) -> None:
     ModelError
         HB-E680.
     """
-    for i in graph.inputs:
-        if isinstance(i.waveform, Timetable) and i.waveform.period:
-            raise no_words("a table that repeats, here", i.path, "give it as pulses")
     for s in graph.samples:
         raise no_words(
             "what is sampled at instants, here" if s.block is None else "code from elsewhere",

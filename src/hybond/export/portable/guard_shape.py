@@ -10,8 +10,9 @@ from typing import Final
 
 from hybond.export.portable.blend import sizes_here
 from hybond.export.portable.engine import Engine
-from hybond.export.portable.guard_values import atom_here, look, size_here, test_here, widen_sizes
+from hybond.export.portable.guard_values import atom_here, look, read_stored, size_here, test_here
 from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, Locator
+from hybond.export.portable.trial import widen_sizes
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -105,7 +106,8 @@ def is_resolved(e: Engine, g: Locator) -> bool:
     g.looked = math.nan
     look(e, g, g.t[0])
     sizes_here(e, e.mode, e.v)
-    widen_sizes(e, e.mode)
+    read_stored(e, e.work.here)
+    widen_sizes(e, e.mode, e.work.here)
     for k in range(2 * m.bonds):
         g.magnitude[k] = e.work.sizes[k]
     for a in range(g.atoms):

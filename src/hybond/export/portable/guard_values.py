@@ -14,7 +14,7 @@ from hybond.export.portable.locator import Locator
 from hybond.export.portable.model import rule_text, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.stepping import between
-from hybond.export.portable.trial import refuse_pair, seen_of
+from hybond.export.portable.trial import refuse_pair, widen_sizes
 from hybond.export.portable.values import set_state
 from hybond.export.portable.words import Floats
 
@@ -93,21 +93,10 @@ def put_sizes(e: Engine, mode: Mode) -> None:
     sizes_here(e, mode, e.v)
     for k in range(m.slots):
         e.work.terms[k] = math.fabs(e.v[k])
-    widen_sizes(e, mode)
+    read_stored(e, e.work.here)
+    widen_sizes(e, mode, e.work.here)
     for k in range(2 * m.bonds):
         e.work.terms[m.bond_slot + k] = e.work.sizes[k]
-
-
-def widen_sizes(e: Engine, mode: Mode) -> None:
-    """Where junctions have laws, measure bond variables by what is stored as well."""
-    m = e.model
-    if m.laws == 0:
-        return
-    read_stored(e, e.work.here)
-    seen_of(e, mode, e.work.here)
-    reach = 10.0 * math.sqrt(e.energy)
-    for k in range(2 * m.bonds):
-        e.work.sizes[k] = max(e.work.sizes[k], reach * mode.seen[k])
 
 
 def read_stored(e: Engine, x: Floats) -> None:

@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     Expr,
     Name,
     Number,
+    comparisons,
     names,
     substitute,
     to_text,
@@ -42,6 +43,8 @@ MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
 _STILL = ("in:", "on:", "at:")
 _OPERATORS = {"<": 0, "<=": 1, ">": 2, ">=": 3}
+_ZERO_IS = {"<": 1, "<=": -1, ">": -1, ">=": 1}
+"""The side of zero on which a difference has the truth that it has at zero."""
 
 
 @dataclass(slots=True)
@@ -211,17 +214,21 @@ def _machines(t: ModelTables) -> None:
         t.pairs.append(rule.guard)
         t.rules.append(rule.text)
         test, differences = seen_in_motion(rule)
+        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(rule.guard)]
         plain.append(t.values.number(rule.guard, rule.text))
         tests.append(t.values.number(test, rule.text))
         moves = any(not n.startswith(_STILL) for n in names(rule.guard))
         watched.append(int(moves))
         atoms.append(
-            [(t.values.number(d), t.values.number(magnitude(d))) for d in differences]
+            [
+                (t.values.number(d), t.values.number(magnitude(d)), sign)
+                for d, sign in zip(differences, signs, strict=True)
+            ]
             if moves
             else []
         )
     t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched)
-    _put(t, "atom_first", atoms, atom_value=_INTS, atom_size=_INTS)
+    _put(t, "atom_first", atoms, atom_value=_INTS, atom_size=_INTS, atom_zero=_INTS)
 
 
 def _machine_of(g: FlatGraph, node: Node) -> Machine:
@@ -538,13 +545,6 @@ def _signals(t: ModelTables) -> None:
         elif isinstance(w, Pwm):
             kinds.append(3)
             rows.append([(a,) for a in (w.period, w.duty, w.high, w.low, w.phase)])
-        elif isinstance(w, Timetable) and w.period:
-            raise ModelError(
-                f"the input {i.path} is a table that repeats",
-                code="HB-E630",
-                where=f"inputs.{i.path}",
-                hint="give it as pulses, or write out as many periods as the run has",
-            )
         elif isinstance(w, Timetable):
             kinds.append(2 if w.linear else 1)
             rows.append([(a,) for a in (*w.times, *w.values)])
@@ -563,6 +563,8 @@ def _signals(t: ModelTables) -> None:
         levels.append(own)
     t.ints["input_kind"] = kinds
     _put(t, "input_first", rows, input_number=_FLOATS)
+    tables = [i.waveform if isinstance(i.waveform, Timetable) else None for i in g.inputs]
+    t.floats["input_period"] = [0.0 if w is None else w.period for w in tables]
     _put(t, "level_first", levels, level_of=_INTS)
     lines = [
         affine_in_time(Binary("-", w.compare.left, w.compare.right)) or (0.0, 0.0)

@@ -13,7 +13,7 @@ from hybond.model.graph import FlatGraph
 from hybond.modes.fitting import fitting
 from hybond.modes.sliding.bands import banded
 from hybond.programs.program import Program
-from hybond.simulation import RTOL, _impact, _seconds, _sliding, end_of, start_of
+from hybond.simulation import _impact, _seconds, _sliding, end_of, start_of, tolerances_of
 from hybond.solvers.choose import AUTO
 
 POINTS = 500
@@ -38,7 +38,8 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     Raises
     ------
     UsageError
-        HB-E632 for a solver or a law of impacts that an export does not have.
+        HB-E632 for a solver or a law of impacts that an export does not have; HB-S103, HB-S106,
+        HB-S107 and HB-E607 for numbers that make no sense.
     """
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
@@ -70,12 +71,27 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     if band is not None:
         graph = banded(graph, band)
     longest = _seconds(given.get("max_step", experiment.get("max_step")), "max_step")
-    atol = given.get("atol", experiment.get("atol"))
+    if longest is not None and not longest > 0.0:
+        raise UsageError(
+            f"max_step of {longest:g} s: it must be positive",
+            code="HB-S103",
+            where="max_step",
+            hint="leave it out to let the tolerances decide",
+        )
+    points = int(given.get("points", experiment.get("points", POINTS)))
+    if points < 1:
+        raise UsageError(
+            f"a table of {points} rows",
+            code="HB-E607",
+            where="points",
+            hint="one or more: the rows beside those of events",
+        )
+    rtol, atol = tolerances_of(given.get("rtol"), given.get("atol"), experiment)
     numbers = {
         "until": end,
-        "points": int(given.get("points", experiment.get("points", POINTS))),
-        "rtol": float(given.get("rtol", experiment.get("rtol", RTOL))),
-        "atol": math.nan if atol is None else float(atol),
+        "points": points,
+        "rtol": rtol,
+        "atol": math.nan if atol is None else atol,
         "max_step": math.inf if longest is None else longest,
         "event_tol": float(experiment.get("event_tol", 1e-12)),
         "max_writes": int(experiment.get("max_writes", 1000)),

@@ -173,6 +173,7 @@ typedef struct {
 typedef struct {
     double *t, *before, *after, *energy, *approach; /* approach: machines, nan if not struck */
     int32_t *steps, *mode, *interval, *timed, *changed;
+    int32_t *struck;                                /* whether an impulse was written */
     int32_t *fired;                                 /* machines */
     int32_t *wanted;                                /* machines: a mode that was not known */
     double last;                                    /* time of the last event */
@@ -326,6 +327,7 @@ typedef struct {
     double *here, *there, *impulse, *area, *largest; /* n; n; slots; bonds; classes */
     int32_t *target, *written, *slope;               /* machines; HB_WRITES modes; surfaces */
     int struck, jumped;                              /* impulses in the last entry, so far */
+    int crowded;                                     /* the last event was but a moment ago */
     void *all;
 } hb_settler;
 enum { HB_WRITES = 32 };
@@ -336,7 +338,7 @@ void hb_within(const hb_settler *s, int32_t interval);
 void hb_show(const hb_mode *m, hb_motion *o);
 
 /* The signals of the last hb_solve, a priori values included. */
-hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped, double reach);
+hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped);
 
 /* Enter a mode from what is stored `here`, which leads `there`: how, or 0 if it cannot be said. */
 int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump);

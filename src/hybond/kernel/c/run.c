@@ -67,10 +67,10 @@ static int32_t segment(hb_settler *s, const hb_sampling *sampling, int32_t *mode
     const int timed = why == HB_ARRIVED;
     if (timed && (end >= a->until || k + 1 >= s->schedule->count))
         return HB_ARRIVED;
-    /* events that crowd may accumulate: the reference looks at each of them */
     const double gap = o->t - *last;
-    if (gap <= a->moment * fmax(fabs(o->t), a->soonest * a->until) || gap <= a->event_tol * a->until)
+    if (gap <= a->event_tol * a->until)
         return HB_DECLINED;
+    s->crowded = gap <= a->moment * fmax(fabs(o->t), a->soonest * a->until);
     memcpy(log->before + (size_t)row * (n - 2), o->y, sizeof *o->y * (n - 2));
     log->energy[row] = o->run_energy;
     why = hb_settle(s, o->t, o->y, mode, k, timed ? k + 1 : k, row);
