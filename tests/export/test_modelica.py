@@ -181,6 +181,24 @@ def test_staying_in_a_state_without_a_field_ends_the_run() -> None:
         in_peer(to_modelica(model), 6.0)
 
 
+def test_a_last_state_in_which_a_node_floats_ends_the_run() -> None:
+    """No rule leads out of that state, so nothing but the assertion reads it."""
+    m = hb.Model("floats", domain="electrical")
+    m.add(V=hb.Se("2 V"), W=hb.Se("3 V"), J=hb.Sf("0 A"), v=hb.One(), w=hb.One(), n=hb.Zero())
+    m.bond("V -> v -> n", "W -> w -> n", "J -> n")
+    m.signal(seen=hb.Integral("n.e"))
+    m.machine(
+        "S",
+        states={"v": ["v"], "w": ["w"], "none": []},
+        start="v",
+        rules=["v -> w when time >= 1", "w -> none when time >= 1.5"],
+    )
+    text = to_modelica(m)
+    assert in_peer(text, 1.4)["seen"][-1] == pytest.approx(2.0 + 0.4 * 3.0, abs=1e-8)
+    with pytest.raises(Exception, match=r"n\.e is not determined: S = none"):
+        in_peer(text, 2.0)
+
+
 @pytest.mark.parametrize("name", ["bouncing_ball", "half_bridge", "end_stops"])
 def test_a_parser_reads_the_text(name: str) -> None:
     parser = pytest.importorskip("pymoca.parser")

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from hybond.export.portable import law_problem as portable
+from hybond.export.portable.law_problem import solve_laws
+from hybond.export.portable.law_roles import make_law_problem
 from hybond.modes.laws import problem as reference
 
 ROLES = [
@@ -42,7 +43,7 @@ def problems(count: int, roles: int):
 
 def posed(problem):
     n = len(problem.q)
-    p = portable.make_law_problem(n)
+    p = make_law_problem(n)
     p.n = n
     p.m[:] = problem.M.ravel().tolist()
     p.q[:] = problem.q.tolist()
@@ -63,7 +64,7 @@ def test_laws_do_what_they_do_in_the_reference(roles):
     for problem, start in problems(120, roles):
         p = posed(problem)
         expected = reference.solve_laws(problem, start=start)
-        found = portable.solve_laws(p, [int(a) for a in start])
+        found = solve_laws(p, [int(a) for a in start])
         assert found == (expected is not None)
         if expected is None:
             unsolved += 1

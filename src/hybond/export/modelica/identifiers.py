@@ -61,6 +61,18 @@ def unit_text(unit: Dimension | str | None) -> str:
     return text.replace("*", ".").replace("^", "")
 
 
+def in_unit(unit: Dimension | str | None) -> str:
+    """Return how a declaration gives its unit; nothing where there is none to write.
+
+    Examples
+    --------
+    >>> in_unit("N*s"), in_unit(None)
+    ('(unit = "N.s")', '')
+    """
+    text = unit_text(unit)
+    return f'(unit = "{text}")' if text else ""
+
+
 def quoted(text: str) -> str:
     r"""Return a text as a string of Modelica, on one line.
 

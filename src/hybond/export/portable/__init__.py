@@ -12,14 +12,18 @@ room to work in. Data flows so::
     elimination, tableau      rows of a mode, eliminated
     equations                 those made ready: engine.Mode, kept (the least recently used goes)
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
+    newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left
     values, scale, stepping   values while time passes; tolerances; one step (dopri, radau)
-    locate                    the first instant of a step at which a guard holds
+    locate                    the first instant of a step at which a guard holds: locator (what
+                              is kept), guard_values, guard_shape, candidates, bracket
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
-    law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution
+    law_instant, law_answers  what laws may do at an instant; one question to them, answered
+    law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution:
+                              law_roles (how each takes part), one_sided (without friction)
     planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
     accumulation, rest, landing     contacts that come to rest
     report, run               what is printed; options; the program

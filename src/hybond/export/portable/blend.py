@@ -24,7 +24,8 @@ from hybond.export.portable.equations import mode_of
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import value
-from hybond.export.portable.newton import freedom_at, sizes_of, solve, write_bonds
+from hybond.export.portable.newton import freedom_at, sizes_of, solve
+from hybond.export.portable.newton_system import write_bonds
 from hybond.export.portable.surface import (
     is_of_state,
     part_mode,

@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.export.portable.blocks import Block, Rows, fit, fit_rows
+from hybond.export.portable.dynamic_rows import frozen_at
 from hybond.export.portable.elimination import Elimination, is_free
 from hybond.export.portable.engine import (
     KEPT,
@@ -22,7 +23,7 @@ from hybond.export.portable.engine import (
 from hybond.export.portable.interval import configuration
 from hybond.export.portable.leakage import least_leakage
 from hybond.export.portable.model import Model
-from hybond.export.portable.newton import frozen_at, system
+from hybond.export.portable.newton_system import system
 from hybond.export.portable.products import all_finite, times_matrix
 from hybond.export.portable.svd import null_space, rank_above, svd
 from hybond.export.portable.tableau import build, switch_on

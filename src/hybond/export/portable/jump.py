@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.export.portable.blocks import fit, fit_places, row_size, row_times
+from hybond.export.portable.dynamic_rows import frozen_at
 from hybond.export.portable.engine import (
     OK,
     REFUSED,
@@ -24,7 +25,8 @@ from hybond.export.portable.engine import (
 )
 from hybond.export.portable.leakage import least_leakage, project
 from hybond.export.portable.model import node_name, value
-from hybond.export.portable.newton import frozen_at, knowns_of, split
+from hybond.export.portable.newton import knowns_of
+from hybond.export.portable.newton_system import split
 from hybond.export.portable.products import largest, times_matrix
 from hybond.export.portable.qr import complement
 from hybond.export.portable.storage import coupled, own_stiffness, reach_of

@@ -26,6 +26,7 @@ from hybond.export.portable.blend import combine_here
 from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import mode_of
+from hybond.export.portable.guard_values import put_sizes
 from hybond.export.portable.instant import (
     ACCUMULATION,
     CONTINUOUS,
@@ -36,7 +37,6 @@ from hybond.export.portable.instant import (
     note_step,
 )
 from hybond.export.portable.landing_records import CROWD, Landings, in_force
-from hybond.export.portable.locate import put_sizes
 from hybond.export.portable.model import Model, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.pairs import ROUNDING

@@ -16,164 +16,54 @@ As modes.laws.complementarity. Sources: Heemels, Schumacher and Weiland, *Linear
 systems*, SIAM J. Appl. Math. 60 (2000); Camlibel et al. on passive ones (2002).
 """
 
+from __future__ import annotations
+
 import math
 from typing import Final
 
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
-from hybond.export.portable.jump import enter_mode
-from hybond.export.portable.law_problem import (
-    BACKWARD,
-    CUT,
-    FORWARD,
-    ONE_SIDED,
-    SHUT,
-    TWO_SIDED,
-    solve_laws,
+from hybond.export.portable.law_answers import (
+    LAW_DUST,
+    keep_answer,
+    loosen,
+    put_mode,
+    slide,
+    solve_branches,
 )
-from hybond.export.portable.law_records import Laws, Ports, Response
-from hybond.export.portable.model import Model, node_name, value
-from hybond.export.portable.paired import evaluate_pair
-from hybond.export.portable.pairs import clear, sign_at
-from hybond.export.portable.planar import answer_rests, find_disks, put_on_the_way
-from hybond.export.portable.ports import base_mode, open_mode, partner_sizes, ports_of, respond
-from hybond.export.portable.storage import energy_of
+from hybond.export.portable.law_instant import (
+    LAW_ZERO,
+    LOCATED,
+    NO_LAW_VALUE,
+    clean,
+    find_able,
+    find_rounding,
+    find_start,
+    is_stored,
+    make_consistent,
+    passive_role,
+    quantity,
+)
+from hybond.export.portable.law_records import Laws, Response
+from hybond.export.portable.law_roles import BACKWARD, CUT, FORWARD, ONE_SIDED, SHUT, TWO_SIDED
+from hybond.export.portable.model import Model, node_name
+from hybond.export.portable.planar import find_disks
+from hybond.export.portable.ports import respond
 from hybond.export.portable.svd import least_squares, null_space
 from hybond.export.portable.tableau import COMMON, NET
-from hybond.export.portable.trial import seen_of
-from hybond.export.portable.values import set_values
-from hybond.export.portable.words import Floats, Ints, float_table, int_table
+from hybond.export.portable.words import Floats, float_table, int_table
 
-LAW_ZERO: Final = 1e-12
-"""Part of its terms below which a value counts as zero; guards are located a tenth before that, so
-that what passes through zero at an event is decided by its rate."""
-LOCATED: Final = 0.02
-"""Part of that zero from which on guards may be located."""
-LAW_DUST: Final = 1e-9
-"""Part of its terms up to which a violation without a solution is rounding."""
 SHORT_STEP: Final = 1e-6
 """The vanishing step, as a part of the shortest time that feedthrough and storage make."""
 TRIES: Final = 8
+"""Ways of asking for branches that last, the likeliest first; of each:"""
 TRY_FACTOR: Final = float_table(1.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e3, 1e-6)
+"""What the vanishing step is multiplied by."""
 TRY_KEEP: Final = int_table(1, 0, 0, -1, 1, 0, 0, 0)
 """Whether what is open is left as it was; -1: friction exactly at its limit breaks loose."""
 TRY_CLEAN: Final = int_table(1, 1, 0, 1, 1, 1, 1, 1)
 """Whether rounding of what is stored counts as zero."""
 ADRIFT: Final = 1e-6
 """Share of a unit of freedom from which a junction has part in it."""
-CLOSED: Final = 1e-10
-"""Part of the largest gap so far below which a gap is closed."""
-NO_LAW_VALUE: Final = -2
-"""What stands for an option that a law does not have; -1 is a constant."""
-
-
-def quantity(m: Model, law: Ints, constant: Floats, k: int, v: Floats) -> float:
-    """Return the value of an option of law k."""
-    return constant[k] if law[k] < 0 else value(m, law[k], v)
-
-
-def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
-    """Take the instant that is looked at, and the mode that it begins with."""
-    m = e.model
-    r.t = t
-    for k in range(m.integrals):
-        r.s[k] = s[k]
-    for k in range(m.machines):
-        r.state[k] = state[k]
-
-
-def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
-    """Take the ports into `r.now`, the values into `r.v`, the state into `r.x`.
-
-    The state is put on what the machines' mode alone asks for. As Complementarity.consistent.
-    """
-    m = e.model
-    if ports_of(e, r, r.state) != OK:
-        return REFUSED
-    mode = open_mode(e, r.now)
-    set_values(e, mode, r.v, r.t, x, r.s)
-    for k in range(m.slots):
-        r.v[m.slots + k] = e.pre[k]
-    for k in range(2 * m.bonds):
-        r.v[m.bond_slot + k] = 0.0
-    energy = e.energy
-    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
-    found = enter_mode(e, mode, r.v, x, r.x)
-    e.energy = energy
-    for k in range(m.storages):
-        r.v[m.stored_slot + k] = r.x[k]
-    return found
-
-
-def find_able(e: Engine, r: Laws) -> int:
-    """Find which laws may take their ON branch at all: contacts closed, thyristors fired.
-
-    As Complementarity.able.
-    """
-    m = e.model
-    stack = e.work.stack
-    # rounding of a gap is that of its terms, as for the guards that watch it
-    for k in range(m.slots):
-        r.terms[k] = math.fabs(r.v[k])
-    stack.now = r.v
-    stack.was = r.v
-    stack.was_first = 0
-    stack.jumps = False
-    stack.terms = r.terms
-    for k in range(m.ports):
-        on = is_on(m, k, r.state[m.port_machine[k]])
-        r.able[k] = 1
-        if m.port_gap[k] != NO_LAW_VALUE:
-            gap = m.port_gap_constant[k]
-            sign = 1 if gap > 0.0 else -1 if gap < 0.0 else 0
-            if m.port_gap_pair[k] >= 0:
-                clear(stack)
-                evaluate_pair(m, m.port_gap_pair[k], stack)
-                gap = stack.finite[stack.top]
-                sign = sign_at(stack, stack.top)
-                if stack.refused != 0:
-                    place = node_name(m, m.port_node[k])
-                    return say_fault(e, "HB-J101", "a gap is not a number", place)
-            r.largest[k] = max(r.largest[k], math.fabs(gap))
-            r.able[k] = 1 if on or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
-        if m.port_gate[k] != NO_LAW_VALUE:
-            gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
-            r.able[k] = 1 if on or gate else 0
-    return OK
-
-
-def is_on(m: Model, k: int, state: int) -> bool:
-    """Whether a state of the machine of port k switches anything ON."""
-    at = m.state_first[m.port_machine[k]] + state
-    return m.on_first[at + 1] > m.on_first[at]
-
-
-def find_rounding(e: Engine, r: Laws) -> None:
-    """Find what rounding of each `y` is measured by. As Complementarity._size."""
-    m = e.model
-    mode = open_mode(e, r.now)
-    energy = max(e.energy, math.fabs(energy_of(e, r.x)))
-    seen_of(e, mode, r.x)
-    for b in range(2 * m.bonds):
-        r.zero[b] = math.sqrt(energy) * mode.seen[b]
-    partner_sizes(m, r.now, r.zero, r.rounding)
-    for k in range(m.ports):
-        r.rounding[k] = r.response.size[k] + 10.0 * r.rounding[k]
-
-
-def clean(m: Model, r: Laws, y: Floats) -> None:
-    """Put `y` of the response there, rounding counted as zero. As Complementarity.clean."""
-    for k in range(m.ports):
-        own = r.response.y[k]
-        y[k] = 0.0 if math.fabs(own) <= LAW_ZERO * r.rounding[k] else own
-
-
-def find_start(m: Model, r: Laws) -> None:
-    """Find the branches of the mode: 0 OFF or at rest, 1 ON or forward, -1 backward."""
-    for k in range(m.ports):
-        state = r.state[m.port_machine[k]]
-        r.start[k] = 1 if is_on(m, k, state) else 0
-        if m.port_two_sided[k] != 0 and m.port_planar[k] == 0 and state == 2:
-            r.start[k] = -1
 
 
 def short_step(m: Model, a: Response, y: Floats) -> float:
@@ -192,212 +82,6 @@ def short_step(m: Model, a: Response, y: Floats) -> float:
         if y[k] != 0.0 and math.fabs(a.rate[k]) > 0.0:
             first = min(first, math.fabs(y[k]) / math.fabs(a.rate[k]))
     return min(SHORT_STEP * least, 1e-3 * first)
-
-
-def passive_role(p: Ports, k: int) -> int:
-    """Return how a port takes part that is OFF."""
-    return CUT if p.given[k] == COMMON else SHUT
-
-
-def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
-    """Find the limit of friction as an affine function of what the laws give.
-
-    `r.later` are the values, bond variables being those of the response. As
-    modes.laws.friction.Linearised.
-    """
-    m = e.model
-    n = m.ports
-    p = r.problem
-    rest = at_rest and m.port_breakaway[k] != NO_LAW_VALUE
-    row = 2 * k + 1 if rest else 2 * k
-    if rest:
-        p.limit[k] = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.later)
-    else:
-        p.limit[k] = quantity(m, m.port_limit, m.port_limit_constant, k, r.later)
-    for j in range(n):
-        p.slope[k * n + j] = 0.0
-    for i in range(m.limit_first[row], m.limit_first[row + 1]):
-        law = m.limit_slope[i]
-        slope = m.limit_slope_constant[i] if law < 0 else value(m, law, r.later)
-        b = m.limit_column[i]
-        for j in range(n):
-            p.slope[k * n + j] += slope * r.response.gain[b * n + j]
-
-
-def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bool:
-    """Solve one complementarity problem; False if nothing was found.
-
-    `r.resting` are friction junctions that hold up to their breakaway limits, `r.rebound` what is
-    added in the conditions of one-sided laws if `shifted`. The answer is in `r.problem`. As
-    Complementarity._solve.
-    """
-    m = e.model
-    n = m.ports
-    a = r.response
-    p = r.problem
-    p.n = n
-    p.shifted = shifted
-    rubs = False
-    for k in range(n):
-        p.role[k] = r.role[k]
-        p.common[k] = 1 if r.now.given[k] == COMMON else 0
-        if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
-            rubs = True
-    rubs = rubs or e.planar.ready
-    if rubs:
-        for i in range(2 * m.slots):
-            r.later[i] = r.v[i]
-        for b in range(2 * m.bonds):
-            r.later[m.bond_slot + b] = a.bonds[b]
-        for k in range(n):
-            if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
-                linearise_limit(e, r, k, r.resting[k] != 0)
-    rests = e.planar.ready and put_disks(e, r)
-    for i in range(n * n):
-        p.m[i] = a.d[i] + h * a.ce[i]
-    for k in range(n):
-        idle = True
-        for j in range(n):
-            idle = idle and p.m[k * n + j] == 0.0 and p.m[j * n + k] == 0.0
-        p.q[k] = q[k]
-        # a law that neither acts on anything nor feels any other: its value is rounding, or right
-        if idle and q[k] < 0.0 and q[k] >= -LAW_DUST * a.size[k]:
-            p.q[k] = 0.0
-        p.shift[k] = r.rebound[k] if shifted else 0.0
-    if rests and not shifted:
-        return answer_rests(e, p, r.start)
-    if rubs:
-        return solve_laws(p, r.start)
-    # in units in which efforts and flows are of one size: both must show their signs
-    find_units(m, r, p.q)
-    for k in range(n):
-        for j in range(n):
-            p.m[k * n + j] = p.m[k * n + j] * r.units[j] * r.units[k]
-        p.q[k] *= r.units[k]
-        p.shift[k] *= r.units[k]
-    if not solve_laws(p, r.start):
-        return False
-    for k in range(n):
-        p.l[k] *= r.units[k]
-    return True
-
-
-def put_disks(e: Engine, r: Laws) -> bool:
-    """Put the limits of disks there; return whether any is at rest."""
-    m = e.model
-    p = e.planar
-    n = m.ports
-    some_rest = False
-    for d in range(m.disks):
-        first = m.disk_port[2 * d]
-        if p.resting[d] == 0:
-            put_on_the_way(m, p, r.problem, d)
-            continue
-        some_rest = True
-        linearise_limit(e, r, first, True)
-        p.rest[d] = r.problem.limit[first]
-        for j in range(n):
-            p.rest_slope[d * n + j] = r.problem.slope[first * n + j]
-        linearise_limit(e, r, first, False)
-        p.limit[d] = r.problem.limit[first]
-        for j in range(n):
-            p.limit_slope[d * n + j] = r.problem.slope[first * n + j]
-    return some_rest
-
-
-def find_units(m: Model, r: Laws, q: Floats) -> None:
-    """Find factors of `w` that make its efforts and its flows alike, domain by domain.
-
-    The same factors divide `l`, so that powers stay what they are. As Complementarity._units.
-    """
-    for k in range(m.ports):
-        effort = 0.0
-        flow = 0.0
-        for j in range(m.ports):
-            if m.port_domain[j] != m.port_domain[k]:
-                continue
-            if is_effort(m, r, j):
-                effort = max(effort, math.fabs(q[j]))
-            else:
-                flow = max(flow, math.fabs(q[j]))
-        r.units[k] = 1.0
-        if effort > 0.0 and flow > 0.0:
-            own = is_effort(m, r, k)
-            r.units[k] = math.sqrt(flow / effort if own else effort / flow)
-
-
-def is_effort(m: Model, r: Laws, k: int) -> bool:
-    """Whether `w` of a port is an effort."""
-    return (m.junction_kind[m.port_junction[k]] == 1) == (r.now.given[k] == COMMON)
-
-
-def keep_answer(m: Model, r: Laws) -> None:
-    """Keep what was found while something else is asked."""
-    for k in range(m.ports):
-        r.answer[k] = r.problem.branch[k]
-        r.answer_open[k] = r.problem.open[k]
-        r.answer_l[k] = r.problem.l[k]
-
-
-def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
-    """Solve, with breakaway where a friction junction is at rest, sliding limits elsewhere.
-
-    `r.loose` are junctions at rest that break loose now. What has to move although its breakaway
-    limit holds slides with the limit of sliding, and the others are asked again: to let go is
-    never taken back. As Complementarity._slide.
-    """
-    m = e.model
-    for k in range(m.ports):
-        r.resting[k] = 0
-        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0 and r.loose[k] == 0:
-            r.resting[k] = 0 if r.now.given[k] == NET and math.fabs(r.y[k]) > 0.0 else 1
-    while solve_branches(e, r, q, h, False):
-        broken = False
-        for k in range(m.ports):
-            if r.resting[k] != 0 and r.problem.branch[k] != 0:
-                r.resting[k] = 0
-                broken = True
-        if not broken:
-            keep_answer(m, r)
-            return True
-    return False
-
-
-def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
-    """Let friction slide that holds with all it has; False if there is none.
-
-    As Complementarity._loosened.
-    """
-    m = e.model
-    n = m.ports
-    a = r.response
-    some_edge = False
-    for k in range(n):
-        r.loose[k] = 0
-        r.start[k] = r.answer[k]
-    for k in range(n):
-        if m.port_two_sided[k] == 0 or r.answer_open[k] == 0 or r.answer[k] != 0:
-            continue
-        force = -r.answer_l[k]
-        if r.now.given[k] != NET:
-            total = q[k]
-            for j in range(n):
-                total += (a.d[k * n + j] + h * a.ce[k * n + j]) * r.answer_l[j]
-            force = -total
-        if force == 0.0:
-            continue
-        some_edge = True
-        r.loose[k] = 1 if force > 0.0 else -1
-        r.start[k] = r.loose[k]
-        if r.now.given[k] == NET:
-            r.role[k] = FORWARD if force > 0.0 else BACKWARD
-    found = some_edge and slide(e, r, q, h)
-    for k in range(n):
-        if found and r.loose[k] != 0:
-            r.answer[k] = r.loose[k]
-        r.loose[k] = 0
-    find_start(m, r)
-    return found
 
 
 def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
@@ -446,15 +130,6 @@ def hold_disks(e: Engine, r: Laws) -> None:
             rests = e.planar.resting[d] != 0
             r.y[k] = 0.0 if rests else r.response.y[k]
             r.role[k] = SHUT if rests else FORWARD
-
-
-def is_stored(m: Model, r: Laws, k: int) -> bool:
-    """Whether `w` of a port follows from what is stored, and no `l`."""
-    n = m.ports
-    stored = True
-    for j in range(n):
-        stored = stored and r.response.d[k * n + j] == 0.0
-    return stored
 
 
 def next_lasting(e: Engine, r: Laws) -> bool:
@@ -547,32 +222,6 @@ def find_adrift(m: Model, r: Laws) -> bool:
             r.adrift[r.tried[i]] = 0
         any_idle = any_idle or r.adrift[r.tried[i]] != 0
     return any_idle
-
-
-def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
-    """Put the mode with these branches into `r.candidate`; what is open stays as it was if `keep`.
-
-    As Complementarity._mode.
-    """
-    base_mode(m, r.state, r.candidate)
-    for k in range(m.ports):
-        machine = m.port_machine[k]
-        now = r.state[machine]
-        if m.port_planar[k] != 0:
-            r.candidate[machine] = 1 if impact or branch[k] != 0 else 0
-        elif m.port_two_sided[k] != 0:
-            # sticking would carry impulses, friction does not: it slides through a jump
-            way = branch[k]
-            if impact and m.port_impulsive[k] == 0:
-                way = -1 if now == 2 else 1
-            r.candidate[machine] = 2 if way < 0 else way
-        else:
-            on = branch[k] != 0
-            if keep and r.answer_open[k] != 0 and now < 2:
-                on = is_on(m, k, now)
-            r.candidate[machine] = 1 if on else 0
-            if on and impact and m.port_restitution[k] != NO_LAW_VALUE:
-                r.candidate[machine] = 2
 
 
 def no_branches(e: Engine, r: Laws, k: int) -> int:

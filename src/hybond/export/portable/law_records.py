@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from hybond.export.portable.law_problem import LawProblem, make_law_problem
+from hybond.export.portable.law_roles import LawProblem, make_law_problem
 from hybond.export.portable.model import Model
 from hybond.export.portable.svd import Svd, make_svd
 from hybond.export.portable.words import (

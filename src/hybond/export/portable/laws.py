@@ -6,16 +6,13 @@ from typing import Final
 from hybond.export.portable.engine import OK, REFUSED, Engine, say_fault
 from hybond.export.portable.jump import JUMPS, STAYS, check_agreement
 from hybond.export.portable.law_branches import (
-    NO_LAW_VALUE,
     begin_lasting,
     find_jumping,
-    make_consistent,
     next_lasting,
     no_branches,
-    quantity,
     sweep_dust,
-    take_instant,
 )
+from hybond.export.portable.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.export.portable.law_records import AGAIN, TURNED, Laws
 from hybond.export.portable.model import Model, machine_name, node_name
 from hybond.export.portable.paired import holds

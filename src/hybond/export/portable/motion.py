@@ -38,7 +38,8 @@ from hybond.export.portable.landing import (
     stuck,
 )
 from hybond.export.portable.laws import check_limits, limits_vary, observe
-from hybond.export.portable.locate import Locator, locate, make_locator, watch
+from hybond.export.portable.locate import locate
+from hybond.export.portable.locator import Locator, make_locator, watch
 from hybond.export.portable.report import (
     Report,
     keep_left,

@@ -1,8 +1,6 @@
 """Bond variables of a mode at one instant: a product with what is known, or Newton's method.
 
-Newton solves, in the unknowns that elimination left free, the laws, the power structure projected
-on its range, and the hidden constraints: the time derivative of what the power structure puts on
-co-energy variables, found by its left null vectors. After equations/mode.py.
+Newton solves in the unknowns that elimination left free. After equations/mode.py.
 """
 
 from __future__ import annotations
@@ -10,23 +8,17 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blocks import Block, fit, fit_places, row_size, row_times
-from hybond.export.portable.engine import (
-    NOT_FINITE,
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    say_fault,
-    svd_room,
-)
+from hybond.export.portable.blocks import fit, fit_places, row_size, row_times
+from hybond.export.portable.dynamic_rows import dynamic_value, slopes_at
+from hybond.export.portable.engine import NOT_FINITE, OK, Engine, Mode, say_fault, svd_room
 from hybond.export.portable.leakage import project
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import node_name, value
+from hybond.export.portable.newton_system import system, write_bonds
 from hybond.export.portable.products import all_finite
-from hybond.export.portable.storage import co_energy, stiff
-from hybond.export.portable.svd import least_squares, null_space, svd_of_transpose
-from hybond.export.portable.words import Floats, Ints, Text
+from hybond.export.portable.storage import co_energy
+from hybond.export.portable.svd import least_squares, null_space
+from hybond.export.portable.words import Floats, Text
 
 STEPS: Final = 40
 ASIDE: Final = 3
@@ -68,13 +60,6 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
         for j in range(frees):
             total += mode.finite_free.at[k * frees + j] * r[j]
         w[k] = total
-
-
-def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
-    """Write bond variables where expressions read them."""
-    m = e.model
-    for k in range(2 * m.bonds):
-        v[m.bond_slot + k] = w[k]
 
 
 def solve(e: Engine, mode: Mode, v: Floats) -> int:
@@ -239,277 +224,6 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     return NOT_FINITE
 
 
-# -- dynamic rows
-
-
-def dynamic_value(e: Engine, mode: Mode, i: int, v: Floats) -> float:
-    """Return the value of a dynamic row, zero at the solution."""
-    m = e.model
-    d = mode.dynamic[i]
-    if d >= 0:
-        return value(m, m.dynamic_value[d], v)
-    total = 0.0
-    c = -1 - d
-    for p in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
-        k = mode.constraints.column.at[p]
-        factor = mode.constraints.value.at[p]
-        if k >= m.storages:
-            source = mode.source[k - m.storages]
-            if source >= 0 and m.source_rate[source] >= 0:
-                total += factor * value(m, m.source_rate[source], v)
-            continue
-        for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            total += factor * stiff(m, j, v) * stored_rate(e, m.stiff_other[j], v)
-    return total
-
-
-def stored_rate(e: Engine, k: int, v: Floats) -> float:
-    """Return the rate of a stored quantity: the flow into a C, the effort into an I."""
-    m = e.model
-    at = m.bond_slot + m.storage_bond[k]
-    if m.storage_kind[k] == 1:
-        return v[at]
-    flow = v[at + m.bonds]
-    return flow if m.storage_sign[k] > 0 else -flow
-
-
-def slopes_at(e: Engine, mode: Mode, v: Floats, block: Block) -> None:
-    """Put the derivatives of dynamic rows by bond variables there, a row each."""
-    m = e.model
-    n = 2 * m.bonds
-    fit(block, mode.dynamics * n)
-    for i in range(mode.dynamics * n):
-        block.at[i] = 0.0
-    for i in range(mode.dynamics):
-        d = mode.dynamic[i]
-        if d < 0:
-            hidden_slopes(e, mode, -1 - d, v, i * n, block.at)
-        else:
-            put_slopes(
-                e,
-                m.slope_first,
-                d,
-                m.slope_column,
-                m.slope_value,
-                m.slope_constant,
-                v,
-                i * n,
-                block.at,
-            )
-
-
-def frozen_at(e: Engine, mode: Mode, v: Floats, block: Block) -> None:
-    """Put the same there with moduli held."""
-    m = e.model
-    n = 2 * m.bonds
-    fit(block, mode.dynamics * n)
-    for i in range(mode.dynamics * n):
-        block.at[i] = 0.0
-    for i in range(mode.dynamics):
-        d = mode.dynamic[i]
-        if d < 0:
-            hidden_slopes(e, mode, -1 - d, v, i * n, block.at)
-        else:
-            put_slopes(
-                e,
-                m.frozen_first,
-                d,
-                m.frozen_column,
-                m.frozen_value,
-                m.frozen_constant,
-                v,
-                i * n,
-                block.at,
-            )
-
-
-def put_slopes(
-    e: Engine,
-    first: Ints,
-    d: int,
-    column: Ints,
-    law: Ints,
-    constant: Floats,
-    v: Floats,
-    at: int,
-    a: Floats,
-) -> None:
-    """Put the slopes of row d of a table into `a`, from `at` on."""
-    for i in range(first[d], first[d + 1]):
-        a[at + column[i]] = constant[i] if law[i] < 0 else value(e.model, law[i], v)
-
-
-def hidden_slopes(e: Engine, mode: Mode, c: int, v: Floats, at: int, a: Floats) -> None:
-    """Put the slopes of the derivative of a constraint into `a`, from `at` on."""
-    m = e.model
-    for i in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
-        k = mode.constraints.column.at[i]
-        factor = mode.constraints.value.at[i]
-        if k >= m.storages:
-            source = mode.source[k - m.storages]
-            if source >= 0:
-                for j in range(m.source_first[source], m.source_first[source + 1]):
-                    law = m.source_slope[j]
-                    slope = m.source_slope_constant[j] if law < 0 else value(m, law, v)
-                    a[at + m.source_column[j]] += factor * slope
-            continue
-        for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            s = m.stiff_other[j]
-            bond = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            a[at + bond] += factor * stiff(m, j, v) * way
-
-
-def system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
-    """Put Newton's residual and Jacobian, in the free unknowns, into `e.work`; return the rows."""
-    m = e.model
-    work = e.work
-    n = 2 * m.bonds
-    frees = mode.finite_frees
-    rows = mode.dynamics
-    write_bonds(e, v, w)
-    fit(work.residual, rows)
-    fit(work.jacobian, rows * frees)
-    fit(work.step, rows + frees)
-    for i in range(rows):
-        work.f[i] = dynamic_value(e, mode, i, v)
-    slopes_at(e, mode, v, work.slopes)
-    if mode.rank == mode.structures:
-        # the power structure leaves nothing hidden: its rows stand as they are
-        for i in range(rows):
-            work.residual.at[i] = work.f[i]
-            put_row(mode, n, work.slopes.at, i * n, i, work.jacobian.at)
-        return rows
-    split(e, mode, v)
-    many = mode.structures
-    at = 0
-    fit(work.row, n)
-    row = work.row.at
-    for j in range(mode.rank):
-        total = 0.0
-        for k in range(n):
-            row[k] = 0.0
-        for i in range(many):
-            share = work.onto.at[i * mode.rank + j]
-            total += share * work.f[mode.structure[i]]
-            for k in range(n):
-                row[k] += share * work.slopes.at[mode.structure[i] * n + k]
-        work.residual.at[at] = total
-        put_row(mode, n, row, 0, at, work.jacobian.at)
-        at += 1
-    for i in range(rows - many):
-        work.residual.at[at] = work.f[mode.other[i]]
-        put_row(mode, n, work.slopes.at, mode.other[i] * n, at, work.jacobian.at)
-        at += 1
-    known_by_left(e, mode)
-    for j in range(many - mode.rank):
-        work.residual.at[at] = hidden_row(e, mode, j, v, w, row)
-        put_row(mode, n, row, 0, at, work.jacobian.at)
-        at += 1
-    return rows
-
-
-def put_row(mode: Mode, n: int, a: Floats, first: int, at: int, jacobian: Floats) -> None:
-    """Put a row of slopes by bond variables into the Jacobian, by free unknowns."""
-    frees = mode.finite_frees
-    for j in range(frees):
-        total = 0.0
-        for k in range(n):
-            if a[first + k] != 0.0:
-                total += a[first + k] * mode.finite_free.at[k * frees + j]
-        jacobian[at * frees + j] = total
-
-
-def split(e: Engine, mode: Mode, v: Floats) -> None:
-    """Find bases of the range and of the left null space of the structure rows."""
-    m = e.model
-    work = e.work
-    n = 2 * m.bonds
-    many = mode.structures
-    frees = mode.power_frees
-    frozen_at(e, mode, v, work.frozen)
-    fit(work.c, many * max(frees, 1))
-    for i in range(many):
-        for j in range(frees):
-            total = 0.0
-            for k in range(n):
-                entry = work.frozen.at[mode.structure[i] * n + k]
-                if entry != 0.0:
-                    total += entry * mode.power_free.at[k * frees + j]
-            work.c.at[i * frees + j] = total
-    d = svd_room(e, max(many, frees), max(many, frees))
-    svd_of_transpose(d, many, frees, work.c.at)
-    rank = mode.rank
-    fit(work.onto, many * max(rank, 1))
-    fit(work.left, many * max(many - rank, 1))
-    for i in range(many):
-        for j in range(rank):
-            work.onto.at[i * rank + j] = d.v[j * many + i]
-        for j in range(many - rank):
-            work.left.at[i * (many - rank) + j] = d.v[(rank + j) * many + i]
-
-
-def known_by_left(e: Engine, mode: Mode) -> None:
-    """Put ``left' frozen known`` into `e.work.known`: what constraints say of the knowns."""
-    work = e.work
-    n = 2 * e.model.bonds
-    lefts = mode.structures - mode.rank
-    fit(work.known, max(lefts, 1) * mode.knowns)
-    for i in range(lefts * mode.knowns):
-        work.known.at[i] = 0.0
-    for i in range(mode.structures):
-        for k in range(n):
-            entry = work.frozen.at[mode.structure[i] * n + k]
-            if entry == 0.0:
-                continue
-            row = mode.same[k]
-            for p in range(mode.power.first.at[row], mode.power.first.at[row + 1]):
-                for j in range(lefts):
-                    work.known.at[j * mode.knowns + mode.power.column.at[p]] += (
-                        work.left.at[i * lefts + j] * entry * mode.power.value.at[p]
-                    )
-
-
-def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats) -> float:
-    """Put the slopes of a hidden constraint by bond variables into `row`; return its value."""
-    m = e.model
-    work = e.work
-    n = 2 * m.bonds
-    lefts = mode.structures - mode.rank
-    for k in range(n):
-        row[k] = 0.0
-    total = 0.0
-    first = j * mode.knowns
-    for k in range(m.storages):
-        factor = work.known.at[first + k]
-        if factor == 0.0:
-            continue
-        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            s = m.stiff_other[i]
-            at = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            slope = factor * stiff(m, i, v) * way
-            row[at] += slope
-            total += slope * w[at]
-    for k in range(mode.sources):
-        source = mode.source[k]
-        if source >= 0 and m.source_rate[source] >= 0:
-            total += work.known.at[first + m.storages + k] * value(m, m.source_rate[source], v)
-    for i in range(mode.structures):
-        share = work.left.at[i * lefts + j]
-        d = mode.dynamic[mode.structure[i]]
-        if m.drift_value[d] >= 0:
-            total += share * value(m, m.drift_value[d], v)
-        for p in range(m.drift_first[d], m.drift_first[d + 1]):
-            law = m.drift_slope[p]
-            slope = m.drift_constant[p] if law < 0 else value(m, law, v)
-            row[m.drift_column[p]] += share * slope
-    return total
-
-
-# -- what goes with a solution
-
-
 def sizes_of(e: Engine, mode: Mode) -> None:
     """Put the sizes of the terms of each bond variable into `e.work.sizes`, after `solve`.
 
@@ -564,8 +278,3 @@ def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
                 total += mode.finite_free.at[k * frees + i] * work.a.at[i * many + j]
             work.freedom.at[k * many + j] = total
     return many
-
-
-def may_refuse(status: int) -> int:
-    """Return what a refusal at an instant means: the run stops."""
-    return OK if status == OK else REFUSED

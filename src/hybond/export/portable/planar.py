@@ -12,8 +12,9 @@ from typing import Final
 
 from hybond.export.portable.engine import OK, Engine, say_fault
 from hybond.export.portable.friction_disk import on_disk
-from hybond.export.portable.law_problem import FORWARD, SHUT, LawProblem, solve_laws
+from hybond.export.portable.law_problem import solve_laws
 from hybond.export.portable.law_records import Laws
+from hybond.export.portable.law_roles import FORWARD, SHUT, LawProblem
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import Model, node_name
 from hybond.export.portable.planar_records import Planar

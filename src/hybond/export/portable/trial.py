@@ -10,6 +10,7 @@ from typing import Final
 
 from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
 from hybond.export.portable.blocks import fit
+from hybond.export.portable.dynamic_rows import frozen_at
 from hybond.export.portable.engine import (
     OK,
     REFUSED,
@@ -20,7 +21,6 @@ from hybond.export.portable.engine import (
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.jump import JUMPS, STAYS, enter_mode
 from hybond.export.portable.model import node_name
-from hybond.export.portable.newton import frozen_at, may_refuse
 from hybond.export.portable.paired import evaluate_pair
 from hybond.export.portable.pairs import (
     DIVIDED_JUMPS,
@@ -163,7 +163,7 @@ def solve_trial(e: Engine) -> int:
         e.v[m.stored_slot + k] = trial.x[k]
     for k in range(m.integrals):
         e.v[m.signal_slot + k] = trial.s[k]
-    if may_refuse(solve_here(e, e.mode, e.v)) != OK:
+    if solve_here(e, e.mode, e.v) != OK:
         return REFUSED
     sizes_here(e, e.mode, e.v)
     widen_sizes(e, e.mode, trial.x)

@@ -1,0 +1,47 @@
+"""The state and mode in which hybond settles the start, and when the experiment ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hybond.errors import ModelError
+from hybond.model.graph import FlatGraph, Mode
+from hybond.simulation import end_of, simulate
+
+PART = 1e-9
+"""Part of the experiment that is run to see how the start settles."""
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where the start settles.
+
+    Parameters
+    ----------
+    mode : tuple of int
+    values : tuple of float
+        Stored quantities, then integrals.
+    """
+
+    mode: Mode
+    values: tuple[float, ...]
+
+
+def start_of(graph: FlatGraph) -> Start:
+    """Return where the start of a graph settles.
+
+    Raises
+    ------
+    HybondError
+        If it does not.
+    """
+    run = simulate(graph, until=PART * (until_of(graph) or 1.0), on_error="return")
+    if not len(run.events):
+        raise run.error or ModelError("the start does not settle", code="HB-E681")
+    event = run.events[0]
+    return Start(event.steps[-1].mode, tuple(float(v) for v in event.after))
+
+
+def until_of(graph: FlatGraph) -> float | None:
+    """Return when the experiment ends, s; None if it does not say so."""
+    return end_of(None, graph.experiment) if "until" in graph.experiment else None

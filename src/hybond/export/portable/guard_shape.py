@@ -1,0 +1,126 @@
+"""Samples of guards in a block of a step, and what they show.
+
+After modes/locate.py, _Shape.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.export.portable.blend import sizes_here
+from hybond.export.portable.engine import Engine
+from hybond.export.portable.guard_values import atom_here, look, read_stored, size_here, test_here
+from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, Locator
+from hybond.export.portable.trial import widen_sizes
+
+UNRESOLVED: Final = 0.02
+"""A block whose samples leave more than this part of their spread unexplained is halved."""
+ROUNDED: Final = 1e-9
+"""... unless that is less than this part of the largest sample."""
+NEAR: Final = 0.05
+"""An extremum is searched if the polynomial comes this near to zero, as a part of the spread."""
+ROUNDING: Final = 1e-13
+"""Part of the terms of a comparison that rounding leaves unexplained."""
+
+
+def sample(e: Engine, g: Locator) -> None:
+    """Sample all guards of the block."""
+    for i in range(SAMPLES):
+        look(e, g, g.t[i])
+        for k in range(g.guards):
+            g.truth[k * SAMPLES + i] = 1 if test_here(e, g.rule[k]) else 0
+        for a in range(g.atoms):
+            g.shape[a * SAMPLES + i] = atom_here(e, g, a)
+
+
+def find_shape(g: Locator) -> None:
+    """Say what the samples of all comparisons look like. After _Shape.of."""
+    for k in range(g.guards):
+        g.calm[k] = 1
+        g.turn[k] = math.inf
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            if not stays(g, a):
+                g.calm[k] = 0
+            g.turn[k] = min(g.turn[k], first_turn(g, a))
+
+
+def stays(g: Locator, a: int) -> bool:
+    """Whether a comparison stays away from zero; note what a polynomial leaves of its samples."""
+    at = a * SAMPLES
+    least = g.shape[at]
+    most = g.shape[at]
+    size = 0.0
+    rest = 0.0
+    finite = True
+    for i in range(SAMPLES):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.left_over[i * SAMPLES + j] * g.shape[at + j]
+        finite = finite and math.isfinite(total)
+        rest = max(rest, math.fabs(total))
+        least = min(least, g.shape[at + i])
+        most = max(most, g.shape[at + i])
+        size = max(size, math.fabs(g.shape[at + i]))
+    spread = most - least
+    g.rest[a] = rest
+    shown = rest <= UNRESOLVED * spread or rest <= ROUNDED * size or not finite
+    g.doubtful[a] = 0 if shown else 1
+    if size == 0.0:
+        return True
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    low = least if up > 0.0 else -most if up < 0.0 else 0.0
+    bound = NEAR * spread + 3.0 * rest
+    if not low > bound:
+        return False
+    for i in range(GRID):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.fine[i * SAMPLES + j] * g.shape[at + j]
+        if not up * total > bound:
+            return False
+    return True
+
+
+def first_turn(g: Locator, a: int) -> float:
+    """Return where samples that begin positive first become negative, or the other way round."""
+    at = a * SAMPLES
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    for i in range(1, SAMPLES):
+        if up * g.shape[at + i] < 0.0:
+            before = up * g.shape[at + i - 1]
+            share = before / (before - up * g.shape[at + i])
+            return FRACTION[i - 1] + share * (FRACTION[i] - FRACTION[i - 1])
+    return math.inf
+
+
+def is_resolved(e: Engine, g: Locator) -> bool:
+    """Whether the samples show all that the guards do, rounding left out."""
+    m = e.model
+    many = 0
+    for a in range(g.atoms):
+        many += g.doubtful[a]
+    if many == 0:
+        return True
+    # what a bond variable cancels from: its own value may be nothing but rounding
+    g.looked = math.nan
+    look(e, g, g.t[0])
+    sizes_here(e, e.mode, e.v)
+    read_stored(e, e.work.here)
+    widen_sizes(e, e.mode, e.work.here)
+    for k in range(2 * m.bonds):
+        g.magnitude[k] = e.work.sizes[k]
+    for a in range(g.atoms):
+        if g.doubtful[a] == 0:
+            continue
+        largest = 0.0
+        for i in range(SAMPLES):
+            look(e, g, g.t[i])
+            for k in range(2 * m.bonds):
+                own = math.fabs(e.v[m.bond_slot + k])
+                e.v[m.bond_slot + k] = max(own, g.magnitude[k])
+            largest = max(largest, size_here(e, g, a))
+            g.looked = math.nan
+        if not largest * ROUNDING >= g.rest[a]:
+            return False
+    return True

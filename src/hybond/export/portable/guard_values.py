@@ -1,0 +1,105 @@
+"""Guards and what they compare, at an instant of the last step.
+
+After modes/locate.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.export.portable.blend import sizes_here, solve_here
+from hybond.export.portable.engine import OK, Engine, Mode
+from hybond.export.portable.locator import Locator
+from hybond.export.portable.model import rule_text, value
+from hybond.export.portable.paired import holds
+from hybond.export.portable.stepping import between
+from hybond.export.portable.trial import refuse_pair, widen_sizes
+from hybond.export.portable.values import set_state
+from hybond.export.portable.words import Floats
+
+BEYOND: Final = 1e-13
+"""A weight this far beyond 0 or 1 has left."""
+
+
+def look(e: Engine, g: Locator, t: float) -> None:
+    """Fill the values at t."""
+    if g.looked == t:
+        return
+    between(e, t, g.y)
+    set_state(e, e.mode, e.v, t, g.y)
+    if solve_here(e, e.mode, e.v) != OK:
+        g.failed = True
+    g.looked = t
+    g.sized = False
+
+
+def atom_at(e: Engine, g: Locator, a: int, t: float) -> float:
+    """Return the difference that comparison a of the locator looks at."""
+    look(e, g, t)
+    return atom_here(e, g, a)
+
+
+def atom_here(e: Engine, g: Locator, a: int) -> float:
+    """Return the same at the values of the motion."""
+    if g.atom[a] < 0:
+        return e.slide.margin[-1 - g.atom[a]]
+    return value(e.model, e.model.atom_value[g.atom[a]], e.v)
+
+
+def size_here(e: Engine, g: Locator, a: int) -> float:
+    """Return what the magnitudes of the two sides of a comparison add up to."""
+    return 1.0 if g.atom[a] < 0 else value(e.model, e.model.atom_size[g.atom[a]], e.v)
+
+
+def test_here(e: Engine, rule: int) -> bool:
+    """Return the truth of a guard at the values of the motion, rounding being counted."""
+    if rule < 0:
+        return e.slide.margin[-1 - rule] < -BEYOND
+    return value(e.model, e.model.rule_test[rule], e.v) != 0.0
+
+
+def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Ask a guard as settling will: with rounding counted as zero."""
+    look(e, g, t)
+    return holds_here(e, g, g.rule[k])
+
+
+def holds_here(e: Engine, g: Locator, rule: int) -> bool:
+    """Ask a guard at the values of the motion; nothing jumps there."""
+    m = e.model
+    stack = e.work.stack
+    if rule < 0:
+        return test_here(e, rule)
+    if not g.sized:
+        put_sizes(e, e.mode)
+        g.sized = True
+    stack.now = e.v
+    stack.was = e.v
+    stack.was_first = 0
+    stack.jump = e.v
+    stack.jumps = False
+    stack.terms = e.work.terms
+    true = holds(m, rule, stack)
+    if stack.refused != 0:
+        refuse_pair(e, e.v[0], rule_text(m, rule))
+        g.failed = True
+    return true
+
+
+def put_sizes(e: Engine, mode: Mode) -> None:
+    """Put what rounding of each signal is measured by into `e.work.terms`, after `solve`."""
+    m = e.model
+    sizes_here(e, mode, e.v)
+    for k in range(m.slots):
+        e.work.terms[k] = math.fabs(e.v[k])
+    read_stored(e, e.work.here)
+    widen_sizes(e, mode, e.work.here)
+    for k in range(2 * m.bonds):
+        e.work.terms[m.bond_slot + k] = e.work.sizes[k]
+
+
+def read_stored(e: Engine, x: Floats) -> None:
+    """Put what is stored at the values of the motion into `x`."""
+    for k in range(e.model.storages):
+        x[k] = e.v[e.model.stored_slot + k]
