@@ -48,9 +48,9 @@ def both_engines(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
         assert other.status == run.status
         if not apart:
             assert_same_events(other, run)
-        # differences make the Jacobian of radau, and magnify rounding
+        # differences make the Jacobian of radau, and magnify rounding; instants magnify it, too
         close = run.solver == "rk45" and not apart
-        assert_same_states(other, run, 1e-9 if close else 1e-7)
+        assert_same_states(other, run, 1e-8 if close else 1e-7)
         return run
 
     monkeypatch.setattr(hb, "simulate", simulate)

@@ -15,6 +15,23 @@ WRONG = {
     "two values": ("R1 a 0 1 2\n", "HB-F130", 2),
     "no number": (GOOD + "R2 a 0 much\n", "HB-F134", 4),
     "not a number": (GOOD + "R2 a 0 4k7\n", "HB-F131", 4),
+    "an ampere or an attoampere": ("I1 0 a 1A\nR1 a 0 1\n", "HB-F131", 2),
+    "a unit in an expression": (GOOD + "I1 0 a {2*1Amp}\n", "HB-F131", 4),
+    "a power of a power": (GOOD + "R2 a 0 {2^3^2}\n", "HB-F131", 4),
+    "a power of a power, written otherwise": (GOOD + "R2 a 0 {2**3**2}\n", "HB-F131", 4),
+    "a power of a negative number": (GOOD + "R2 a 0 {9+(-2)^3}\n", "HB-F131", 4),
+    "a parameter of the one who uses it": (
+        GOOD + ".param r=3\n.subckt s p q\nR1 p q {r}\n.ends\n.subckt t p q r=1\nX1 p q s\n"
+        ".ends\nX1 a 0 t r=5\n",
+        "HB-F134",
+        6,
+    ),
+    "a root of a negative number": (GOOD + "R2 a 0 {(-8)^(1/3)}\n", "HB-F131", 4),
+    "a pulse as long as the run": (
+        "V1 a 0 PULSE(0 5 0 1u 1u 0 1m)\nR1 a 0 1\n.tran 1u 5m\n",
+        "HB-F140",
+        2,
+    ),
     "half an expression": (GOOD + "R2 a 0 {1+}\n", "HB-F131", 4),
     "an unknown function": (GOOD + "R2 a 0 {system(1)}\n", "HB-F131", 4),
     "a division by zero": (GOOD + "R2 a 0 {1/0}\n", "HB-F131", 4),

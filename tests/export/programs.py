@@ -25,6 +25,8 @@ class Said:
     """Cause, machine, from, to, kind."""
     times: list[float] = field(default_factory=list)
     states: dict[str, float] = field(default_factory=dict)
+    impulses: list[tuple[float, str, str, float]] = field(default_factory=list)
+    """Time, kind of the mode, bond variable, area."""
     sizes: dict[str, float] = field(default_factory=dict)
     """Of each state: the largest that one of its kind was; known of runs in hybond."""
     end: float = float("nan")
@@ -42,7 +44,9 @@ def read_events(text: str) -> Said:
             said.states[" ".join(words[1:-1])] = float(words[-1])
         elif words[0] == "#":
             said.stopped = line
-        elif words[0] != "impulse":
+        elif words[0] == "impulse":
+            said.impulses.append((float(words[1]), words[3], " ".join(words[4:]), float(words[2])))
+        else:
             left, right = (part.split(" ") for part in line.split(" -> "))
             said.times.append(float(left[0]))
             said.transitions.append((left[1], " ".join(left[2:-1]), left[-1], right[0], right[-1]))
@@ -52,11 +56,19 @@ def read_events(text: str) -> Said:
 def expected(run) -> Said:
     """Return the same of a run in hybond."""
     said = Said(end=run.t_end)
+    bonds = run.graph.bonds
+    stored = {s.path.rpartition(".")[0]: f'"{bonds[s.bond].name}"' for s in run.graph.storages}
     for event in run.events:
         for step in event.steps:
             fired = [(f.machine, f.source, f.target) for f in step.fired] or [("-", "-", "-")]
             said.times += [event.t] * len(fired)
             said.transitions += [(event.cause, *f, step.kind) for f in fired]
+            for path, bond in stored.items():
+                said.impulses += [
+                    (event.t, step.kind, f"{bond}.{x}", step.impulses[f"{path}.{x}"])
+                    for x in "ef"
+                    if f"{path}.{x}" in step.impulses
+                ]
     kinds = {s.path: s.kind for s in run.graph.storages}
     kinds |= {i.path: i.path for i in run.graph.integrals}
     said.states = {path: float(run[path].at([run.t_end])[0]) for path in kinds}

@@ -84,12 +84,22 @@ def check(name: str, said: Said, run: Said) -> None:
     if name not in LABELS:
         assert said.transitions == run.transitions
         assert said.times == pytest.approx(run.times, abs=1e-9 * span)
+        check_impulses(said, run)
     # hybond keeps more of a friction in the plane: how the slip turns
     assert set(said.states) == {path for path in run.states if path not in KEPT}
     for path, value in said.states.items():
         # what is smaller than its kind by 1e-4 is made of differences
         size = max(abs(value), 1e-4 * run.sizes[path])
         assert value == pytest.approx(run.states[path], abs=1e-9 * size), path
+
+
+def check_impulses(said: Said, run: Said) -> None:
+    """Those on storage, whose bonds are known by name; of one step in any order."""
+    bonds = {bond for _, _, bond, _ in run.impulses}
+    found = sorted(i[1:] for i in said.impulses if i[2] in bonds)
+    meant = sorted(i[1:] for i in run.impulses)
+    assert [i[:2] for i in found] == [i[:2] for i in meant]
+    assert [i[2] for i in found] == pytest.approx([i[2] for i in meant], rel=1e-8)
 
 
 @needs_c

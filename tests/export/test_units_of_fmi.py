@@ -24,18 +24,24 @@ def states(model: hb.Model) -> list[str]:
     return [s.path for s in graph.storages] + [i.path for i in graph.integrals]
 
 
+QUICK = shutil.which("tcc")
 CASES = [
     ("diode_inductor", "2.0", None),  # impulses and mythical modes
     ("half_bridge", "3.0", None),  # timed events, modulated
     ("bouncing_ball_newton", "2.0", "3 s"),  # impacts
     ("half_wave_rectifier", "3.0", "30 ms"),  # a diode as a law
+    ("stick_slip", "3.0", None),  # friction that breaks loose at its bound
+    ("cam_follower", "2.0", "0.12 s"),  # a contact that lets go where another guard acts
+    ("parallel_resonant_converter", "3.0", None),  # charges of microcoulombs
 ]
 
 
 @pytest.mark.parametrize(("name", "fmi", "until"), CASES)
 def test_a_unit_runs_as_the_model_does(
-    folder: Path, name: str, fmi: str, until: str | None
+    folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, fmi: str, until: str | None
 ) -> None:
+    if QUICK is not None:
+        monkeypatch.setenv("CC", str(QUICK))
     model = hb.load(f"examples/{name}.toml")
     path = folder / f"{name}.fmu"
     hb.export(model, to="fmu", path=path, fmi=fmi)
@@ -63,7 +69,6 @@ def test_a_unit_runs_as_the_model_does(
             assert got == pytest.approx(expected, abs=close * size), (kind, state)
 
 
-QUICK = shutil.which("tcc")
 EXAMPLES = sorted(Path("examples").glob("*.toml"))
 
 

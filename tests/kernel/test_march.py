@@ -44,7 +44,9 @@ def test_refused_trial_points_are_counted_among_all_steps(kernel):
     m.bond("feed -> bottom -> tank", "bottom -> drain")
     a, b = both(m, until=80.5)
     assert (a.status, b.status) == ("ok", "ok")
-    assert_same_states(a, b, 1e-8)
+    # whether a trial point near the empty tank is refused hangs on the last bit, and with it the
+    # steps behind it: the runs then agree to the tolerance that both keep
+    assert_same_states(a, b, 1e-6)
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-8, 1e-9, 1e-10])

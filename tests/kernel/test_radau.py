@@ -61,7 +61,8 @@ def assert_alike(a, b, rel):
     for name in [s.path for s in a.graph.storages] + [i.path for i in a.graph.integrals]:
         x, y = float(a[name].at(t)[-1]), float(b[name].at(t)[-1])
         assert y == pytest.approx(x, abs=rel * np.abs(a[name].at(t)).max()), name
-    assert b.stats["steps"] == pytest.approx(a.stats["steps"], rel=0.01, abs=5)
+    # near a law that overflows, what a step's control decides hangs on the last bits
+    assert b.stats["steps"] == pytest.approx(a.stats["steps"], rel=0.03, abs=5)
     assert b.stats["rejected"] == pytest.approx(a.stats["rejected"], rel=0.2, abs=3)
 
 

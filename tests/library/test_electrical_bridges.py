@@ -177,6 +177,19 @@ def test_an_amplifier_stops_at_its_limits_and_comes_back_at_once() -> None:
         assert found == pytest.approx([5, 12, -10, -5], rel=1e-3), way.name
 
 
+@pytest.mark.parametrize(("low", "high", "stays"), [(4, 5, 4), (-5, -1, -1), (1, 5, 3)])
+def test_an_amplifier_starts_within_its_limits(low: float, high: float, stays: float) -> None:
+    """A follower of 3 V on one supply; one of its limits is 0 V or beyond."""
+    m = hb.Model("follower", domain="electrical")
+    m.add(amp=hb.Submodel("electrical.op_amp", low=low, high=high), zero=hb.Zero())
+    m.add(u=hb.Submodel("electrical.voltage_source", U=3), earth=hb.Submodel("electrical.ground"))
+    m.bond("u.plus -> amp.plus", "u.minus -> zero", "earth.pin -> zero", "amp.ground -> zero")
+    m.bond("amp.out -> amp.minus")
+    run = hb.simulate(m, until="0.1 ms")
+    assert run["amp.voltage"].at(1e-4) == pytest.approx(stays, rel=1e-4)
+    assert low <= run["amp.voltage"].at(0) <= high
+
+
 def test_an_integrator_of_an_amplifier_and_a_capacitor_integrates() -> None:
     part = hb.Submodel("electrical.op_amp_ideal", gain=1e8)
     m = inverting(part, 1e4, 1, "2 V")

@@ -276,6 +276,27 @@ def test_an_accumulator_that_is_empty_gives_nothing_more():
         assert run["feed.flow"].at(5) == pytest.approx(1e-4)
 
 
+def test_an_accumulator_below_its_precharge_is_empty():
+    """The line is filled through a resistance, and takes no notice of it up to the precharge."""
+    for m in line(
+        "high.port - pipe.inlet",
+        "pipe.outlet - store.port",
+        "store.port - hose.port",
+        high=part("pressure_source", p="80 bar"),
+        pipe=part("laminar_resistance", R="1e10 Pa*s/m^3"),
+        store=part("accumulator", p_0="20 bar"),
+        hose=part("volume", C="1e-11 m^3/Pa", p_0="20 bar"),
+    ):
+        run = hb.simulate(m, until="0.3 s", rtol=1e-10)
+        assert run["store.volume"].at(0) == 0.0
+        t = 0.05
+        expected = 8e6 - 6e6 * math.exp(-t / 0.1)
+        assert run["hose.pressure"].at(t) == pytest.approx(expected, rel=1e-8)
+        opens = [e.t for e in run.events if e.t > 0]
+        assert opens == pytest.approx([0.1 * math.log(2)], rel=1e-8)
+        assert run["store.volume"].at(0.3) > 0
+
+
 def test_a_cone_fills_by_its_volume():
     """``"hydraulic.conical_tank"``"""
 

@@ -159,6 +159,21 @@ def test_ice_melts_and_freezes_again():
         assert names["ice.phase"] == "solid"
 
 
+def test_water_that_is_cooled_freezes():
+    """It starts above its melting point: 20 K of 4.2 kJ/K, and the heat of melting."""
+    for m in joined(
+        "heater.port - water.port",
+        heater=part("heater", P="-500 W"),
+        water=part("phase_change", T_0="293.15 K"),
+    ):
+        run = hb.simulate(m, until=1000.0, rtol=1e-9)
+        freezes, frozen = 4.2e3 * 20 / 500, (4.2e3 * 20 + 334e3) / 500
+        corners = [e.t for e in run.events if e.cause == "guard"]
+        assert corners == pytest.approx([freezes, frozen])
+        expected = [293.15, 293.15 - 10, 273.15, 273.15 - (1000 - frozen) * 500 / 2.1e3]
+        assert run["water.temperature"].at([0, freezes / 2, 500, 1000]) == pytest.approx(expected)
+
+
 def test_a_kettle_boils_while_it_is_heated():
     """``"thermal.boiler"``: what heat is left over becomes vapour, and the temperature stays."""
     for m in joined(

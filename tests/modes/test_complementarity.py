@@ -179,6 +179,18 @@ def test_no_answer_is_refused() -> None:
     assert run["contact.e"].at(0.005) == pytest.approx(1.0 / 3.0, rel=1e-12)
 
 
+def test_a_blocked_thyristor_in_series_with_a_current_is_named() -> None:
+    """Nothing else may conduct: the refusal says who opposes whom."""
+    m = hb.Model("lone", domain="electrical")
+    m.add(t=hb.One(law="thyristor", gate="time > 1 [s]"), drive=hb.Sf("2 A"), coil=hb.I("5 mH"))
+    m.bond("drive -> t -> coil")
+    with pytest.raises(hb.HybondError, match="HB-J110") as refused:
+        hb.simulate(m, until=0.01)
+    why = refused.value.why
+    assert "impulses of t have no solution" in why
+    assert "OFF 1-junction t" in why and "Sf drive" in why
+
+
 @pytest.mark.parametrize("options", [{}, {"solver": "radau"}, {"solver": "rk4", "step": 5.0}])
 @pytest.mark.parametrize("order", ["late first", "early first"])
 def test_two_guards_in_one_step(options: dict[str, object], order: str) -> None:

@@ -76,3 +76,39 @@ def test_a_run_that_begins_empty_stays_on_constraints_that_hold_zero() -> None:
     run = hb.simulate(m, until="20 ms", rtol=1e-9)
     now = 12 * (1 - math.exp(-0.02 * 2 / 0.015))
     assert run["coil.f"].at(0.02) == pytest.approx(now, rel=1e-7)
+
+
+def turn_off_at_zero(rule: str) -> hb.Model:
+    """A GTO that is switched off as its current ceases, beside a diode at the same node."""
+    m = hb.Model("gto", domain="electrical")
+    m.add(source=hb.Se("-24 V"), coil=hb.I("7 mH", f=3.0), a=hb.One(), leak=hb.R("120 ohm"))
+    m.add(n=hb.Zero(), gto=hb.One(), diode=hb.One(law="diode"))
+    m.add(load=hb.R("4 ohm"), other=hb.R("6 ohm"))
+    m.bond("source -> a -> coil", "a -> n -> leak", "n -> gto -> load", "n -> diode -> other")
+    m.machine(
+        "gate",
+        states={"on": ["gto"], "off": []},
+        start="on",
+        rules=[f"on -> off when {rule}", "off -> on when n.e > 1 [V]"],
+    )
+    return m
+
+
+@pytest.mark.parametrize("rule", ["coil.f <= 0", "gto.f <= 0", "not (n.e > 0)"])
+@pytest.mark.parametrize("kernel", [True, False])
+def test_a_guard_that_holds_at_zero_beside_a_diode_is_not_asked_for_ever(
+    rule: str, kernel: bool
+) -> None:
+    """The diode counts rounding of what is stored as zero; so does the guard, when it is settled.
+
+    Oracle: R and L in series, first with all branches in parallel, then with the leak alone.
+    """
+    run = hb.simulate(turn_off_at_zero(rule), until="2 ms", kernel=kernel)
+    assert run.status == "ok"
+    both = 1.0 / (1.0 / 4.0 + 1.0 / 6.0 + 1.0 / 120.0)
+    zero = 7e-3 / both * math.log(1.0 + 3.0 * both / 24.0)
+    off = next(e for e in run.events if e.cause == "guard")
+    assert off.t == pytest.approx(zero, rel=1e-9)
+    assert [run.graph.mode_text(e.steps[-1].mode) for e in run.events][-1] == "off, blocks"
+    after = -24.0 / 120.0 * (1.0 - math.exp(-120.0 * (2e-3 - zero) / 7e-3))
+    assert run["coil.f"].at(2e-3) == pytest.approx(after, rel=1e-6)

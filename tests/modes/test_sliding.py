@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from portable_runs import portable
 from scipy.integrate import solve_ivp
 
 import hybond as hb
@@ -823,3 +824,40 @@ def test_a_run_goes_on_from_a_sliding_state_as_if_it_had_not_stopped() -> None:
         assert rest.weight("r", "above", t) == pytest.approx(
             whole.weight("r", "above", t + 1.9), abs=1e-12
         )
+
+
+def relay(rules: list[str], *, start: str, q: float) -> hb.Model:
+    """A charge that a relay fills at unit rate while it is low, and empties while it is high."""
+    m = hb.Model("relay")
+    m.add(c=hb.C(1.0, q=q), u=hb.Sf('if r.state == "low" then 1 else -1'), n=hb.Zero())
+    m.bond("u -> n -> c")
+    m.input(wanted=hb.Input(table=[(0, 1), (0.5, 1), (0.5, 5)]))
+    m.signal(y=hb.Integral("1", start=0))
+    m.machine("r", states={"low": [], "high": []}, start=start, rules=rules)
+    return m
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+def test_a_rule_that_fires_for_what_else_it_asks_is_not_on_its_surface(kernel: bool) -> None:
+    """It turns at 3, not at 0, when the second condition comes true; it slides from t = 5."""
+    rules = ["low -> high when c.q > 0 and y > 2", "high -> low when c.q < 0"]
+    run = hb.simulate(relay(rules, start="low", q=1.0), until=10.0, kernel=kernel)
+    assert run["c.q"].at(2.0) == pytest.approx(3.0, abs=1e-9)
+    assert run["c.q"].at(3.5) == pytest.approx(1.5, abs=1e-9)
+    assert [s.t0 for s in run.trace.slidings] == [pytest.approx(5.0, abs=1e-9)]
+    assert run["c.q"].at(10.0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_input_that_jumps_over_a_surface_does_not_lead_there_in_a_program_either(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The charge is 2.5 as what is wanted jumps to 5, which it reaches 2.5 s later."""
+    rules = ["low -> high when c.q > wanted", "high -> low when c.q < wanted"]
+    model = relay(rules, start="high", q=3.0)
+    run = hb.simulate(model, until=2.0)
+    program = portable(model, monkeypatch, until=2.0)
+    for q in (run["c.q"].at(2.0), program.y[0]):
+        assert q == pytest.approx(2.5 + 1.5, abs=1e-9)
+    later = portable(model, monkeypatch, until=4.0)
+    assert later.y[0] == pytest.approx(5.0, abs=1e-9)
+    assert later.events[-1][0] == pytest.approx(3.0, abs=1e-9)

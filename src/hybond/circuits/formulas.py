@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hybond.circuits.notices import Line
-from hybond.circuits.numerals import NUMERAL, numeral, scaled
+from hybond.circuits.numerals import NUMERAL, is_ambiguous, numeral, scaled
 from hybond.errors import FileError
 
 DEEPEST = 60
@@ -89,12 +89,20 @@ _ONE: dict[str, Callable[[float], float]] = {
     "ceil": math.ceil,
     "sign": lambda x: float((x > 0) - (x < 0)),
 }
+
+
+def _power(a: float, b: float) -> float:
+    if a < 0.0 and b % 2.0 != 0.0:
+        raise ValueError(f"a power of {a:g}, of which some simulators take the magnitude")
+    return float(a**b)
+
+
 _TWO: dict[str, Callable[[float, float], float]] = {
     "atan2": math.atan2,
     "hypot": math.hypot,
     "min": min,
     "max": max,
-    "^": lambda a, b: float(a**b),
+    "^": _power,
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -196,7 +204,12 @@ class _Parser:
                 self.depth -= 1
                 return left
             self.at += 1
-            left = Applied(word, (left, self.operators(binds - (word == "^"))))
+            left = Applied(word, (left, self.operators(binds)))
+            if word == "^" and self.peek() in ("^", "**"):
+                raise self.refuse(
+                    f"a^b^c is (a^b)^c to some simulators, and a^(b^c) to others: {self.text!r}",
+                    "write brackets",
+                )
 
     def operand(self) -> Formula:
         if self.at == len(self.tokens):
@@ -217,6 +230,11 @@ class _Parser:
         if kind == "number":
             match = NUMERAL.fullmatch(word)
             assert match is not None
+            if is_ambiguous(match):
+                raise self.refuse(
+                    f"{word}: A is ampere to some simulators, and 1e-18 to others",
+                    "leave the unit out, or write the factor as 1e-18",
+                )
             value = scaled(match)
             if not math.isfinite(value):
                 raise self.refuse(f"the number {word} is too large")

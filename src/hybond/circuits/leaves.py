@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -23,6 +24,8 @@ _PLAIN: Mapping[str, tuple[Role, str]] = {
     "c": ("C", "F"),
     "l": ("I", "H"),
 }
+
+_FEMTO = re.compile(r"[0-9.]+f", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +120,8 @@ def _plain(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
         return [Leaf(branch, "meter", "0 V", Drive("0 V", None, 0.0, True))]
     if role != "R":
         _positive(branch)
-    text = branch.line.text.lower().split()
-    if role == "C" and len(text) > 3 and text[3].rstrip("f") != text[3] and text[3][:-1].isdigit():
+    text = branch.line.text.split()
+    if role == "C" and len(text) > 3 and _FEMTO.fullmatch(text[3]):
         notices.add(branch.line, f"{branch.name}: F is femto, so this is {text[3][:-1]}e-15 F")
     return [Leaf(branch, role, texts.value(branch.value, unit), start=branch.start)]
 

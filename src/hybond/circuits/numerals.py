@@ -22,12 +22,14 @@ SUFFIXES = {
     "n": 1e-9,
     "p": 1e-12,
     "f": 1e-15,
-    "a": 1e-18,
 }
-"""Scale factors; case does not matter, so ``M`` is a thousandth and ``MEG`` a million."""
+"""Scale factors; case does not matter, so ``M`` is a thousandth and ``MEG`` a million.
+
+None for ``a``: ``1A`` is an ampere where no scale factor is known, and 1e-18 where there is."""
+AMBIGUOUS = "a"
 NUMERAL = re.compile(
     r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?"
-    r"(?P<scale>meg|mil|[tgkmuµμnpfa])?(?P<unit>[a-zΩ]*)",
+    r"(?P<scale>meg|mil|[tgkmuµμnpf])?(?P<unit>[a-zΩ]*)",
     re.IGNORECASE,
 )
 """A number without a sign; letters after the scale factor are a unit, which SPICE ignores."""
@@ -45,15 +47,22 @@ def numeral(text: str) -> float | None:
     (4700.0, 1e-05, 2000000.0, 0.001, -7.62e-05)
     >>> numeral("1F")  # F is femto, as in every SPICE
     1e-15
-    >>> numeral("4k7") is None
-    True
+    >>> numeral("4k7") is None, numeral("1A") is None
+    (True, True)
     """
     sign = -1.0 if text.startswith("-") else 1.0
     match = NUMERAL.fullmatch(text.lstrip("+-") if text[:1] in ("+", "-") else text)
     if match is None or text[1:2] in ("+", "-"):
         return None
+    if is_ambiguous(match):
+        return None
     value = sign * scaled(match)
     return value if math.isfinite(value) else None
+
+
+def is_ambiguous(match: re.Match[str]) -> bool:
+    """Say whether the letters of a match of `NUMERAL` may be a unit or a scale factor."""
+    return not match["scale"] and match["unit"][:1].lower() == AMBIGUOUS
 
 
 def scaled(match: re.Match[str]) -> float:

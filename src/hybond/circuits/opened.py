@@ -10,6 +10,7 @@ from hybond.circuits.deck import Deck, ModelCard, Scope
 from hybond.circuits.formulas import (
     Formula,
     Number,
+    Parameter,
     evaluate,
     names_in,
     read_formula,
@@ -26,6 +27,8 @@ LONGEST_FORMULA = 60
 INSTANCES = 50_000
 """Subcircuits, each as often as it is used."""
 _GROUNDS = frozenset({"0", "gnd"})
+_CONTESTED = "?"
+"""Before a name that means one thing where it is written and another where it is used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +143,14 @@ def _number(formula: Formula, opened: Opened, line: Line) -> float:
         return evaluate(formula, opened.values)
     except KeyError as error:
         name = str(error.args[0])
+        if name.startswith(_CONTESTED):
+            name = name.removeprefix(_CONTESTED)
+            raise line.refuse(
+                f"the parameter {name!r} is one where the subcircuit is written, and another one "
+                "where it is used: simulators differ in which they take",
+                code="HB-F134",
+                hint=f"give the subcircuit a parameter {name} of its own, and pass it on",
+            ) from None
         raise line.refuse(
             f"there is no parameter {name!r}",
             code="HB-F134",
@@ -215,6 +226,10 @@ class _Opening:
     ) -> Environment:
         """Return what the parameters inside a subcircuit mean."""
         found = dict(outer)
+        for name, formula in env.items():
+            there = name in outer or name in self.result.parameters
+            if there and formula != outer.get(name, Parameter(name)):
+                found[name] = Parameter(_CONTESTED + name)
         given = card.given
         allowed = {*inner.defaults, *inner.parameters}
         for name in given:

@@ -119,7 +119,15 @@ def _pulse(
     if min(numbers) < 0.0:
         raise _impossible(branch, "a time of the pulse is negative", "check the times")
     corners = [([delay], low), ([delay, rise], high)]
-    if not width.number:  # a step that stays
+    if not width.number:  # it lasts as long as the run: a step that stays
+        rising = rise.number + fall.number
+        if period.number and rising + clock.stop.number > period.number * (1 + 1e-12):
+            raise _impossible(
+                branch,
+                f"a pulse without a width lasts as long as the run, its period is "
+                f"{period.number:g} s",
+                "give a width above zero, or leave the period out",
+            )
         return _table(branch, corners, None, texts, unit)
     corners += [([delay, rise, width], high), ([delay, rise, width, fall], low)]
     if not period.number:

@@ -157,6 +157,26 @@ class StorageLaws:
                 z[k] = f(v)
         return np.asarray(z)
 
+    def coupled(self, x: Vector) -> Vector:
+        """Return what the other ports of its field add to each co-energy variable, shape (n,).
+
+        The sum of magnitudes: in a field a co-energy variable may be the difference of large terms.
+        """
+        m = self.matrix
+        other = m.row != m.column
+        found = np.zeros(len(x))
+        np.add.at(found, m.row[other], np.abs(m.value[other] * x[m.column[other]]))
+        if self.coupling:
+            v = self._values(x)
+            for i, j, f in self.coupling:
+                found[i] += abs(f(v) * float(x[j]))
+        return found
+
+    @property
+    def coupling(self) -> list[tuple[int, int, Closure]]:
+        """The slopes of nonlinear laws by what other ports store."""
+        return [(i, j, f) for i, j, f in self.slopes if i != j]
+
     def stiffness(self, x: Vector, ports: Sequence[int] | None = None) -> Matrix:
         """Return dz/dx, shape (n, n), or that of some ports by each other."""
         which = range(len(x)) if ports is None else ports

@@ -23,6 +23,7 @@ once and every mode evaluates the same tree:
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -162,6 +163,21 @@ class Integral:
     start: float
 
 
+ROUNDING = 8.0 * sys.float_info.epsilon
+"""What instants that are one on paper differ by, as a part of the time: 10*0.1 and 2*0.3 + 0.4."""
+
+
+def one_instant(a: float, b: float) -> bool:
+    """Whether two timed events are one, but for the rounding with which each is computed.
+
+    Examples
+    --------
+    >>> 0.1 + 5*0.1 == 6*0.1, one_instant(0.1 + 5*0.1, 6*0.1), one_instant(0.6, 0.6 + 1e-12)
+    (False, True, False)
+    """
+    return abs(a - b) <= ROUNDING * abs(b)
+
+
 @dataclass(frozen=True, slots=True)
 class Sample:
     """Signals that are set at the instants ``phase + n*every`` and held between.
@@ -202,7 +218,7 @@ class Sample:
     def due(self, t: float) -> bool:
         """Whether `t` is one of the instants."""
         n = round((t - self.phase) / self.every)
-        return n >= 0 and t == self.phase + n * self.every
+        return n >= 0 and one_instant(self.phase + n * self.every, t)
 
 
 @dataclass(frozen=True, slots=True)

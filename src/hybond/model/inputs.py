@@ -98,7 +98,7 @@ class Timetable:
     period: float = 0.0
     """Time after which the table repeats, s; 0 if it does not."""
 
-    def _rows(self) -> int:
+    def rows(self) -> int:
         """Return how many rows a round has: one at its very end is the beginning of the next."""
         closed = len(self.times) > 1 and self.times[-1] >= self.times[0] + self.period
         return len(self.times) - 1 if closed else len(self.times)
@@ -109,14 +109,14 @@ class Timetable:
             return -math.inf
         if not self.period:
             return self.times[piece - 1]
-        turn, row = divmod(piece - 1, self._rows())
+        turn, row = divmod(piece - 1, self.rows())
         return self.times[row] + turn * self.period
 
     def piece(self, t: float) -> int:
         """Return how many of the times are at or before `t`."""
         if not self.period or t < self.times[0]:
             return bisect.bisect_right(self.times, t)
-        guess = max(0, math.floor((t - self.times[0]) / self.period) - 1) * self._rows()
+        guess = max(0, math.floor((t - self.times[0]) / self.period) - 1) * self.rows()
         while self.begin(guess + 1) <= t:
             guess += 1
         return guess
@@ -132,7 +132,7 @@ class Timetable:
         """Return the held or interpolated value of a piece."""
         if piece == 0:
             return self.values[0]
-        row = (piece - 1) % self._rows() if self.period else piece - 1
+        row = (piece - 1) % self.rows() if self.period else piece - 1
         rate = self.rate(t, piece)
         return self.values[row] + rate * (t - self.begin(piece)) if rate else self.values[row]
 
@@ -145,7 +145,7 @@ class Timetable:
                 return 0.0
             rise = self.values[piece] - self.values[piece - 1]
             return rise / (self.times[piece] - self.times[piece - 1])
-        row = (piece - 1) % self._rows()
+        row = (piece - 1) % self.rows()
         last = row + 1 == len(self.times)
         rise = self.values[0 if last else row + 1] - self.values[row]
         end = self.times[0] + self.period if last else self.times[row + 1]

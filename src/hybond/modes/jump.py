@@ -196,6 +196,7 @@ class _Constraints:
         v[e.slots.x] = x.tolist()
         xi = e.knowns(v, x, rates=False)
         known = np.abs(xi) + self.reach + TINY
+        known[: len(x)] += e.storage.coupled(x)
         value, size = self.rows @ xi, np.abs(self.rows) @ known
         if self.left.shape[1]:
             w = self.x1 @ xi

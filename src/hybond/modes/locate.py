@@ -22,7 +22,6 @@ from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.modes.dirac import ROUNDING, Pairs, steady
 from hybond.modes.guards import Followed, Guards
-from hybond.modes.jump import reach_of_bonds
 from hybond.modes.settle import Settler
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -197,10 +196,8 @@ class Locator:
         slots, nx = self.program.slots, self.program.nx
         v = [float(a[0]) for a in values]
         x = np.array(v[slots.x])[:nx]
-        bonds = self.equations.solution(v, x).size
-        if self.settler.trials.laws.laws:
-            reach = reach_of_bonds(self.equations, x, self.settler.trace.energy)
-            bonds = np.maximum(bonds, 10.0 * reach)
+        terms = self.equations.solution(v, x).size
+        bonds = self.settler.trials.measured(self.equations, x, terms)
         magnitudes: list[Vector] = list(values)
         magnitudes[slots.w] = [
             np.maximum(np.abs(a), b) for a, b in zip(values[slots.w], bonds, strict=True)
@@ -296,11 +293,8 @@ class Locator:
         solution = self.equations.solution(v, y[:nx])
         n = program.slots.size
         size = np.abs(v[:n])
-        size[program.slots.w] = solution.size
-        if self.settler.trials.laws.laws:
-            # junction laws count rounding of what is stored as zero (complementarity.clean)
-            reach = reach_of_bonds(self.equations, y[:nx], self.settler.trace.energy)
-            size[program.slots.w] = np.maximum(solution.size, 10.0 * reach)
+        trials = self.settler.trials
+        size[program.slots.w] = trials.measured(self.equations, y[:nx], solution.size)
         return steady(v, size.tolist())
 
     def _beside(self, k: int, j: int, step: Step, t: Vector, c: float) -> list[float]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import NumericsError
-from hybond.model.graph import Mode, Sample
+from hybond.model.graph import Mode, Sample, one_instant
 from hybond.modes.trial import Trials
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -64,7 +64,7 @@ class Sampling:
             HB-N305 if a value is not finite, HB-N306 if a block fails.
         """
         due = [(sample, values) for sample, values in self._samples if sample.due(t)]
-        if not due or not self._last < t < self._until:
+        if not due or t <= self._last or one_instant(self._last, t) or t >= self._until:
             return None
         self._last = t
         prior = trials.a_priori(t, x, s, mode, before)

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from hybond.equations.leakage import undetermined
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
 from hybond.model.expressions import names
-from hybond.model.graph import FlatGraph, Machine, Mode, Rule
+from hybond.model.graph import FlatGraph, Machine, Mode, Rule, one_instant
 from hybond.modes.dirac import Pairs
 from hybond.modes.record import Recorder
 from hybond.modes.trial import Trial, Trials
@@ -307,7 +307,7 @@ def _fired_text(fired: Fired) -> str:
 
 def cause_at(graph: FlatGraph, t: float) -> Cause:
     """Return what a timed event is due to."""
-    if any(t in w.times for w in graph.watches):
+    if any(one_instant(s, t) for w in graph.watches for s in w.times):
         return "time"
     return "sample" if any(s.due(t) for s in graph.samples) else "input"
 

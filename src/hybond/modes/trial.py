@@ -16,7 +16,7 @@ from hybond.equations.mode import ModeEquations, Solution, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
-from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, ROUNDING, Pair, Pairs, steady
+from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair, Pairs, steady
 from hybond.modes.guards import Guards
 from hybond.modes.impacts.strike import strike
 from hybond.modes.jump import Jump, enter, reach_of, reach_of_bonds
@@ -32,6 +32,9 @@ TURNED = 8
 """Modes that are tried with what is violated turned."""
 AGAIN = 4
 """States that differ by rounding from which branches are looked for."""
+STORED = 10.0
+"""Rounding of a bond variable is measured by this multiple of what the energy of the run would make
+of it."""
 DUST = 1e-9
 """A change of what is stored below this part of what it may be is no impulse."""
 
@@ -182,6 +185,17 @@ class Trials:
         mode = equations.mode
         return Trial(mode, equations, done, landed, v, pairs, floor, solution.freedom, names)
 
+    def measured(self, equations: ModeEquations, x: Vector, terms: Vector) -> Vector:
+        """Return what rounding of each bond variable is measured by, shape (2 * bonds,).
+
+        `terms` are the sizes of the terms that made them. Junction laws count rounding of what is
+        stored as zero (`Complementarity.clean`). Beside them every guard does, wherever it is
+        asked: one that ends a step at such a zero holds when the instant is settled, too.
+        """
+        if not self.laws.laws:
+            return terms
+        return np.maximum(terms, STORED * reach_of_bonds(equations, x, self.trace.energy))
+
     # -- junctions with laws
 
     def _with_laws(
@@ -302,12 +316,7 @@ class Trials:
 
     def _violated(self, trial: Trial) -> list[tuple[Machine, Rule]]:
         """Return the rules of laws that hold in their own branches, with finite values."""
-        sizes = list(trial.pairs.size)
-        # rounding of what is stored is not a violation: it was counted as zero
-        reach = reach_of_bonds(trial.equations, trial.jump.x, self.trace.energy)
-        w = self.program.slots.w
-        sizes[w] = np.maximum(sizes[w], 1e-12 / ROUNDING * reach).tolist()
-        pairs = steady(trial.pairs.finite, sizes)
+        pairs = steady(trial.pairs.finite, trial.pairs.size)
         found = []
         for index in self.laws.laws:
             machine = self.graph.machines[index]
@@ -379,7 +388,7 @@ class Trials:
         v[slots.s] = s.tolist()
         solution = equations.solution(v, jump.x)
         size = [abs(a) for a in v[: self._offset]]
-        size[slots.w] = solution.size.tolist()
+        size[slots.w] = self.measured(equations, jump.x, solution.size).tolist()
         impulse = [0.0] * self._offset
         if jump.happened:
             impulse[slots.w] = np.where(np.abs(jump.impulses) > floor, jump.impulses, 0.0).tolist()

@@ -7,7 +7,7 @@ import operator
 from dataclasses import dataclass
 
 from hybond.model.expressions import Binary, Compare, names
-from hybond.model.graph import FlatGraph
+from hybond.model.graph import FlatGraph, one_instant
 from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.model.kinds import RESISTORS, TWO_PORTS
 from hybond.model.resolve import affine_in_time
@@ -35,15 +35,18 @@ class Interval:
 
 
 def interval_after(graph: FlatGraph, t: float) -> Interval:
-    """Return the interval that begins at `t` or contains it."""
-    end = min(
-        (
-            *(i.waveform.next_break(t) for i in graph.inputs),
-            *(s.next_after(t) for s in graph.samples),
-            *(s for w in graph.watches for s in w.times if s > t),
-        ),
-        default=math.inf,
-    )
+    """Return the interval that begins at `t` or contains it.
+
+    Where instants are one but for rounding the interval ends at the last of them, so that what is
+    due at any of them is due there.
+    """
+    ahead = [
+        *(i.waveform.next_break(t) for i in graph.inputs),
+        *(s.next_after(t) for s in graph.samples),
+        *(s for w in graph.watches for s in w.times if s > t),
+    ]
+    first = min(ahead, default=math.inf)
+    end = max((s for s in ahead if one_instant(s, first)), default=first)
     inside = t + 0.5 * (end - t) if end < math.inf else t + 1.0
     at = tuple(_INSTANT[w.compare.op](_in_time(w.compare, inside), 0.0) for w in graph.watches)
     return Interval(tuple(i.waveform.piece(t) for i in graph.inputs), at, end)

@@ -250,7 +250,8 @@ class Fitted(Rates):
         f = self.evaluate(motion.t + h, motion.quantised(h))[self.states]
         degrees = np.arange(n)
         fit = ((degrees + 1.0) * h**degrees) @ motion.x[1:]
-        ratio = float((np.abs(f - fit) * h / (_FIT * quanta)).max(initial=0.0))
+        ratios = np.abs(f - fit) * h / (_FIT * quanta)
+        ratio = float(ratios.max(initial=0.0))
         finite = math.isfinite(ratio)
         smallest = 4.0 * math.ulp(motion.t)
         if ratio <= 1.0 or (finite and h <= smallest):
@@ -260,7 +261,7 @@ class Fitted(Rates):
             self.reach = max(self.reach, reach) if factor >= 1.0 else reach
             return True
         if h <= smallest:
-            bad = first_not_finite(f)
+            bad = first_not_finite(ratios)
             raise StepFailure.not_finite(
                 motion.t, h, None if bad is None else int(self.states[bad])
             )

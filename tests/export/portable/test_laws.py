@@ -108,3 +108,16 @@ def test_a_limit_that_would_push_is_refused_as_by_the_reference(monkeypatch):
     m.bond("push -> v -> mass")
     _, b = assert_the_same(m, monkeypatch, until=2)
     assert b.code == "HB-N407"
+
+
+def test_a_guard_that_holds_at_zero_beside_a_diode(monkeypatch):
+    """A GTO that is switched off as its current ceases, while a diode at its node goes on."""
+    m = hb.Model("gto", domain="electrical")
+    m.add(source=hb.Se("311 [V]*cos(300 [1/s]*time)"), coil=hb.I("7 mH"), a=hb.One())
+    m.add(n=hb.Zero(), gto=hb.One(), diode=hb.One(law="diode"), leak=hb.R("120 ohm"))
+    m.add(load=hb.R("4 ohm"), other=hb.R("6 ohm"))
+    m.bond("source -> a -> coil", "a -> n -> leak", "n -> gto -> load", "n -> diode -> other")
+    rules = ["on -> off when coil.f <= 0", "off -> on when coil.f > 1 [A]"]
+    m.machine("gate", states={"on": ["gto"], "off": []}, start="off", rules=rules)
+    a, _ = assert_the_same(m, monkeypatch, until=0.05)
+    assert len(a.events) > 6

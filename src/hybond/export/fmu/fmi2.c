@@ -134,7 +134,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
         if (!set_value(i->unit, vr[k], value[k])) {
-            return fmi2Error;
+            return told(i, false);
         }
     }
     return fmi2OK;
@@ -211,8 +211,9 @@ EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
 EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set,
                                               fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
 {
-    (void)c, (void)no_set;
-    *enter_event_mode = 0;
+    Instance *i = c;
+    (void)no_set;
+    *enter_event_mode = stepped_over(i->unit);
     *terminate = 0;
     return fmi2OK;
 }
@@ -260,9 +261,12 @@ EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n
 
 EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
 {
-    (void)c;
+    Instance *i = c;
+    if (!ready(i->unit)) {
+        return told(i, false);
+    }
     for (size_t k = 0; k < n; k++) {
-        x[k] = 1.0;
+        x[k] = nominal_now(i->unit->e, (int)k);
     }
     return fmi2OK;
 }

@@ -133,7 +133,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
         if (!set_value(i->unit, vr[k], value[k])) {
-            return fmi3Error;
+            return told(i, false);
         }
     }
     return fmi3OK;
@@ -222,8 +222,10 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again,
 EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set,
                                               fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
 {
-    (void)c, (void)no_set;
-    *enter_event_mode = *terminate = false;
+    Instance *i = c;
+    (void)no_set;
+    *enter_event_mode = stepped_over(i->unit);
+    *terminate = false;
     return fmi3OK;
 }
 
@@ -270,9 +272,12 @@ EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 z[], size_t
 
 EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
-    (void)c;
+    Instance *i = c;
+    if (!ready(i->unit)) {
+        return told(i, false);
+    }
     for (size_t k = 0; k < n; k++) {
-        x[k] = 1.0;
+        x[k] = nominal_now(i->unit->e, (int)k);
     }
     return fmi3OK;
 }

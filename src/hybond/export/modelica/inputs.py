@@ -33,6 +33,8 @@ def input_text(given: Input, name: str, slope: str) -> InputText:
             found.equations.append(f"{name} = {number(level)};")
             if slope:
                 found.equations.append(f"{slope} = 0;")
+        case Timetable() if waveform.period:
+            _repeating(found, waveform, name, slope)
         case Timetable():
             _table(found, waveform, name, slope)
         case Pwm():
@@ -63,6 +65,56 @@ def _table(found: InputText, table: Timetable, name: str, slope: str) -> None:
     if slope:
         rates = [number(table.rate(table.times[p - 1] if p else 0.0, p)) for p in pieces]
         found.equations.append(f"{slope} = {_choice(times, rates)};")
+
+
+def _repeating(found: InputText, table: Timetable, name: str, slope: str) -> None:
+    """Write a table that repeats.
+
+    Each row begins at a sample, which counts periods from its own first instant: nothing drifts.
+    """
+    rows, first = table.rows(), table.piece(0.0)
+    found.piece, turn = f"{name}_row", f"{name}_round"
+    ticks = [f"{name}_begins_{k + 1}" for k in range(rows)]
+    rounds, row = divmod(first - 1, rows)  # before the first row: the last one of round -1
+    found.declarations += [
+        f"Integer {found.piece}(start = {row + 1 if first else 0}, fixed = true) "
+        f'"row of {name}, 0 before the first one";',
+        f'Integer {turn}(start = {rounds}, fixed = true) "how often {name} has begun anew";',
+        *(f"Boolean {tick};" for tick in ticks),
+    ]
+    for k, tick in enumerate(ticks):
+        p = next(p for p in range(k + 1, first + 2 * rows + 1, rows) if table.begin(p) > 0.0)
+        found.equations.append(
+            f"{tick} = sample({number(table.begin(p))}, {number(table.period)});"
+        )
+    # of two rows at one time, a jump of straight lines, the later one holds
+    last_first = reversed(list(enumerate(ticks)))
+    now = " ".join(f"if {tick} then {k + 1} else" for k, tick in last_first)
+    now = now.replace("else if", "elseif")
+    found.equations.append(f"{found.piece} = {now} pre({found.piece});")
+    found.equations.append(f"{turn} = if edge({ticks[0]}) then pre({turn}) + 1 else pre({turn});")
+    rates = ["0", *(_rate(table, p) for p in range(1, rows + 1))]
+    values = [number(table.values[0])]
+    for k, rate in enumerate(rates[1:]):
+        begin = f"{number(table.times[k])} - {number(table.period)}*{turn}"
+        moved = f" + ({rate})*(time - {begin})" if rate != "0" else ""
+        values.append(f"{number(table.values[k])}{moved}")
+    found.equations.append(f"{name} = {_row(found.piece, values)};")
+    if slope:
+        found.equations.append(f"{slope} = {_row(found.piece, rates)};")
+
+
+def _rate(table: Timetable, piece: int) -> str:
+    """Return the slope of a piece; one without width, at a jump, has none."""
+    begin = table.begin(piece)
+    rate = table.rate(begin, piece) if table.begin(piece + 1) > begin else 0.0
+    return number(rate) if rate else "0"
+
+
+def _row(row: str, values: list[str]) -> str:
+    """Return the value of a row, 0 and those behind it."""
+    parts = [f"if {row} == {k} then {v} else" for k, v in enumerate(values[:-1])]
+    return " ".join([*parts, values[-1]]).replace("else if", "elseif")
 
 
 def _choice(times: list[float], values: list[str]) -> str:

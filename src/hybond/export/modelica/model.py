@@ -38,7 +38,6 @@ from hybond.model.expressions import (
     uses_pre,
 )
 from hybond.model.graph import FlatGraph, Mode
-from hybond.model.inputs import Timetable
 from hybond.simulation import simulate
 from hybond.units import try_quantity
 
@@ -734,9 +733,6 @@ def _cannot(what: str, where: str, hint: str) -> ModelError:
 
 def _refuse(graph: FlatGraph) -> None:
     """Refuse what Modelica has no words for, before anything is derived."""
-    for i in graph.inputs:
-        if isinstance(i.waveform, Timetable) and i.waveform.period:
-            raise _cannot("a table that repeats, here", i.path, "give it as pulses")
     for s in graph.samples:
         raise _cannot(
             "what is sampled at instants, here" if s.block is None else "code from elsewhere",

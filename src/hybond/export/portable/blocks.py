@@ -65,6 +65,18 @@ def fit(b: Block, n: int) -> None:
         b.at = floats(b.size)
 
 
+def grow_block(b: Block, n: int) -> None:
+    """Make room for n numbers; what was there is kept."""
+    if n <= b.size:
+        return
+    old = b.at
+    have = b.size
+    b.size = n + n // 2
+    b.at = floats(b.size)
+    for k in range(have):
+        b.at[k] = old[k]
+
+
 def fit_places(p: Places, n: int) -> None:
     """Make room for n whole numbers; what was there may be lost."""
     if n > p.size:

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.export.portable.blocks import Places, grow_places, make_places
+from hybond.export.portable.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
 from hybond.export.portable.words import record
 
 MYTHICAL: Final = 0
@@ -26,9 +33,11 @@ class Instant:
     cause: int
     steps: int
     kind: Places
-    struck: Places
-    """Of each step: whether impulses passed."""
-    struck_now: bool
+    hits: int
+    hit_first: Places
+    """Of each step: the impulses that passed, in `hit_bond` and `hit_area`."""
+    hit_bond: Places
+    hit_area: Block
     first: Places
     """Of each step: its transitions."""
     fired: int
@@ -46,7 +55,9 @@ def make_instant() -> Instant:
     """Return an instant at which nothing happened."""
     i = Instant()
     i.kind = make_places(16)
-    i.struck = make_places(16)
+    i.hit_first = make_places(16)
+    i.hit_bond = make_places(16)
+    i.hit_area = make_block(16)
     i.first = make_places(16)
     i.machine = make_places(16)
     i.source = make_places(16)
@@ -62,6 +73,7 @@ def begin_instant(i: Instant, t: float, cause: int) -> None:
     i.t = t
     i.cause = cause
     i.steps = 0
+    i.hits = 0
     i.fired = 0
     i.waiting = 0
 
@@ -82,13 +94,28 @@ def drop_fired(i: Instant) -> None:
     i.waiting = 0
 
 
+def note_hit(i: Instant, bond: int, area: float) -> None:
+    """Note an impulse of the step that is noted next."""
+    grow_places(i.hit_bond, i.hits + 1)
+    grow_block(i.hit_area, i.hits + 1)
+    i.hit_bond.at[i.hits] = bond
+    i.hit_area.at[i.hits] = area
+    i.hits += 1
+
+
+def is_struck(i: Instant, step: int) -> bool:
+    """Whether impulses passed in a step."""
+    return i.hit_first.at[step] < i.hit_first.at[step + 1]
+
+
 def note_step(i: Instant, kind: int) -> int:
     """Note a mode visited, entered by what fired last; return its number."""
     grow_places(i.kind, i.steps + 1)
     grow_places(i.first, i.steps + 2)
-    grow_places(i.struck, i.steps + 1)
+    grow_places(i.hit_first, i.steps + 2)
     i.kind.at[i.steps] = kind
-    i.struck.at[i.steps] = 1 if i.struck_now else 0
+    i.hit_first.at[0] = 0
+    i.hit_first.at[i.steps + 1] = i.hits
     i.first.at[i.steps] = i.fired
     i.steps += 1
     append_fired(i)

@@ -12,6 +12,8 @@ from hybond.export.portable.engine import Engine
 from hybond.export.portable.model import Model
 from hybond.export.portable.words import Floats, Ints
 
+ROUNDING: Final = 1.7763568394002505e-15
+"""Eight units in the last place: what instants that are one on paper differ by."""
 CONSTANT: Final = 0
 HELD: Final = 1
 LINES: Final = 2
@@ -29,6 +31,31 @@ def edge(m: Model, i: int, piece: int) -> float:
     return m.input_number[at + 4] + (float(cycle) + share) * m.input_number[at]
 
 
+def rows_of_round(m: Model, i: int) -> int:
+    """Return how many rows of a table that repeats make a round."""
+    at = m.input_first[i]
+    many = (m.input_first[i + 1] - at) // 2
+    closed = many > 1 and m.input_number[at + many - 1] >= m.input_number[at] + m.input_period[i]
+    return many - 1 if closed else many
+
+
+def row_of_piece(m: Model, i: int, piece: int) -> int:
+    """Return the row of a table that a piece but the first begins with."""
+    if m.input_period[i] == 0.0:
+        return piece - 1
+    rows = rows_of_round(m, i)
+    return piece - 1 - (piece - 1) // rows * rows
+
+
+def begin_of_piece(m: Model, i: int, piece: int) -> float:
+    """Return when a piece of a table begins, but the first one."""
+    row = row_of_piece(m, i, piece)
+    begin = m.input_number[m.input_first[i] + row]
+    if m.input_period[i] == 0.0:
+        return begin
+    return begin + float((piece - 1) // rows_of_round(m, i)) * m.input_period[i]
+
+
 def piece_of(m: Model, i: int, t: float) -> int:
     """Return the number of the piece of an input that begins at or contains t."""
     at = m.input_first[i]
@@ -38,6 +65,12 @@ def piece_of(m: Model, i: int, t: float) -> int:
     if kind == PULSES:
         guess = 2 * int(math.floor((t - m.input_number[at + 4]) / m.input_number[at])) - 2
         while edge(m, i, guess + 1) <= t:
+            guess += 1
+        return guess
+    if m.input_period[i] > 0.0 and t >= m.input_number[at]:
+        rounds = int(math.floor((t - m.input_number[at]) / m.input_period[i])) - 1
+        guess = max(0, rounds) * rows_of_round(m, i)
+        while begin_of_piece(m, i, guess + 1) <= t:
             guess += 1
         return guess
     many = (m.input_first[i + 1] - at) // 2
@@ -60,17 +93,23 @@ def next_break(m: Model, i: int, t: float) -> float:
         return edge(m, i, piece_of(m, i, t) + 1)
     many = (m.input_first[i + 1] - at) // 2
     piece = piece_of(m, i, t)
-    return m.input_number[at + piece] if piece < many else math.inf
+    if m.input_period[i] > 0.0 or piece < many:
+        return begin_of_piece(m, i, piece + 1)
+    return math.inf
 
 
 def input_rate(m: Model, i: int, piece: int) -> float:
     """Return the time derivative of an input within a piece."""
     at = m.input_first[i]
     many = (m.input_first[i + 1] - at) // 2
-    if m.input_kind[i] != LINES or piece == 0 or piece == many:
+    period = m.input_period[i]
+    if m.input_kind[i] != LINES or piece == 0 or (period == 0.0 and piece == many):
         return 0.0
-    rise = m.input_number[at + many + piece] - m.input_number[at + many + piece - 1]
-    return rise / (m.input_number[at + piece] - m.input_number[at + piece - 1])
+    row = row_of_piece(m, i, piece)
+    last = row + 1 == many
+    rise = m.input_number[at + many + (0 if last else row + 1)] - m.input_number[at + many + row]
+    end = m.input_number[at] + period if last else m.input_number[at + row + 1]
+    return rise / (end - m.input_number[at + row])
 
 
 def input_value(m: Model, i: int, t: float, piece: int) -> float:
@@ -85,10 +124,9 @@ def input_value(m: Model, i: int, t: float, piece: int) -> float:
     many = (m.input_first[i + 1] - at) // 2
     if piece == 0:
         return m.input_number[at + many]
-    held = m.input_number[at + many + piece - 1]
-    if piece == many or kind == HELD:
-        return held
-    return held + input_rate(m, i, piece) * (t - m.input_number[at + piece - 1])
+    held = m.input_number[at + many + row_of_piece(m, i, piece)]
+    rate = input_rate(m, i, piece)
+    return held if rate == 0.0 else held + rate * (t - begin_of_piece(m, i, piece))
 
 
 def level_of_piece(m: Model, i: int, piece: int) -> int:
@@ -98,7 +136,9 @@ def level_of_piece(m: Model, i: int, piece: int) -> int:
         return 0
     if kind == PULSES:
         return piece - 2 * int(math.floor(0.5 * float(piece)))
-    return m.level_of[m.level_first[i] + piece]
+    if piece == 0:
+        return m.level_of[m.level_first[i]]
+    return m.level_of[m.level_first[i] + 1 + row_of_piece(m, i, piece)]
 
 
 def next_sample(m: Model, k: int, t: float) -> float:
@@ -118,26 +158,50 @@ def next_sample(m: Model, k: int, t: float) -> float:
 def is_due(m: Model, k: int, t: float) -> bool:
     """Whether t is one of the instants of a sampled signal."""
     n = math.floor((t - m.sample_phase[k]) / m.sample_every[k] + 0.5)
-    return n >= 0.0 and t == m.sample_phase[k] + n * m.sample_every[k]
+    return n >= 0.0 and one_instant(m.sample_phase[k] + n * m.sample_every[k], t)
+
+
+def one_instant(a: float, b: float) -> bool:
+    """Whether two timed events are one, but for rounding. After model/graph.py."""
+    return math.fabs(a - b) <= ROUNDING * math.fabs(b)
 
 
 def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
-    end = math.inf
     for i in range(m.inputs):
-        end = min(end, next_break(m, i, t))
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]
-    for k in range(m.samples):
-        end = min(end, next_sample(m, k, t))
-    for k in range(m.watches):
-        if m.watch_time[k] > t:
-            end = min(end, m.watch_time[k])
+    end = break_after(m, t)
     inside = t + 0.5 * (end - t) if end < math.inf else t + 1.0
     for k in range(m.watches):
         e.at[k] = 1 if watch_holds(m, k, inside) else 0
     e.next_break = end
+
+
+def break_after(m: Model, t: float) -> float:
+    """Return the first timed event after t; of several that are one but for rounding, the last."""
+    first = math.inf
+    for i in range(m.inputs):
+        first = min(first, next_break(m, i, t))
+    for k in range(m.samples):
+        first = min(first, next_sample(m, k, t))
+    for k in range(m.watches):
+        if m.watch_time[k] > t:
+            first = min(first, m.watch_time[k])
+    last = first
+    for i in range(m.inputs):
+        last = later(last, next_break(m, i, t), first)
+    for k in range(m.samples):
+        last = later(last, next_sample(m, k, t), first)
+    for k in range(m.watches):
+        last = later(last, m.watch_time[k], first)
+    return last
+
+
+def later(last: float, t: float, first: float) -> float:
+    """Return the later of `last` and `t`, if `t` is one instant with `first`."""
+    return max(last, t) if one_instant(t, first) else last
 
 
 def watch_holds(m: Model, k: int, t: float) -> bool:
@@ -168,7 +232,7 @@ def is_timed(e: Engine, t: float) -> bool:
     """Whether an instant is one at which a comparison of time may change."""
     found = False
     for k in range(e.model.watches):
-        found = found or e.model.watch_time[k] == t
+        found = found or one_instant(e.model.watch_time[k], t)
     return found
 
 

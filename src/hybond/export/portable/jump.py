@@ -27,7 +27,7 @@ from hybond.export.portable.model import node_name, value
 from hybond.export.portable.newton import frozen_at, knowns_of, split
 from hybond.export.portable.products import largest, times_matrix
 from hybond.export.portable.qr import complement
-from hybond.export.portable.storage import own_stiffness, reach_of
+from hybond.export.portable.storage import coupled, own_stiffness, reach_of
 from hybond.export.portable.svd import (
     least_squares,
     null_space,
@@ -201,7 +201,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     for k in range(mode.knowns):
         w.known_size[k] = math.fabs(w.xi[k]) + TINY
         if k < m.storages:
-            w.known_size[k] += w.reach[k]
+            w.known_size[k] += w.reach[k] + coupled(m, k, v)
     rows = mode.constraints.rows
     for i in range(rows):
         w.gap.at[i] = row_times(mode.constraints, i, w.xi)

@@ -25,7 +25,6 @@ from hybond.export.portable.trial import (
     begin_trial,
     finish_trial,
     jump_into,
-    seen_of,
     take_factors,
     write_entry,
 )
@@ -229,17 +228,11 @@ def find_broken(e: Engine, r: Laws) -> int:
     """
     m = e.model
     stack = e.work.stack
-    seen_of(e, e.mode, e.trial.x)
-    for k in range(m.slots):
-        r.terms[k] = e.trial.terms[k]
-    for b in range(2 * m.bonds):
-        reach = 10.0 * math.sqrt(e.energy) * e.mode.seen[b]
-        r.terms[m.bond_slot + b] = max(r.terms[m.bond_slot + b], reach)
     stack.now = e.v
     stack.was = e.v
     stack.was_first = 0
     stack.jumps = False
-    stack.terms = r.terms
+    stack.terms = e.trial.terms
     r.broken = 0
     for k in range(m.machines):
         if m.is_law[k] == 0:

@@ -21,7 +21,7 @@ from hybond.export.portable.paired import holds
 from hybond.export.portable.products import times_matrix
 from hybond.export.portable.stepping import between
 from hybond.export.portable.svd import make_svd, pseudo_inverse
-from hybond.export.portable.trial import refuse_pair, seen_of
+from hybond.export.portable.trial import refuse_pair, widen_sizes
 from hybond.export.portable.values import set_state
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
@@ -337,21 +337,10 @@ def put_sizes(e: Engine, mode: Mode) -> None:
     sizes_here(e, mode, e.v)
     for k in range(m.slots):
         e.work.terms[k] = math.fabs(e.v[k])
-    widen_sizes(e, mode)
+    read_stored(e, e.work.here)
+    widen_sizes(e, mode, e.work.here)
     for k in range(2 * m.bonds):
         e.work.terms[m.bond_slot + k] = e.work.sizes[k]
-
-
-def widen_sizes(e: Engine, mode: Mode) -> None:
-    """Where junctions have laws, measure bond variables by what is stored as well."""
-    m = e.model
-    if m.laws == 0:
-        return
-    read_stored(e, e.work.here)
-    seen_of(e, mode, e.work.here)
-    reach = 10.0 * math.sqrt(e.energy)
-    for k in range(2 * m.bonds):
-        e.work.sizes[k] = max(e.work.sizes[k], reach * mode.seen[k])
 
 
 def read_stored(e: Engine, x: Floats) -> None:
@@ -442,7 +431,8 @@ def is_resolved(e: Engine, g: Locator) -> bool:
     g.looked = math.nan
     look(e, g, g.t[0])
     sizes_here(e, e.mode, e.v)
-    widen_sizes(e, e.mode)
+    read_stored(e, e.work.here)
+    widen_sizes(e, e.mode, e.work.here)
     for k in range(2 * m.bonds):
         g.magnitude[k] = e.work.sizes[k]
     for a in range(g.atoms):

@@ -73,6 +73,8 @@ class Model:
     """Of each rule: the differences of its comparisons."""
     atom_value: Ints
     atom_size: Ints
+    atom_zero: Ints
+    """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
 
     # what elements say, by what is constant in a mode
     elements: int
@@ -205,6 +207,8 @@ class Model:
     """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
     of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
     input_number: Floats
+    input_period: Floats
+    """The time after which a table repeats; 0: it does not."""
     level_first: Ints
     """Of each table that is held: which of its levels a piece has, in `level_of`."""
     level_of: Ints

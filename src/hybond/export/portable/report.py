@@ -16,6 +16,7 @@ from hybond.export.portable.instant import (
 )
 from hybond.export.portable.model import (
     Model,
+    bond_name,
     machine_name,
     output_name,
     state_name,
@@ -132,16 +133,31 @@ def report_event(e: Engine, r: Report, i: Instant) -> None:
             r.next_point += 1
         return
     for step in range(i.steps):
-        first = i.first.at[step]
-        for f in range(first, i.first.at[step + 1]):
-            put_transition(e, i, f, step)
-        if first == i.first.at[step + 1]:
-            put_number(i.t)
-            put_text(" ")
-            put_text(cause_name(i.cause))
-            put_text(" - - -> - ")
-            put_text(kind_name(i.kind.at[step]))
-            put_line()
+        put_step(e, i, step)
+
+
+def put_step(e: Engine, i: Instant, step: int) -> None:
+    """Print a mode visited: the transitions that led there, the impulses that passed."""
+    first = i.first.at[step]
+    for f in range(first, i.first.at[step + 1]):
+        put_transition(e, i, f, step)
+    if first == i.first.at[step + 1]:
+        put_number(i.t)
+        put_text(" ")
+        put_text(cause_name(i.cause))
+        put_text(" - - -> - ")
+        put_text(kind_name(i.kind.at[step]))
+        put_line()
+    for h in range(i.hit_first.at[step], i.hit_first.at[step + 1]):
+        put_text("impulse ")
+        put_number(i.t)
+        put_text(" ")
+        put_number(i.hit_area.at[h])
+        put_text(" ")
+        put_text(kind_name(i.kind.at[step]))
+        put_text(" ")
+        put_text(bond_name(e.model, i.hit_bond.at[h]))
+        put_line()
 
 
 def put_transition(e: Engine, i: Instant, f: int, step: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from hybond.export.portable.engine import OK, Engine, say_fault
-from hybond.export.portable.interval import is_due
+from hybond.export.portable.interval import is_due, one_instant
 from hybond.export.portable.model import stored_name, value
 from hybond.export.portable.words import Floats
 
@@ -13,7 +13,9 @@ from hybond.export.portable.words import Floats
 def sample(e: Engine, s: Floats) -> int:
     """Set the signals in `s` that are due now to what they read a priori; each instant once."""
     m = e.model
-    if m.samples == 0 or e.t <= e.sampled_at or e.t >= e.samples_end:
+    if m.samples == 0 or e.t >= e.samples_end:
+        return OK
+    if e.t <= e.sampled_at or one_instant(e.sampled_at, e.t):
         return OK
     v = e.work.values
     for k in range(m.slots):

@@ -22,6 +22,7 @@ from hybond.export.portable.instant import (
     Instant,
     drop_fired,
     note_fired,
+    note_hit,
     note_step,
 )
 from hybond.export.portable.interval import interval_after
@@ -101,7 +102,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             if fired == 0:
                 break
             if fired_any or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
-                i.struck_now = is_struck(e)
+                note_hits(e, i)
                 note_step(i, MYTHICAL)
             elif written >= 0:
                 i.kind.at[written] = PINNACLE
@@ -139,7 +140,6 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         return say_fault(e, "HB-N403", why, "")
     if i.steps == 0 and i.cause == START:
         drop_fired(i)
-        i.struck_now = False
         note_step(i, CONTINUOUS)
     for k in range(m.storages):
         e.y[k] = g.x[k]
@@ -157,10 +157,9 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     pinnacle. After Recorder.written.
     """
     m = e.model
-    i.struck_now = is_struck(e)
+    note_hits(e, i)
     if e.trial.struck:
         write_struck(e, i)
-        i.struck_now = False
     written = note_step(i, CONTINUOUS)
     for k in range(m.storages):
         g.x[k] = e.trial.x[k]
@@ -171,15 +170,14 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     return written
 
 
-def is_struck(e: Engine) -> bool:
-    """Whether a jump has impulses that are more than rounding."""
+def note_hits(e: Engine, i: Instant) -> None:
+    """Note the impulses of the trial that are more than rounding."""
     m = e.model
     if not e.trial.jumps:
-        return False
+        return
     for k in range(2 * m.bonds):
         if e.trial.jump[m.bond_slot + k] != 0.0:
-            return True
-    return False
+            note_hit(i, k, e.trial.jump[m.bond_slot + k])
 
 
 def write_struck(e: Engine, i: Instant) -> None:

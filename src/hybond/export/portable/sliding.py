@@ -22,6 +22,7 @@ from hybond.export.portable.instant import (
     PINNACLE,
     Instant,
     append_fired,
+    is_struck,
     note_fired,
     note_step,
 )
@@ -129,7 +130,7 @@ def show_again(e: Engine) -> int:
 def has_moved(i: Instant) -> bool:
     """Whether what is stored jumped."""
     for k in range(i.steps):
-        if i.kind.at[k] != MYTHICAL and i.struck.at[k] != 0:
+        if i.kind.at[k] != MYTHICAL and is_struck(i, k):
             return True
     return False
 
@@ -208,7 +209,10 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             shown = True
         if not is_allowed(e, surface):
             continue
-        sure = (crossed or held) and not moved
+        # at a timed event a rule may have fired because an input jumped over the surface, and one
+        # that asks for more because that has come true
+        sure = held or (crossed and not anew and is_alone(e, surface, i.target.at[f]))
+        sure = sure and not moved
         if turns and i.steps > 0 and went_and_came(i, machine):
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
@@ -224,6 +228,13 @@ def is_between(e: Engine, surface: int, source: int, target: int) -> bool:
     up = source == m.surface_below[surface] and target == m.surface_above[surface]
     down = source == m.surface_above[surface] and target == m.surface_below[surface]
     return up or down
+
+
+def is_alone(e: Engine, surface: int, target: int) -> bool:
+    """Whether the rule that leads over a surface asks for nothing else."""
+    m = e.model
+    side = 2 * surface + (0 if target == m.surface_above[surface] else 1)
+    return m.surface_rest[side] == m.surface_rest[side + 1]
 
 
 def is_allowed(e: Engine, surface: int) -> bool:
@@ -352,16 +363,14 @@ def go_on_sliding(e: Engine, i: Instant, slid: int) -> int:
     if waiting == 0:
         return OK
     if i.steps == 0:
-        i.struck_now = False
         note_step(i, CONTINUOUS)
         return OK
     last = i.steps - 1
     differs = False
     for k in range(m.machines):
         differs = differs or s.settled[k] != e.state[k]
-    if i.struck.at[last] != 0 and differs and s.many == 0:
+    if is_struck(i, last) and differs and s.many == 0:
         i.kind.at[last] = PINNACLE
-        i.struck_now = False
         note_step(i, CONTINUOUS)
     else:
         append_fired(i)

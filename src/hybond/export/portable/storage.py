@@ -83,6 +83,19 @@ def own_stiffness(m: Model, k: int, v: Floats) -> float:
     return 0.0
 
 
+def coupled(m: Model, k: int, v: Floats) -> float:
+    """Return what the other ports of its field add to the co-energy variable of port k.
+
+    The sum of magnitudes. After StorageLaws.coupled.
+    """
+    total = 0.0
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        j = m.stiff_other[i]
+        if j != k:
+            total += math.fabs(stiff(m, i, v) * v[m.stored_slot + j])
+    return total
+
+
 def with_stored(e: Engine, x: Floats) -> Floats:
     """Return values to try something with, `x` being stored."""
     m = e.model

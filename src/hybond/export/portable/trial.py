@@ -6,6 +6,7 @@ Nothing here decides anything; settle.py does. After modes/trial.py.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
 from hybond.export.portable.blocks import fit
@@ -38,6 +39,10 @@ from hybond.export.portable.pairs import (
 from hybond.export.portable.storage import energy_of, own_stiffness, reach_of, with_stored
 from hybond.export.portable.values import set_values
 from hybond.export.portable.words import Floats, Ints, Text
+
+STORED: Final = 10.0
+"""Rounding of a bond variable is measured by this multiple of what the energy of the run would make
+of it."""
 
 
 def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
@@ -161,6 +166,7 @@ def solve_trial(e: Engine) -> int:
     if may_refuse(solve_here(e, e.mode, e.v)) != OK:
         return REFUSED
     sizes_here(e, e.mode, e.v)
+    widen_sizes(e, e.mode, trial.x)
     for k in range(m.slots):
         trial.terms[k] = math.fabs(e.v[k])
     for k in range(2 * m.bonds):
@@ -308,3 +314,18 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
                 most = max(most, math.fabs(mode.finite.value.at[i]) * w.reach[j])
         mode.seen[k] = most
     mode.saw = m.groups == 0
+
+
+def widen_sizes(e: Engine, mode: Mode, x: Floats) -> None:
+    """Where junctions have laws, measure bond variables by what is stored as well.
+
+    Junction laws count rounding of what is stored as zero; beside them every guard does, wherever
+    it is asked. After Trials.measured.
+    """
+    m = e.model
+    if m.laws == 0:
+        return
+    seen_of(e, mode, x)
+    reach = STORED * math.sqrt(e.energy)
+    for k in range(2 * m.bonds):
+        e.work.sizes[k] = max(e.work.sizes[k], reach * mode.seen[k])

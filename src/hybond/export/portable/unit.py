@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.equations import mode_of
+from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.instant import GUARD, INPUT, START
 from hybond.export.portable.interval import interval_after
 from hybond.export.portable.model import value
@@ -24,11 +25,16 @@ from hybond.export.portable.motion import (
     settle_now,
     timed_cause,
 )
+from hybond.export.portable.storage import own_stiffness, with_stored
 from hybond.export.portable.values import begin_field, evaluate, field
 from hybond.export.portable.words import Floats
 
 INSTANT: Final = 1e-12
 """What is one instant with a timed event, as a part of the time."""
+LATE: Final = 1e-9
+"""How far beyond the instant of an importer a guard is followed until it acts, likewise."""
+TINY: Final = 1e-300
+"""What an indicator is instead of zero, so that it changes its sign where a guard its truth."""
 
 
 def begin_unit(e: Engine, r: Run) -> int:
@@ -78,6 +84,15 @@ def output_now(e: Engine, k: int) -> float:
     return value(e.model, e.model.output_value[k], e.shown)
 
 
+def nominal_now(e: Engine, k: int) -> float:
+    """Return what state k is measured by: what a flow or effort of 1 stores, but no more than 1."""
+    m = e.model
+    if k >= m.storages:
+        return 1.0
+    stiffness = math.fabs(own_stiffness(m, k, with_stored(e, e.y)))
+    return 1.0 / stiffness if 1.0 < stiffness and stiffness < math.inf else 1.0
+
+
 def rates_now(e: Engine, rate: Floats) -> int:
     """Put the time derivatives of the states into `rate`."""
     if mode_of(e, e.state) != OK:
@@ -87,7 +102,10 @@ def rates_now(e: Engine, rate: Floats) -> int:
 
 
 def indicators_now(e: Engine, out: Floats) -> int:
-    """Put what guards compare into `out`: differences, 1 for guards of other states."""
+    """Put what guards compare into `out`: differences, 1 for guards of other states.
+
+    None is zero: the root that an importer finds lies where ``a > b`` holds, not where a is b.
+    """
     m = e.model
     if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
         return REFUSED
@@ -96,6 +114,8 @@ def indicators_now(e: Engine, out: Floats) -> int:
             here = m.rule_source[rule] == e.state[machine] and m.rule_watched[rule] != 0
             for k in range(m.atom_first[rule], m.atom_first[rule + 1]):
                 out[k] = value(m, m.atom_value[k], e.shown) if here else 1.0
+                if out[k] == 0.0:
+                    out[k] = TINY * float(m.atom_zero[k])
     return OK
 
 
@@ -112,4 +132,34 @@ def settle_unit(e: Engine, r: Run) -> int:
     for k in range(e.model.inputs):
         if e.asked[k] != e.level[k]:
             return settled(e, r, INPUT)
-    return settled(e, r, GUARD)
+    return settle_guard(e, r)
+
+
+def settle_guard(e: Engine, r: Run) -> int:
+    """Settle the instant at which an importer has found that a guard holds.
+
+    What exceeds its bound by no more than rounding does not switch. A run of the unit would meet
+    the guard again at once, an importer never: so the unit runs on until it acts.
+    """
+    if settled(e, r, GUARD) != OK:
+        return REFUSED
+    part = INSTANT
+    while part <= LATE and guard_holds(e):
+        if advance(e, r, e.t + part * max(e.until, math.fabs(e.t))) != OK:
+            return REFUSED
+        part *= 10.0
+    return OK
+
+
+def guard_holds(e: Engine) -> bool:
+    """Whether a guard of the present mode holds, which time would not go on with."""
+    m = e.model
+    if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return False
+    for machine in range(m.machines):
+        for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
+            if m.rule_watched[rule] == 0 or not is_asked(e, machine, rule, e.state[machine]):
+                continue
+            if value(m, m.rule_test[rule], e.shown) != 0.0:
+                return True
+    return False

@@ -51,7 +51,7 @@ int hb_trend(hb_settler *s, const hb_mode *m, int32_t p)
 static int branch_stands(hb_settler *s, const hb_mode *m, int32_t p, int jumped, int stay,
                          int turned)
 {
-    const hb_signals all = hb_signals_of(s, m, jumped, sqrt(s->o->run_energy));
+    const hb_signals all = hb_signals_of(s, m, jumped);
     hb_pair value;
     if (m->port_gate[p] >= 0) {
         const int32_t *gate = m->code + m->port_gate[p];

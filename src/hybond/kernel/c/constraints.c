@@ -8,15 +8,43 @@ enum { STEPS = 60 };
 static const double MET = 1e-12, BEST = 1e-14, AGREE = 1e-9, CANCELLED = 1e-15, NOTHING = 1e-20;
 static const double TINY = 2.2250738585072014e-296;
 
-/* The residual of row i, and the sum of the magnitudes of its terms. */
-static double residual(const hb_rows *rows, int i, const double *xi, const double *reach,
-                       double spread, double *size)
+/* What the other ports of its field add to the co-energy variable of port j, at the state x: the
+ * sum of magnitudes. */
+static double coupled(const hb_mode *m, int32_t j, const double *x)
+{
+    double sum = 0.0;
+    for (int32_t k = m->co_energy.first[j]; k < m->co_energy.first[j + 1]; ++k)
+        if (m->co_energy.column[k] != j)
+            sum += fabs(m->co_energy.value[k] * x[m->co_energy.column[k]]);
+    return sum;
+}
+
+/* The residual of row i of what sources prescribe, and the sum of the magnitudes of its terms. */
+static double disagreement(const hb_rows *rows, int i, const double *xi, double *size)
 {
     double sum = 0.0, terms = 0.0;
     for (int32_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
         const int32_t j = rows->column[k];
         sum += rows->value[k] * xi[j];
-        terms += fabs(rows->value[k]) * (fabs(xi[j]) + (reach ? reach[j] * spread + TINY : 0.0));
+        terms += fabs(rows->value[k] * xi[j]);
+    }
+    *size = terms;
+    return sum;
+}
+
+/* The same of constraint i at the state x. */
+static double residual(const hb_mode *m, int i, const double *xi, const double *x, double spread,
+                       double *size)
+{
+    const hb_rows *rows = &m->constraint;
+    double sum = 0.0, terms = 0.0;
+    for (int32_t k = rows->first[i]; k < rows->first[i + 1]; ++k) {
+        const int32_t j = rows->column[k];
+        double known = fabs(xi[j]) + m->known_reach[j] * spread + TINY;
+        if (j < m->storages)
+            known += coupled(m, j, x);
+        sum += rows->value[k] * xi[j];
+        terms += fabs(rows->value[k]) * known;
     }
     *size = terms;
     return sum;
@@ -27,7 +55,7 @@ static int agree(const hb_mode *m, const hb_work *work)
 {
     double size;
     for (int i = 0; i < m->agreements; ++i)
-        if (!(fabs(residual(&m->agreement, i, work->known, 0, 0.0, &size)) <= AGREE * size))
+        if (!(fabs(disagreement(&m->agreement, i, work->known, &size)) <= AGREE * size))
             return 0;
     return 1;
 }
@@ -54,7 +82,7 @@ int hb_jump(const hb_mode *m, hb_motion *o, hb_work *work, double t, const doubl
         if (turn)
             hb_known(m, o, work, t, x);
         for (int i = 0; i < n; ++i) {
-            r[i] = residual(&m->constraint, i, work->known, m->known_reach, spread, &size);
+            r[i] = residual(m, i, work->known, x, spread, &size);
             exact &= r[i] == 0.0;
             if (!turn)
                 rounding &= fabs(r[i]) <= MET * size;

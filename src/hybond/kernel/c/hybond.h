@@ -338,7 +338,7 @@ void hb_within(const hb_settler *s, int32_t interval);
 void hb_show(const hb_mode *m, hb_motion *o);
 
 /* The signals of the last hb_solve, a priori values included. */
-hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped, double reach);
+hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped);
 
 /* Enter a mode from what is stored `here`, which leads `there`: how, or 0 if it cannot be said. */
 int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump);

@@ -101,10 +101,10 @@ static void impulses(hb_settler *s, const hb_mode *m, const double *x)
     }
 }
 
-hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped, double reach)
+hb_signals hb_signals_of(const hb_settler *s, const hb_mode *m, int jumped)
 {
     hb_signals all = {s->o->v, s->o->v + m->slots, jumped ? s->impulse : 0, 0, m->slots,
-                      m, s->o, s->work, reach};
+                      m, s->o, s->work, sqrt(s->o->run_energy)};
     return all;
 }
 
@@ -128,7 +128,7 @@ int hb_enter(hb_settler *s, const hb_mode *m, double t, int jump)
     if (!hb_solve(m, s->o, s->work, t, s->there))
         return 0;
     if (how == HB_JUMPS && m->signals) {
-        const hb_signals all = hb_signals_of(s, m, 1, 0.0);
+        const hb_signals all = hb_signals_of(s, m, 1);
         int moved = 0;
         for (int i = 0; i < m->signals; ++i) {
             hb_pair rate;
@@ -167,7 +167,7 @@ static void remember(hb_settler *s, const hb_mode *m)
 /* The transitions of all machines at once: 1 if any fires, -1 if one cannot be said. */
 static int enabled(hb_settler *s, const hb_mode *m, int jumped, int32_t *fired)
 {
-    const hb_signals all = hb_signals_of(s, m, jumped, 0.0);
+    const hb_signals all = hb_signals_of(s, m, jumped);
     int any = 0;
     memcpy(s->target, m->state, sizeof *s->target * (size_t)m->machines);
     for (int32_t r = 0, last = -1; r < m->rules; ++r) {

@@ -28,6 +28,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.assign import assign
+from hybond.causality.explain import describe_conflict
 from hybond.equations.leakage import null_space
 from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
@@ -507,12 +509,21 @@ class Complementarity:
     def _unsolvable(
         self, at: Instant, ports: PortEquations, taking: Mask, what: str
     ) -> NumericsError:
-        names = ", ".join(p.path for p, a in zip(ports.ports, taking, strict=True) if a)
+        # where none may be ON, what keeps them OFF leaves no answer
+        names = ", ".join(
+            p.path for p, a in zip(ports.ports, taking, strict=True) if a or not taking.any()
+        )
+        mode = base_mode(self.graph, at.mode)
+        opposed = " ".join(
+            f" {describe_conflict(self.graph, mode, c)}" for c in assign(self.graph, mode).conflicts
+        )
         return NumericsError(
-            f"the {what} of {names} have no solution at t = {at.t:.9g} s",
+            f"the {what} of {names} have no solution at t = {at.t:.9g} s.{opposed}".rstrip("."),
             code="HB-J110",
             where=self.graph.mode_text(at.mode),
-            hint="friction of a rigid contact may leave none (Painleve): give the contact a "
+            hint="give the flow of a source another way, or the source a resistance"
+            if opposed
+            else "friction of a rigid contact may leave none (Painleve): give the contact a "
             "stiffness, or a source a resistance",
         )
 

@@ -175,15 +175,18 @@ class Slider:
         for k, s in enumerate(self.surfaces):
             if mode[s.machine] not in (s.below, s.above) or s.machine in found:
                 continue
-            crossed = fired.get(s.machine) in ((s.below, s.above), (s.above, s.below))
+            way = fired.get(s.machine)
+            crossed = way in ((s.below, s.above), (s.above, s.below))
             if not (crossed or s in held or anew):
                 continue
             if v is None:
                 v = self._values(t, y, mode, interval)
             if any(not f(v) for rest in self._rests[k] for f in rest):
                 continue
-            # at a timed event a rule may have fired because an input jumped over the surface
-            sure = ((crossed and not anew) or s in held) and not jumped
+            # at a timed event a rule may have fired because an input jumped over the surface, and
+            # one that asks for more because that has come true
+            alone = not (s.up_rest if way == (s.below, s.above) else s.down_rest)
+            sure = ((crossed and alone and not anew) or s in held) and not jumped
             if s.machine in back:
                 # there and back by a pinnacle: towards the surface, if its jumps have vanished
                 crossed = sure = True

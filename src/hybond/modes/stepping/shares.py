@@ -61,6 +61,9 @@ def least_shares(
     """
     fixed = low >= high
     basis = still @ null_space(still[fixed]) if fixed.any() else still
+    # what cancels but for rounding moves nothing, and asks for no bound
+    basis = np.where(np.abs(basis) > SAME * np.abs(still).max(initial=0.0), basis, 0.0)
+    basis = basis[:, np.abs(basis).max(axis=0, initial=0.0) > 0.0]
     if not basis.shape[1]:
         return l, []
     A, b = basis, l
