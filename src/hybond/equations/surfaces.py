@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ from hybond.model.expressions import (
     Compare,
     Expr,
     Name,
+    Neg,
     Not,
     Number,
     Or,
@@ -38,6 +40,8 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
+from hybond.model.expressions.traced import Traced
+from hybond.model.expressions.tree import fold, walk
 from hybond.model.graph import FlatGraph, Mode, Rule
 
 Vector = NDArray[np.float64]
@@ -45,6 +49,8 @@ Closure = Callable[[Sequence[float]], float]
 
 SCALES = (1.0, 1e-4, 1e-8, 1e-12)
 """Sizes of the values at which two switching functions are compared: a small band shows."""
+SAME = 1e-9
+"""Part by which factors of a term may differ and it is left open whether they are the same."""
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 
 
@@ -246,18 +252,92 @@ def _steered(g: Expr) -> bool:
 
 def _opposite(g: Expr, h: Expr) -> bool:
     """Whether ``h = -g`` for all values: at generic ones, of several sizes."""
+    match g, h:
+        case Binary("-", a, b), Binary("-", c, d) if (a, b) == (d, c):
+            return True
+    linear = _opposite_terms(g, h)
+    if linear is not None:
+        return linear
     wanted = sorted(names(g) | names(h))
     slot = {name: k for k, name in enumerate(wanted)}
     f, k = (compile_expression(e, slot, pre_offset=0) for e in (g, h))
     compared = 0
     for v in _generic(len(wanted)):
-        a, b = float(f(v)), float(k(v))
+        a, b = f(v), k(v)
         if not math.isfinite(a + b):
             continue
         compared += 1
         if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
             return False
     return compared > 0
+
+
+def _opposite_terms(g: Expr, h: Expr) -> bool | None:
+    """Whether ``h = -g`` where both are sums of terms with factors that may be changed.
+
+    Then factors are compared, so that what is written down of them is short. None: nothing can be
+    changed, or these are no such sums, or factors differ by what may be rounding.
+    """
+    if not _changeable(g) and not _changeable(h):
+        return None
+    one, other = _terms(g), _terms(h)
+    if one is None or other is None or _may_meet({*one, *other}):
+        return None
+    sums = []
+    for term in {**one, **other}:
+        a, b = one.get(term, 0.0), other.get(term, 0.0)
+        total = a + b
+        if 0.0 < abs(float(total)) <= SAME * (abs(float(a)) + abs(float(b))):
+            return None
+        sums.append(total)
+    # what no parameter changes first: then there is nothing to write down
+    sums.sort(key=lambda c: isinstance(c, Traced))
+    return all(not c for c in sums)
+
+
+def _changeable(e: Expr) -> bool:
+    """Whether a number in an expression may be changed."""
+    return any(isinstance(n, Number) and isinstance(n.value, Traced) for n, _ in walk(e))
+
+
+def _terms(e: Expr) -> dict[tuple[Expr, ...], float] | None:
+    """Return the factor of each term of a sum; None if it is no sum of terms."""
+
+    def of(node: Expr, _: bool, below: list[Any]) -> dict[tuple[Expr, ...], float] | None:
+        if any(b is None for b in below):
+            return None
+        match node:
+            case Number(value):
+                return {(): value}
+            case Name():
+                return {(node,): 1.0}
+            case Neg():
+                return {k: -c for k, c in below[0].items()}
+            case Binary(op="+" | "-"):
+                left, right = below
+                found = dict(left)
+                for k, c in right.items():
+                    found[k] = found.get(k, 0.0) + (c if node.op == "+" else -c)
+                return found
+            case Binary(op="*") if len(below[0]) == len(below[1]) == 1:
+                ((one, a),), ((other, b),) = below[0].items(), below[1].items()
+                return {tuple(sorted((*one, *other), key=str)): a * b}
+            case Binary(op="*") if {()} in (below[0].keys(), below[1].keys()):
+                constant, rest = below if below[0].keys() == {()} else below[::-1]
+                return {k: constant[()] * c for k, c in rest.items()}
+            case Binary(op="/") if below[1].keys() == {()}:
+                return {k: c / below[1][()] for k, c in below[0].items()}
+        return {(node,): 1.0}
+
+    found: dict[tuple[Expr, ...], float] | None = fold(e, of)
+    return found
+
+
+def _may_meet(terms: Iterable[tuple[Expr, ...]]) -> bool:
+    """Whether parts of terms that differ now would not with other numbers in them."""
+    parts = {e for term in terms for e in term if _changeable(e)}
+    blank = {transform(e, lambda n: Number(0.0) if isinstance(n, Number) else n) for e in parts}
+    return len(blank) < len(parts)
 
 
 @lru_cache

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybond._version import __version__
+from hybond.export.c_parameters import declared, putting, setting, table_name
 from hybond.export.program import NAMES, Exported, exported, printed_before
 from hybond.export.story import noted, story, title_of
 from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
 from hybond.export.translate.c_words import HEADERS, c_words
 from hybond.export.translate.lines import block_comment, plain, prose, wrapped
 from hybond.model.builder import Model
-from hybond.model.graph import FlatGraph
 
 LEAVES = ["functions", "lookup"]
 """Chapters that stand before the model's expressions, which call them."""
@@ -43,14 +43,27 @@ def to_c(model: Model, **options: object) -> str:
     >>> print(to_c(hb.load("examples/bouncing_ball.toml")).splitlines()[0])
     /* Ball on a springy floor (Margetts & Ngwompo)
     """
-    graph = model.flatten()
-    found = exported(graph, options=options)
-    title = c_text(title_of(graph))[1:-1]
-    return c_file(model, graph, found, MAIN.replace("@TITLE@", title))
+    found = exported(model, options=options)
+    return c_file(model, found, main_of(found))
 
 
-def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
+def main_of(found: Exported) -> str:
+    """Return the main of a program."""
+    own = found.parameters
+    main = MAIN.replace("@TITLE@", c_text(title_of(found.graph))[1:-1])
+    if not own.settable and not own.fixed:
+        for text in (SET_USAGE, SET_OPTION, SET_HELP, SET_TAKEN):
+            main = main.replace(text, "")
+        return main.replace("@SET@", "")
+    main = main.replace("@SET@", " [--set NAME=VALUE]")
+    if not own.settable:
+        main = main.replace(SET_TAKEN, "")
+    return "\n".join([*setting(own), "", main])
+
+
+def c_file(model: Model, found: Exported, tail: str) -> str:
     """Return a model and the runtime as one text, with `tail`, its main or what stands for it."""
+    graph = found.graph
     printer = CPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
@@ -69,9 +82,14 @@ def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
         "",
         "/* Names of the values that the expressions of the model read. */",
         *_slots(found),
+        *declared(found.parameters),
     ]
+    written = found.parameters.tables
     for name, points in found.points.items():
-        lines += ["", *c_table(name, points)]
+        table = c_table(name, points)
+        if name in written:
+            table[0] = table[0].replace("static const ", "static ", 1)
+        lines += ["", *table]
     lines += ["", *c_words(printer.reached.words), "", *printer.typedefs()]
     modules = {m.name: m for m in found.runs.program.modules}
     order = [m.name for m in found.runs.program.modules]
@@ -84,6 +102,9 @@ def c_file(model: Model, graph: FlatGraph, found: Exported, tail: str) -> str:
         lines += printer.chapter(module)
         if name == "model":
             lines += ["", *_model(printer, found)]
+    members = {m.name for m in printer.members(found.runs.program.records["Model"])}
+    put = putting(printer, found.parameters, members)
+    lines += ["", "/* What follows from the parameters. */", *put] if put else []
     lines += ["", *tail.splitlines()]
     return "\n".join(lines) + "\n"
 
@@ -167,8 +188,18 @@ def _pairs(printer: CPrinter, found: Exported) -> list[str]:
 def _model(printer: CPrinter, found: Exported) -> list[str]:
     """Return the tables of the model as one record."""
     t = found.tables
-    lines = ["static const Model MODEL = {"]
-    for m in printer.members(found.runs.program.records["Model"]):
+    written = found.parameters.tables
+    members = printer.members(found.runs.program.records["Model"])
+    lines = []
+    for m in members:
+        if m.name in written:
+            numbers = ", ".join(c_number(x) for x in t.floats[m.name])
+            lines += wrapped(f"static double {table_name(m.name)}[] = {{{numbers}}};", 0)
+    lines += ["", "static const Model MODEL = {"] if lines else ["static const Model MODEL = {"]
+    for m in members:
+        if m.name in written:
+            lines.append(f"    .{m.name} = {table_name(m.name)},")
+            continue
         match m.type.kind:
             case "int":
                 lines.append(f"    .{m.name} = {int(t.numbers[m.name])},")
@@ -183,52 +214,67 @@ def _model(printer: CPrinter, found: Exported) -> list[str]:
     return [*lines, "};"]
 
 
-MAIN = """\
+SET_USAGE = """\
+    "  --set NAME=VALUE gives a parameter another value, in SI; there may be several\\n"
+"""
+SET_OPTION = """\
+        if (strcmp(argv[k], "--set") == 0 && k + 1 < argc) {
+            set_parameter(argv[++k]);
+            continue;
+        }
+"""
+SET_HELP = """\
+            list_parameters(asked ? stdout : stderr);
+"""
+SET_TAKEN = """\
+    take_parameters(argc, argv);
+"""
+MAIN = f"""\
 /* The program. */
 static const char USAGE[] =
     "@TITLE@\\n"
-    "usage: model [--events] [--until T] [--points N] [--rtol X] [--atol X]\\n"
+    "usage: model [--events] [--until T] [--points N] [--rtol X] [--atol X]@SET@\\n"
     "  prints a table of the outputs, comma separated, two rows at an event;\\n"
     "  with --events the transitions and the final state instead\\n"
-    "exit codes: 0 fine, 1 usage, 3 the numerics\\n";
+{SET_USAGE}    "exit codes: 0 fine, 1 usage, 3 the numerics\\n";
 
 static double number_after(int argc, char **argv, int k)
-{
+{{
     char *end = NULL;
     const double x = k + 1 < argc ? strtod(argv[k + 1], &end) : 0.0;
-    if (end == NULL || end == argv[k + 1] || *end != '\\0' || !(x > 0.0)) {
+    if (end == NULL || end == argv[k + 1] || *end != '\\0' || !(x > 0.0)) {{
         fprintf(stderr, "%s: a positive number is wanted behind it\\n", argv[k]);
         exit(1);
-    }
+    }}
     return x;
-}
+}}
 
 int main(int argc, char **argv)
-{
+{{
     Model model = MODEL;
     bool events = false;
-    for (int k = 1; k < argc; k++) {
-        if (strcmp(argv[k], "--events") == 0) {
+    for (int k = 1; k < argc; k++) {{
+{SET_OPTION}        if (strcmp(argv[k], "--events") == 0) {{
             events = true;
-        } else if (strcmp(argv[k], "--until") == 0) {
+        }} else if (strcmp(argv[k], "--until") == 0) {{
             model.until = number_after(argc, argv, k++);
-        } else if (strcmp(argv[k], "--points") == 0) {
+        }} else if (strcmp(argv[k], "--points") == 0) {{
             model.points = (int)number_after(argc, argv, k++);
-        } else if (strcmp(argv[k], "--rtol") == 0) {
+        }} else if (strcmp(argv[k], "--rtol") == 0) {{
             model.rtol = number_after(argc, argv, k++);
-        } else if (strcmp(argv[k], "--atol") == 0) {
+        }} else if (strcmp(argv[k], "--atol") == 0) {{
             model.atol = number_after(argc, argv, k++);
-        } else {
+        }} else {{
             const bool asked = strcmp(argv[k], "--help") == 0;
             fputs(USAGE, asked ? stdout : stderr);
-            return asked ? 0 : 1;
-        }
-    }
-    Engine *e = make_engine(&model);
+{SET_HELP}            return asked ? 0 : 1;
+        }}
+    }}
+{SET_TAKEN}    Engine *e = make_engine(&model);
     Report *report = make_report(e);
     report->events = events;
     const int code = run_program(e, report);
     release();
     return code;
-}
+}}
 """

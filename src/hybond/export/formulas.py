@@ -37,6 +37,8 @@ from hybond.model.expressions.tree import Table, fold
 
 V = Local("v", FLOATS)
 STACK = Local("s", Type("record", "Stack"))
+PARAMETERS = Global("p", FLOATS)
+"""Parameters, and what follows from them, in one array."""
 TOP = Element(Field(STACK, "finite", FLOATS), Field(STACK, "top", INT), FLOAT)
 WAS = Element(Field(STACK, "before", FLOATS), Field(STACK, "top", INT), FLOAT)
 PRIOR = "PRE"
@@ -75,11 +77,14 @@ class Formulas:
     ----------
     slot : mapping
         Canonical names to identifiers of their slots.
+    parameter : mapping
+        Names of parameters, and of numbers that follow from them, to identifiers of their places.
     tables : dict
         Tables that expressions read, arguments then values, by identifier; filled on the way.
     """
 
     slot: Mapping[str, str]
+    parameter: Mapping[str, str] = field(default_factory=dict)
     tables: dict[tuple[float, ...], str] = field(default_factory=dict)
     calls: set[str] = field(default_factory=set)
     """Portable functions that the expressions call."""
@@ -135,6 +140,8 @@ class Formulas:
         raise TypeError(type(node).__name__)
 
     def _name(self, path: str, prior: bool) -> Expr:
+        if path in self.parameter:
+            return Element(PARAMETERS, Global(self.parameter[path], INT), FLOAT)
         index: Expr = Global(self.slot[path], INT)
         self.read.add(path)
         if prior:
@@ -166,7 +173,7 @@ class Formulas:
         return found
 
     def _table(self, node: Table, at: Expr) -> Expr:
-        points = (*node.x, *node.y)
+        points: tuple[float, ...] = (*node.x, *node.y)
         name = self.tables.setdefault(points, f"POINTS_{len(self.tables)}")
         function = "slope_of_table" if node.slope else "read_table"
         goes_on = Value(node.extrapolate == "linear", BOOL)
@@ -189,6 +196,8 @@ class Formulas:
                 return [self._do("push_number", _literal(value))]
             case e.Bool(value):
                 return [self._do("push_truth", Value(value, BOOL))]
+            case e.Name(path) if path in self.parameter:
+                return [self._do("push_number", self._name(path, prior))]
             case e.Name(path):
                 self.read.add(path)
                 push = "push_prior" if prior else "push_signal"

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from hybond._version import __version__
 from hybond.errors import UsageError
 from hybond.export.identifiers import identifier
+from hybond.export.java_parameters import declared, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
 from hybond.export.story import noted, story, title_of
 from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
@@ -53,10 +54,10 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     >>> print(next(line for line in text.splitlines() if "class" in line))
     public final class BouncingBall {
     """
-    graph = model.flatten()
-    name = name or class_name(graph.name or graph.title or "model")
+    name = name or class_name(model.name or model.title or "model")
     _check_name(name)
-    found = exported(graph, options=options)
+    found = exported(model, options=options)
+    graph = found.graph
     printer = JavaPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
@@ -70,14 +71,20 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     lines = [f"import {i};" for i in IMPORTS]
     lines += ["", *(ascii_only(line) for line in _commented(head))]
     lines += [f"public final class {name} {{"]
-    inside = [*API.replace("@TITLE@", java_text(title_of(graph))[1:-1]).splitlines()]
+    inside = _api(found)
     inside += [
         "",
         "// Where the values stand that the expressions of the model read.",
         *_slots(found),
+        *declared(found.parameters),
     ]
     for points, numbers in found.points.items():
-        inside += ["", *_array(points, "double", [java_number(x) for x in numbers])]
+        listed = [java_number(x) for x in numbers]
+        if points in found.parameters.tables:
+            inside += ["", *_array(f"{points}_START", "double", listed)]
+            inside.append(f"private static double[] {points} = {points}_START.clone();")
+        else:
+            inside += ["", *_array(points, "double", listed)]
     inside += java_words(printer.reached.words)
     for module in found.runs.program.modules:
         if printer.needed(module):
@@ -86,6 +93,11 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
             inside += printer.chapter(module)
             if module.name == "model":
                 inside += ["", *_model(printer, found)]
+    members = {m.name for m in printer.members(found.runs.program.records["Model"])}
+    put = putting(printer, found.parameters, members)
+    inside += ["", "// What follows from the parameters.", *put] if put else []
+    known = setting(found.parameters)
+    inside += ["", *known] if known else []
     lines += [ascii_only(f"    {line}".rstrip()) for line in inside]
     return "\n".join([*lines, "}"]) + "\n"
 
@@ -101,6 +113,21 @@ def class_name(text: str) -> str:
     parts = identifier(text).split("_")
     found = "".join(p[:1].upper() + p[1:] for p in parts if p)
     return f"{found}Model" if found in TYPES or found in runtime().records else found
+
+
+def _api(found: Exported) -> list[str]:
+    """Return main, and what other classes call."""
+    own = found.parameters
+    text = API.replace("@TITLE@", java_text(title_of(found.graph))[1:-1])
+    options = own.settable or own.fixed
+    text = text.replace("@SET@", " [--set NAME=VALUE]" if options else "")
+    text = text.replace("@SAID@", SET_USAGE if options else "")
+    points = (f"    {x} = {x}_START.clone();\n" for x in sorted({x.table for x in own.points}))
+    text = text.replace("@BEGUN@", SET_BEGUN + "".join(points) if own.settable else "")
+    text = text.replace("@OPTION@", SET_OPTION if options else "")
+    text = text.replace("@HELP@", SET_HELP if options else "")
+    text = text.replace("@TAKEN@", SET_TAKEN if own.settable else "")
+    return text.splitlines()
 
 
 def _check_name(name: str) -> None:
@@ -229,7 +256,7 @@ def _model(printer: JavaPrinter, found: Exported) -> list[str]:
         "/** Return the model, whose options may be changed. */",
     ]
     lines += ["private static Model model() {", "    Model m = new Model();"]
-    t = found.tables
+    t, written = found.tables, found.parameters.tables
     for m in members:
         match m.type.kind:
             case "int":
@@ -237,7 +264,8 @@ def _model(printer: JavaPrinter, found: Exported) -> list[str]:
             case "float":
                 lines.append(f"    m.{m.name} = {java_number(float(t.numbers[m.name]))};")
             case _:
-                lines.append(f"    m.{m.name} = MODEL_{m.name.upper()};")
+                own = ".clone()" if m.name in written else ""
+                lines.append(f"    m.{m.name} = MODEL_{m.name.upper()}{own};")
     return [*lines, "    return m;", "}"]
 
 
@@ -247,13 +275,47 @@ def _numbers(found: Exported, m: Member) -> tuple[str, list[str]]:
     return "double", [java_number(x) for x in found.tables.floats[m.name]]
 
 
+SET_USAGE = """\
+        + "  --set NAME=VALUE gives a parameter another value, in SI; there may be several\\n"
+"""
+SET_BEGUN = """\
+    p = PARAMETER_START.clone();
+    parameterSet = new boolean[PARAMETERS.length];
+"""
+SET_OPTION = """\
+        if (words[k].equals("--set") && k + 1 < words.length) {
+            k++;
+            if (!setParameter(words[k])) {
+                return 1;
+            }
+            continue;
+        }
+"""
+SET_HELP = """\
+            listParameters(out);
+"""
+SET_TAKEN = """\
+    boolean any = false;
+    for (boolean set : parameterSet) {
+        any = any || set;
+    }
+    if (any) {
+        putParameters(m);
+        String broken = brokenCondition();
+        if (broken != null) {
+            System.err.println("the model is made of other parts where not " + broken
+                    + ": export it again with these values");
+            return 1;
+        }
+    }
+"""
 API = """\
 private static PrintStream out = System.out;
 private static final String USAGE = "@TITLE@\\n"
-        + "usage: [--events] [--until T] [--points N] [--rtol X] [--atol X]\\n"
+        + "usage: [--events] [--until T] [--points N] [--rtol X] [--atol X]@SET@\\n"
         + "  prints a table of the outputs, comma separated, two rows at an event;\\n"
         + "  with --events the transitions and the final state instead\\n"
-        + "exit codes: 0 fine, 1 usage, 3 the numerics\\n";
+@SAID@        + "exit codes: 0 fine, 1 usage, 3 the numerics\\n";
 
 /** Run the model as the options say, and exit. */
 public static void main(String[] words) throws java.io.UnsupportedEncodingException {
@@ -267,15 +329,15 @@ public static void main(String[] words) throws java.io.UnsupportedEncodingExcept
 public static synchronized int run(PrintStream sheet, String... words) {
     out = sheet;
     Model m = model();
-    boolean events = false;
+@BEGUN@    boolean events = false;
     for (int k = 0; k < words.length; k++) {
         if (words[k].equals("--events")) {
             events = true;
             continue;
         }
-        if (words[k].equals("--help")) {
+@OPTION@        if (words[k].equals("--help")) {
             out.print(USAGE);
-            return 0;
+@HELP@            return 0;
         }
         double x = 0.0;
         try {
@@ -306,7 +368,7 @@ public static synchronized int run(PrintStream sheet, String... words) {
         }
         k++;
     }
-    Engine e = make_engine(m);
+@TAKEN@    Engine e = make_engine(m);
     Report report = make_report(e);
     report.events = events;
     return run_program(e, report);

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from hybond.export.formulas import PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
-from hybond.export.tables import ModelTables, tables_of
+from hybond.export.parameters import ARRAY, Names, Parameters
+from hybond.export.tables import ModelTables
+from hybond.export.tables.following import followed
 from hybond.export.translate.effects import Effects, effects_of
 from hybond.export.translate.modules import Program, load
 from hybond.export.translate.reach import Uses
 from hybond.export.translate.specialise import Specialist, deciding
 from hybond.export.translate.tree import Block, Expr
+from hybond.model.builder import Model
 from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph
@@ -41,6 +44,13 @@ NAMES = {
 """Given functions that name something, and the list of names in `ModelTables`."""
 GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
 """What the runtime asks of a model, and is printed here."""
+OWN = (
+    *(ARRAY, "MODEL", "USAGE", "PARAMETERS", "PARAMETER", "FIXED", "FIXED_PARAMETER"),
+    *("PARAMETER_START", "PARAMETER_FOLLOWS", "TOKEN", "INPUTS", "INPUT_NUMBER", "INPUT_START"),
+    *("FIRST_INPUT", "FIRST_OUTPUT", "FIRST_STATE", "FIRST_DERIVATIVE", "FIRST_INDICATOR"),
+    *("BEYOND_LAST", "EXPORT", "NOTHING", "ABSENT", "FINE", "BOTH"),
+)
+"""What printed programs and units call what is not of the runtime."""
 PORTABLE = Path(__file__).parent / "portable"
 
 
@@ -114,6 +124,9 @@ class Exported:
         Expressions.
     roots : tuple of str
         Functions that main and expressions call.
+    graph : FlatGraph
+        With plain numbers.
+    parameters : Parameters
     """
 
     tables: ModelTables
@@ -123,28 +136,44 @@ class Exported:
     values: list[Case]
     pairs: list[PairCase]
     roots: tuple[str, ...]
+    graph: FlatGraph
+    parameters: Parameters
 
 
 def exported(
-    graph: FlatGraph, *, roots: tuple[str, ...] = ROOTS, options: Mapping[str, object]
+    model: Model,
+    *,
+    roots: tuple[str, ...] = ROOTS,
+    options: Mapping[str, object],
+    prepared: Callable[[FlatGraph], FlatGraph] = lambda graph: graph,
 ) -> Exported:
-    """Return what a model adds to the runtime, and what `roots` need of that."""
-    tables = tables_of(graph, **options)
+    """Return what a model adds to the runtime, and what `roots` need of that.
+
+    `prepared` is done to its flat graph first.
+    """
+    following = followed(model, prepared, options)
+    graph, tables = following.graph, following.tables
+    names = Names(following)
+    all_values = [names.lifted(tree) for tree in tables.values.all]
+    all_pairs = [names.lifted(tree) for tree in tables.pairs]
     program, uses = specialist().program_for(_facts(tables))
     runs = Runtime(program, specialist().effects, uses)
     index = tables.slots.index
     spoken_names = {name: spoken(graph, name) for name in index}
-    taken = {PRIOR, *program.constants, *program.functions, *program.records, "MODEL"}
+    taken = {PRIOR, *program.constants, *program.functions, *program.records, *OWN}
     shown = distinct((slot_name(spoken_names[n]) for n in index), taken)
-    formulas = Formulas(dict(zip(index, shown)))
+    shown_parameters = names.shown({*taken, *shown})
+    spoken_names |= names.spoken()
+    formulas = Formulas(dict(zip(index, shown)), shown_parameters)
     values = [
         Case(k, _said(e, text, spoken_names), formulas.number(e))
-        for k, (e, text) in enumerate(zip(tables.values.all, tables.values.text))
+        for k, (e, text) in enumerate(zip(all_values, tables.values.text))
     ]
     pairs = [
         PairCase(k, _said(e, _pair_text(tables, k), spoken_names), formulas.pairs(e))
-        for k, e in enumerate(tables.pairs)
+        for k, e in enumerate(all_pairs)
     ]
+    parameters = names.parameters(shown_parameters, formulas)
     slots = [
         (name, index[path], spoken_names[path])
         for path, name in zip(index, shown)
@@ -152,7 +181,7 @@ def exported(
     ]
     points = {name: values for values, name in formulas.tables.items()}
     wanted = tuple(sorted({*roots, *formulas.calls}))
-    return Exported(tables, runs, slots, points, values, pairs, wanted)
+    return Exported(tables, runs, slots, points, values, pairs, wanted, graph, parameters)
 
 
 def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:

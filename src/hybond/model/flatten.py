@@ -25,6 +25,7 @@ from hybond.model.expressions import (
     children,
     parse,
 )
+from hybond.model.expressions.traced import Trail
 from hybond.model.graph import (
     Bond,
     FlatGraph,
@@ -64,15 +65,17 @@ _TIME = parse_unit("s")[1]
 
 
 @uncollected
-def flatten(model: Model, overrides: Mapping[str, Value]) -> FlatGraph:
+def flatten(model: Model, overrides: Mapping[str, Value], trail: Trail | None = None) -> FlatGraph:
     """Return the flat graph of `model` with parameters replaced by `overrides`.
+
+    With a `trail` its numbers know of which parameters they were made.
 
     Raises
     ------
     ModelError
         For anything that has no meaning; `where` is the path in the model.
     """
-    opened = open_model(model, overrides)
+    opened = open_model(model, overrides, trail)
     with_laws = open_laws(opened)
     switched = _switched(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)

@@ -6,6 +6,7 @@ gives them, and follows ports. It does not know what a name in a law means; `res
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -22,6 +23,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
+from hybond.model.expressions.traced import Trail
 from hybond.model.misnamed import check_given, no_such_end
 from hybond.model.parts import (
     BlockPart,
@@ -108,8 +110,8 @@ class Opened:
     reference: dict[str, str] = field(default_factory=dict)
 
 
-def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
-    """Open `model` and all submodels.
+def open_model(model: Model, overrides: Mapping[str, Value], trail: Trail | None = None) -> Opened:
+    """Open `model` and all submodels; follow parameters if there is a `trail`.
 
     Raises
     ------
@@ -120,7 +122,7 @@ def open_model(model: Model, overrides: Mapping[str, Value]) -> Opened:
     """
     opened = Opened()
     left = dict(overrides)
-    _open(model, "", {}, opened, left, (model,), {})
+    _open(model, "", {}, opened, left, (model,), {}, trail)
     if left:
         wrong = min(left)
         raise ModelError(
@@ -144,6 +146,7 @@ def _open(
     overrides: dict[str, Value],
     chain: tuple[Model, ...],
     known: Mapping[str, Model],
+    trail: Trail | None,
 ) -> None:
     if len(chain) > _DEPTH:
         raise ModelError(
@@ -154,7 +157,7 @@ def _open(
         )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
-    scope.parameters = _parameters(model, prefix, given, overrides)
+    scope.parameters = _parameters(model, prefix, given, overrides, trail)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
     for name, part in model.elements.items():
         path = join(prefix, name)
@@ -173,7 +176,7 @@ def _open(
         passed = {
             k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
         }
-        _open(inner, path, passed, opened, overrides, (*chain, inner), known)
+        _open(inner, path, passed, opened, overrides, (*chain, inner), known, trail)
         _connect(part, inner, path, scope, opened)
         _put(path, model.layout.get(name), opened.layout)
     for port, target in model.ports.items():
@@ -249,7 +252,11 @@ def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Mode
 
 
 def _parameters(
-    model: Model, prefix: str, given: Mapping[str, Number], overrides: dict[str, Value]
+    model: Model,
+    prefix: str,
+    given: Mapping[str, Number],
+    overrides: dict[str, Value],
+    trail: Trail | None,
 ) -> dict[str, Number]:
     values: dict[str, Number] = dict(given)
     written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
@@ -263,7 +270,7 @@ def _parameters(
     if bare:
         # a number without a unit is in SI, and of what the model's own value is made of
         try:
-            own = _parameters(model, prefix, {}, {})
+            own = _parameters(model, prefix, {}, {}, None)
         except HybondError:
             own = {}  # what the model says itself has no value, and need not have one
         for name in bare:
@@ -271,6 +278,8 @@ def _parameters(
                 values[name] = constant(written.pop(name), {}, join(prefix, name))
             if name in own:
                 values[name] = Number(values[name].value, own[name].dimension)
+    if trail is not None:
+        values = {name: trail.follow(join(prefix, name), v) for name, v in values.items()}
     pending = list(written)
     while pending:
         waiting = []
@@ -280,7 +289,9 @@ def _parameters(
             if tree is not None and names(tree) & set(pending) - {name}:
                 waiting.append(name)
                 continue
-            values[name] = constant(value, values, join(prefix, name))
+            path = join(prefix, name)
+            found = constant(value, values, path)
+            values[name] = found if trail is None else trail.follow(path, found)
         if len(waiting) == len(pending):
             raise ModelError(
                 f"the parameters {', '.join(waiting)} depend on each other",
@@ -353,7 +364,7 @@ def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Numb
     bound = substitute(tree, parameters)
     dimension = infer_dimension(bound, lambda _: None, where=where)
     folded = simplify(without_units(bound))
-    if not isinstance(folded, Number) or folded.value - folded.value != 0.0:
+    if not isinstance(folded, Number) or not math.isfinite(folded.value):
         raise ModelError(
             f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"
         )

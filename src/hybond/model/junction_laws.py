@@ -412,7 +412,8 @@ def law_warnings(machines: Iterable[Machine]) -> tuple[str, ...]:
     found = []
     for machine in machines:
         eps = None if machine.law is None else machine.law.restitution
-        if isinstance(eps, Number) and eps.value > 1.0:
+        # a warning is no part of the model: nothing is written down of what it asks
+        if isinstance(eps, Number) and float(eps.value) > 1.0:
             found.append(
                 f"restitution = {eps.value:g} of {machine.path!r} is above 1: "
                 "it creates energy at each impact"

@@ -24,6 +24,7 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
+from hybond.model.expressions.traced import give_up
 from hybond.model.graph import Node
 from hybond.model.hierarchy import Written, constant, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
@@ -183,9 +184,9 @@ class _Reader:
             )
         import numpy as np
 
-        given = np.array(
-            [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
-        )
+        written = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
+        give_up((v for r in written for v in r), "the matrix of a field")
+        given = np.array(written)
         if self.node.kind in STORAGES:
             if np.linalg.matrix_rank(given) < self.count:
                 raise ModelError(
@@ -304,6 +305,7 @@ def _check(node: Node, law: Law, where: str) -> None:
         return
     import numpy as np
 
+    give_up((v for row in law.matrix for v in row), "the matrix of a field")
     m = np.array(law.matrix)
     if not np.allclose(m, m.T, rtol=1e-12, atol=0.0):
         raise ModelError(

@@ -143,10 +143,9 @@ class Resolver:
             return e
         if e not in self._watched:
             slope, offset = slope_and_offset
-            # `time >= t_off` must give t_off itself, not a rounded quotient
-            instant = -offset if slope == 1.0 else offset if slope == -1.0 else -offset / slope
+            # `time >= t_off` gives t_off itself: a quotient by 1 is not rounded
             self._watched[e] = len(self.watches)
-            self.watches.append(Watch(len(self.watches), e, (instant,)))
+            self.watches.append(Watch(len(self.watches), e, (-offset / slope,)))
         return Name(f"at:{self._watched[e]}")
 
     # -- names

@@ -7,10 +7,82 @@ typedef struct Unit {
     double *indicator;
     bool begun; /* whether the start is settled */
     bool failed;
+    bool input_set[INPUTS + 1];
 } Unit;
+
+/* Why a value was refused; NULL: if something went wrong, the engine has the reason. */
+static const char *complaint = NULL;
+
+#if PARAMETERS > 0
+static bool parameter_set[PARAMETERS];
+static bool parameters_changed = false;
+
+/* Take the values of the model. */
+static void forget_parameters(void)
+{
+    for (int k = 0; k < PARAMETERS; k++) {
+        p[k] = PARAMETER_START[k];
+        parameter_set[k] = false;
+    }
+    if (parameters_changed) {
+        put_parameters(parameter_set);
+        put_inputs();
+        parameters_changed = false;
+    }
+}
+
+/* Put in what follows from the values that were set; false where the model is another one. */
+static bool take_parameters(Unit *u)
+{
+    static char text[300];
+    if (!parameters_changed) {
+        return true;
+    }
+    put_parameters(parameter_set);
+    put_inputs();
+    for (int k = 0; k < INPUTS; k++) {
+        if (!u->input_set[k]) {
+            set_input(u->e, INPUT_NUMBER[k], INPUT_START[k]);
+        }
+    }
+    const char *broken = broken_condition();
+    if (broken != NULL) {
+        snprintf(text, sizeof text,
+                 "the model is made of other parts where not %s: export it again with these values",
+                 broken);
+        complaint = text;
+    }
+    return broken == NULL;
+}
+
+static double get_parameter(unsigned k)
+{
+    if (parameters_changed) {
+        put_parameters(parameter_set);
+    }
+    return p[k];
+}
+
+static bool set_parameter(Unit *u, unsigned k, double value)
+{
+    if (u->begun || PARAMETER_FOLLOWS[k]) {
+        complaint = u->begun ? "parameters are set before the initialization ends"
+                             : "this parameter follows from others";
+        return false;
+    }
+    p[k] = value;
+    parameter_set[k] = true;
+    parameters_changed = true;
+    return true;
+}
+#endif
 
 static Unit *make_unit(void)
 {
+    complaint = NULL;
+#if PARAMETERS > 0
+    forget_parameters();
+#endif
     Unit *u = take(1, sizeof(Unit));
     u->model = MODEL;
     u->e = make_engine(&u->model);
@@ -30,7 +102,10 @@ static bool ready(Unit *u)
 {
     if (!u->begun && !u->failed) {
         u->begun = true;
-        u->failed = begin_unit(u->e, u->r) != 0;
+#if PARAMETERS > 0
+        u->failed = !take_parameters(u);
+#endif
+        u->failed = u->failed || begin_unit(u->e, u->r) != 0;
     }
     return !u->failed;
 }
@@ -38,6 +113,12 @@ static bool ready(Unit *u)
 /* Put the value of a variable there; false if there is no such variable, or it has no value. */
 static bool get_value(Unit *u, unsigned reference, double *value)
 {
+#if PARAMETERS > 0
+    if (reference > 0 && reference < FIRST_INPUT) {
+        *value = get_parameter(reference - 1);
+        return true;
+    }
+#endif
     if (!ready(u)) {
         return false;
     }
@@ -69,9 +150,17 @@ static bool get_value(Unit *u, unsigned reference, double *value)
 
 static bool set_value(Unit *u, unsigned reference, double value)
 {
-    if (reference < FIRST_INPUT || reference >= FIRST_OUTPUT || !isfinite(value)) {
+    complaint = NULL;
+    if (reference == 0 || reference >= FIRST_OUTPUT || !isfinite(value)) {
+        complaint = "parameters and inputs are set, to finite numbers";
         return false;
     }
+#if PARAMETERS > 0
+    if (reference < FIRST_INPUT) {
+        return set_parameter(u, reference - 1, value);
+    }
+#endif
+    u->input_set[reference - FIRST_INPUT] = true;
     set_input(u->e, INPUT_NUMBER[reference - FIRST_INPUT], value);
     return true;
 }
@@ -114,6 +203,10 @@ static bool stepped_over(Unit *u)
 static const char *fault_text(Unit *u)
 {
     static char text[400];
+    if (complaint != NULL) {
+        snprintf(text, sizeof text, "%s", complaint);
+        return text;
+    }
     const Fault *fault = u->e->fault;
     snprintf(text, sizeof text, "%s at t = %.9g s: %s", fault->code != NULL ? fault->code : "",
              fault->t, fault->why != NULL ? fault->why : "");

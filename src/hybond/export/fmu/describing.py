@@ -53,8 +53,7 @@ def _two(own: Interface) -> str:
     time = Shown("time", own.dimensions["s"])
     add(0, time, {}, causality="independent", variability="continuous")
     for k, v in own.numbered("parameters"):
-        start = {"start": repr(v.start)}
-        add(k, v, start, causality="parameter", variability="fixed", initial="exact")
+        add(k, v, _start(v), variability="fixed", **_parameter(v))
     for k, v in own.numbered("inputs"):
         add(k, v, {"start": repr(v.start)}, causality="input", variability="continuous")
     for k, v in own.numbered("outputs"):
@@ -69,9 +68,9 @@ def _two(own: Interface) -> str:
     for group, names in (
         ("Outputs", ["outputs"]),
         ("Derivatives", ["derivatives"]),
-        ("InitialUnknowns", ["outputs", "states", "derivatives"]),
+        ("InitialUnknowns", ["parameters", "outputs", "states", "derivatives"]),
     ):
-        unknowns = [k for name in names for k, _ in own.numbered(name)]
+        unknowns = [k for name in names for k, v in own.numbered(name) if _unknown(name, v)]
         if unknowns:
             listed = ElementTree.SubElement(structure, group)
             for k in unknowns:
@@ -114,8 +113,7 @@ def _three(own: Interface) -> str:
     time = Shown("time", own.dimensions["s"])
     add(0, time, causality="independent", variability="continuous")
     for k, v in own.numbered("parameters"):
-        at = {"causality": "parameter", "variability": "fixed"}
-        add(k, v, **at, initial="exact", start=repr(v.start))
+        add(k, v, variability="fixed", **_parameter(v), **_start(v))
     for k, v in own.numbered("inputs"):
         add(k, v, causality="input", variability="continuous", start=repr(v.start))
     for k, v in own.numbered("outputs"):
@@ -139,14 +137,31 @@ def _three(own: Interface) -> str:
     for what, names in (
         ("Output", ["outputs"]),
         ("ContinuousStateDerivative", ["derivatives"]),
-        ("InitialUnknown", ["outputs", "states", "derivatives"]),
+        ("InitialUnknown", ["parameters", "outputs", "states", "derivatives"]),
     ):
         for name in names:
-            for k, _ in own.numbered(name):
-                ElementTree.SubElement(structure, what, valueReference=str(k))
+            for k, v in own.numbered(name):
+                if _unknown(name, v):
+                    ElementTree.SubElement(structure, what, valueReference=str(k))
     for n in range(own.indicators):
         ElementTree.SubElement(structure, "EventIndicator", valueReference=str(indicators + n))
     return _text(root)
+
+
+def _parameter(shown: Shown) -> dict[str, str]:
+    """Return what a parameter is: one that is set, or one that follows from others."""
+    if shown.follows:
+        return {"causality": "calculatedParameter", "initial": "calculated"}
+    return {"causality": "parameter", "initial": "exact"}
+
+
+def _start(shown: Shown) -> dict[str, str]:
+    return {} if shown.follows else {"start": repr(shown.start)}
+
+
+def _unknown(group: str, shown: Shown) -> bool:
+    """Whether a variable has its first value from an initialization."""
+    return group != "parameters" or shown.follows
 
 
 def _units(root: ElementTree.Element, own: Interface) -> None:

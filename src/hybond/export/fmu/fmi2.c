@@ -134,7 +134,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
         if (!set_value(i->unit, vr[k], value[k])) {
-            return fmi2Error;
+            return told(i, false);
         }
     }
     return fmi2OK;

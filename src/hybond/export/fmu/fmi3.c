@@ -133,7 +133,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
         if (!set_value(i->unit, vr[k], value[k])) {
-            return fmi3Error;
+            return told(i, false);
         }
     }
     return fmi3OK;

@@ -26,12 +26,15 @@ class Shown:
     start : float
         In SI.
     about : str
+    follows : bool
+        Of a parameter: whether it is made of others.
     """
 
     name: str
     dimension: Dimension | None = None
     start: float = 0.0
     about: str = ""
+    follows: bool = False
 
     @property
     def unit(self) -> str:
@@ -136,7 +139,7 @@ def interface_of(
     states += [
         Shown(s.path, graph.dimensions.get(f"s:{s.index}"), s.start) for s in graph.integrals
     ]
-    own = {s.name for s in states}
+    own = {s.name for s in (*states, *parameters)}
     return Interface(
         name=graph.name,
         title=graph.title,
@@ -145,7 +148,7 @@ def interface_of(
         parameters=tuple(parameters),
         inputs=tuple(shown_inputs),
         outputs=tuple(
-            # a state that is an output keeps its own name
+            # a state or parameter that is an output keeps its own name
             Shown(f"{name}.out" if name in own else name, _dimension(graph, name))
             for name in outputs
         ),

@@ -12,13 +12,15 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from hybond.errors import UsageError
 from hybond.export.c import c_file
+from hybond.export.c_parameters import table_name
 from hybond.export.fmu.describing import describe
-from hybond.export.fmu.interface import Interface, free_inputs, interface_of
+from hybond.export.fmu.interface import Interface, Shown, free_inputs, interface_of
 from hybond.export.program import DRIVEN, Exported, exported
 from hybond.kernel.build import compiler
 from hybond.model.builder import Model
@@ -65,19 +67,22 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
         raise UsageError(
             f"FMI {fmi} is not written", code="HB-E604", where="fmi", hint="fmi = '3.0' or '2.0'"
         )
-    graph = _freed(model.flatten())
-    found = exported(graph, roots=DRIVEN, options=options)
+    found = exported(model, roots=DRIVEN, options=options, prepared=_freed)
     tables = found.tables
     rules = tables.ints["rule_first"][-1]
     own = interface_of(
         model.flatten(),
         outputs=tables.outputs,
+        parameters=[
+            Shown(s.path, s.dimension, s.start, s.text, s.made_of is not None)
+            for s in found.parameters.settable
+        ],
         text=repr((tables.numbers, tables.ints, tables.floats, tables.values.text, fmi)),
         indicators=tables.ints["atom_first"][rules],
         until=float(tables.numbers["until"]),
         rtol=float(tables.numbers["rtol"]),
     )
-    source = unit_source(model, graph, found, own, fmi)
+    source = unit_source(model, found, own, fmi)
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
 
@@ -94,7 +99,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     return archive.getvalue()
 
 
-def unit_source(model: Model, graph: FlatGraph, found: Exported, own: Interface, fmi: str) -> str:
+def unit_source(model: Model, found: Exported, own: Interface, fmi: str) -> str:
     """Return the C of a unit."""
     inputs = free_inputs(model.flatten())
     first = {
@@ -108,17 +113,43 @@ def unit_source(model: Model, graph: FlatGraph, found: Exported, own: Interface,
     lines = [
         "/* What the unit shows: where its variables begin, and its inputs. */",
         f'#define TOKEN "{own.token}"',
+        f"#define PARAMETERS {len(own.parameters)}",
         "enum {",
         *(f"    {name} = {k}," for name, k in first.items()),
         f"    INPUTS = {len(inputs)}",
         "};",
         f"static const int INPUT_NUMBER[] = {{{numbers}}};",
-        f"static const double INPUT_START[] = {{{levels}}};",
+        f"static double INPUT_START[] = {{{levels}}};",
         "",
+        *_parameters(found, own, inputs),
         (HOME / "common.c").read_text(encoding="utf-8"),
         (HOME / f"fmi{fmi[0]}.c").read_text(encoding="utf-8"),
     ]
-    return c_file(model, graph, found, "\n".join(lines))
+    return c_file(model, found, "\n".join(lines))
+
+
+def _parameters(found: Exported, own: Interface, inputs: Sequence[int]) -> list[str]:
+    """Return what is known of parameters, and what puts in the inputs that follow from them."""
+    if not own.parameters:
+        return []
+    starts = ", ".join(repr(v.start) for v in own.parameters)
+    follows = ", ".join("true" if v.follows else "false" for v in own.parameters)
+    first = found.tables.ints["input_first"]
+    place = {first[number]: k for k, number in enumerate(inputs)}
+    return [
+        f"static const double PARAMETER_START[] = {{{starts}}};",
+        f"static const bool PARAMETER_FOLLOWS[] = {{{follows}}};",
+        "",
+        "static void put_inputs(void)",
+        "{",
+        *(
+            f"    INPUT_START[{place[x.index]}] = {table_name(x.table)}[{x.index}];"
+            for x in found.parameters.entries
+            if x.table == "input_number" and x.index in place
+        ),
+        "}",
+        "",
+    ]
 
 
 def _freed(graph: FlatGraph) -> FlatGraph:

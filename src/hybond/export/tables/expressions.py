@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from hybond.model.expressions import Bool, Expr, Number
+from hybond.model.expressions.traced import Traced
 
 CONSTANT = -1
 """What stands for an expression that is a number: the number is in the table beside it."""
+
+
+def number_of(value: float) -> float:
+    """Return an entry of a table: a float, which knows where it comes from if it is followed."""
+    return value if isinstance(value, Traced) else float(value)
 
 
 class Expressions:
@@ -41,5 +47,5 @@ class Expressions:
     def entry(self, e: Expr, text: str = "") -> tuple[int, float]:
         """Return an expression as two entries of a table: its number, or -1 and its value."""
         if isinstance(e, Number | Bool):
-            return CONSTANT, float(e.value)
+            return CONSTANT, number_of(e.value)
         return self.number(e, text), 0.0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from hybond.equations.calculus import gradient
 from hybond.equations.ports import orientation
 from hybond.errors import ModelError
+from hybond.export.tables.expressions import number_of
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import FlatGraph
 from hybond.model.laws import JunctionLaw
@@ -93,7 +94,7 @@ def _put_pairs(t: ModelTables, laws: list[JunctionLaw]) -> None:
             for name, slope in gradient(e).items():
                 assert isinstance(slope, Number)
                 columns.append(_column(t.graph, name))
-                values.append(float(slope.value))
+                values.append(number_of(slope.value))
             first.append(len(columns))
     t.ints["pair_first"] = first
     t.ints["pair_column"] = columns

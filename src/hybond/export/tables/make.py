@@ -13,7 +13,7 @@ from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.export.tables.contacts import put_contacts, rules_of
-from hybond.export.tables.expressions import Expressions
+from hybond.export.tables.expressions import Expressions, number_of
 from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import options_of
 from hybond.export.tables.surfaces import put_surfaces
@@ -29,8 +29,10 @@ from hybond.model.expressions import (
     to_text,
     uses_pre,
 )
+from hybond.model.expressions.traced import Traced, give_up
+from hybond.model.expressions.tree import walk
 from hybond.model.fieldless import reads_pre, switches_of
-from hybond.model.graph import FlatGraph, Machine, Node
+from hybond.model.graph import FlatGraph, Machine, Node, Storage
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
@@ -87,8 +89,11 @@ class ModelTables:
     note: str = ""
 
 
-def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
+def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) -> ModelTables:
     """Return the tables of a model; `given` are options of the run, by name.
+
+    If the numbers of the graph know of which parameters they are made, those in the tables do as
+    well; `plain` is then the same graph without that, for what is tried out.
 
     Raises
     ------
@@ -96,7 +101,8 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
         HB-M205 a gap that is not the distance of a contact, HB-E630 an input that is a function in
         Python, HB-E631 an element that says too many things; those of `options.options_of`.
     """
-    options = options_of(graph, given)
+    plain = plain or graph
+    options = options_of(graph, plain, given)
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
@@ -105,11 +111,11 @@ def tables_of(graph: FlatGraph, **given: Any) -> ModelTables:
     _machines(t)
     _elements(t)
     _junctions(t)
-    _storages(t)
+    _storages(t, plain)
     _signals(t)
     _priors(t)
     put_laws(t)
-    _check_gaps(t)
+    _check_gaps(plain)
     put_surfaces(t)
     put_contacts(t)
     _outputs(t, options.outputs)
@@ -143,9 +149,8 @@ def _sizes(t: ModelTables) -> None:
     t.bonds = [f'"{b.name}".{kind}' for kind in "ef" for b in g.bonds]
 
 
-def _check_gaps(t: ModelTables) -> None:
+def _check_gaps(g: FlatGraph) -> None:
     """Refuse contacts whose gap is not their distance, as a run does at its start: HB-M205."""
-    g = t.graph
     if not any(m.law is not None for m in g.machines):
         return
     from hybond.modes.laws.complementarity import Instant
@@ -176,7 +181,7 @@ def _put(t: ModelTables, first: str, rows: list[list[Any]], **columns: list[Any]
     for k, name in enumerate(columns):
         flat = [entry[k] for row in rows for entry in row]
         if columns[name] is _FLOATS:
-            t.floats[name] = [float(a) for a in flat]
+            t.floats[name] = [number_of(a) for a in flat]
         else:
             t.ints[name] = [int(a) for a in flat]
 
@@ -254,25 +259,39 @@ def _elements(t: ModelTables) -> None:
         (open_ if read or node.controlled else steady).append(node)
     elements = steady + open_
     t.numbers.update(elements=len(elements), steady=len(steady))
-    found: list[Part] = []
+    # by what they say: equal numbers may come from parameters that differ
+    found: dict[Any, int] = {}
+    kept: list[Part] = []
     selects, chosen = [], []
     for node in elements:
         select, variants = _variants(t, parts, node, discrete)
         selects.append(select)
         own = []
         for part in variants:
-            if part not in found:
-                found.append(part)
-            own.append((found.index(part),))
+            said = _said(part)
+            if said not in found:
+                found[said] = len(kept)
+                kept.append(part)
+            own.append((found[said],))
         chosen.append(own)
     _put(t, "select_first", selects, select_kind=_INTS, select_index=_INTS, select_many=_INTS)
     _put(t, "element_first", chosen, element_part=_INTS)
-    _parts(t, found)
-    per_element = [[found[k] for (k,) in own] for own in chosen]
+    _parts(t, kept)
+    per_element = [[kept[k] for (k,) in own] for own in chosen]
     sources = sum(any(p.source is not None for p in own) for own in per_element)
     ports = sum(len(m.law.junctions) for m in g.machines if m.law is not None)
     t.numbers["most_sources"] = sources + ports
     t.numbers["most_dynamic"] = sum(max(len(p.dynamic) for p in own) for own in per_element)
+
+
+def _said(part: Part) -> tuple[Any, ...]:
+    """Return a part as something that can be looked up."""
+    rows = [tuple(sorted(row.items())) for row in (*part.power, *part.laws)]
+    dynamic = [
+        (d.kind, d.node, d.expression, *d.slopes.items(), *d.frozen.items(), *d.impulse_free)
+        for d in part.dynamic
+    ]
+    return len(part.power), tuple(rows), tuple(dynamic), part.source, part.steady
 
 
 def _selecting(g: FlatGraph, node: Node, discrete: tuple[str, ...]) -> list[str]:
@@ -468,14 +487,16 @@ def _junctions(t: ModelTables) -> None:
     _put(t, "end_first", ends, end_bond=_INTS, end_sign=_INTS)
 
 
-def _storages(t: ModelTables) -> None:
+def _storages(t: ModelTables, plain: FlatGraph) -> None:
     g = t.graph
-    start = start_of(Program(g))
+    start = start_of(Program(plain))
     t.stored = [s.path for s in g.storages] + [i.path for i in g.integrals]
     t.ints["storage_bond"] = [s.bond for s in g.storages]
     t.ints["storage_kind"] = [int(s.kind == "I") for s in g.storages]
     t.ints["storage_sign"] = [s.sign for s in g.storages]
-    t.floats["storage_start"] = [float(a) for a in start[: len(g.storages)]]
+    t.floats["storage_start"] = [
+        _stored_at_start(g, s, float(a)) for s, a in zip(g.storages, start)
+    ]
     t.ints["storage_pseudo"] = [int(g.bonds[s.bond].domain.pseudo) for s in g.storages]
     domains = list(dict.fromkeys(b.domain.name for b in g.bonds))
     t.numbers["classes"] = 2 * len(domains)
@@ -511,6 +532,22 @@ def _storages(t: ModelTables) -> None:
     _put(t, "point_first", points, point_at=_FLOATS, point_weight=_FLOATS)
 
 
+def _stored_at_start(g: FlatGraph, s: Storage, value: float) -> float:
+    """Return what is stored at the start, `value`, with what it is made of if it is followed."""
+    law = g.nodes[s.node].law
+    assert law is not None
+    if s.start_is == "stored":
+        return number_of(s.start)
+    if law.matrix is None or len(law.matrix) > 1:
+        constants = [n.value for e in law.expressions for n, _ in walk(e) if isinstance(n, Number)]
+        own = [o.start for o in g.storages if o.node == s.node]
+        give_up((*own, *constants), "a start that is found by iteration")
+        return value
+    stored = s.start / law.matrix[0][0]
+    # the quotient may differ from what the solution of a linear system is by a rounding
+    return Traced(value, stored.tree, stored.trail) if isinstance(stored, Traced) else value
+
+
 # -- signals, inputs, time
 
 
@@ -518,7 +555,7 @@ def _signals(t: ModelTables) -> None:
     g = t.graph
     t.pairs += [i.rate for i in g.integrals]
     t.ints["integral_rate"] = [t.values.number(i.rate, f"{i.path}'") for i in g.integrals]
-    t.floats["integral_start"] = [i.start for i in g.integrals]
+    t.floats["integral_start"] = [number_of(i.start) for i in g.integrals]
     for s in g.samples:
         if s.block is not None:
             raise ModelError(
@@ -549,9 +586,8 @@ def _signals(t: ModelTables) -> None:
             kinds.append(2 if w.linear else 1)
             rows.append([(a,) for a in (*w.times, *w.values)])
             if not w.linear:
-                all_levels = levels_of(g, i.index)
-                first = w.values[0]
-                own = [(all_levels.index(a),) for a in (first, *w.values)]
+                place = {a: k for k, a in enumerate(levels_of(g, i.index))}
+                own = [(place[a],) for a in (w.values[0], *w.values)]
         else:
             assert isinstance(w, Called)
             raise ModelError(

@@ -32,8 +32,10 @@ class Options:
     """What of the run differs from what the model asks for."""
 
 
-def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
+def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> Options:
     """Return the options of a run: those given, else the experiment's, else defaults.
+
+    `plain` is the same graph with numbers that are nothing but numbers.
 
     Raises
     ------
@@ -45,7 +47,7 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
     if name == AUTO:
-        looking = Program(graph)
+        looking = Program(plain)
         name = fitting(looking, end, start_of(looking)).solver
     note = ""
     if name == "exact" and not given.get("solver"):

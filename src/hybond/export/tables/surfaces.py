@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
 from hybond.export.tables.contacts import rules_of
 from hybond.model.expressions import Expr, differentiate, names, simplify
+from hybond.model.graph import Rule
 
 if TYPE_CHECKING:
     from hybond.export.tables.make import ModelTables
@@ -22,13 +23,16 @@ def put_surfaces(t: ModelTables) -> None:
     g = t.graph
     surfaces = surfaces_of(g)
     # what was found of a surface is kept from model to model: its rules are equal, not the same
-    rules = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
+    listed = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
+    rules: dict[tuple[int, Rule], int] = {}
+    for k, rule in enumerate(listed):
+        rules.setdefault(rule, k)
     t.numbers["surfaces"] = len(surfaces)
     t.ints["surface_machine"] = [s.machine for s in surfaces]
     t.ints["surface_below"] = [s.below for s in surfaces]
     t.ints["surface_above"] = [s.above for s in surfaces]
-    t.ints["surface_up"] = [rules.index((s.machine, s.up)) for s in surfaces]
-    t.ints["surface_down"] = [rules.index((s.machine, s.down)) for s in surfaces]
+    t.ints["surface_up"] = [rules[s.machine, s.up] for s in surfaces]
+    t.ints["surface_down"] = [rules[s.machine, s.down] for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
     t.ints["surface_twin"] = [
         int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces

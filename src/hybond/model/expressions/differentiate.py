@@ -6,6 +6,7 @@ import math
 
 from hybond.model.expressions.algebra import FLOATS
 from hybond.model.expressions.compile import compile_expression
+from hybond.model.expressions.traced import Traced, tree_of
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -24,6 +25,7 @@ from hybond.model.expressions.tree import (
     children,
     fold,
     transform,
+    with_children,
 )
 
 ZERO = Number(0.0)
@@ -80,6 +82,23 @@ def _plain(e: Expr, value: float) -> bool:
     return isinstance(e, Number) and e.dimension is None and e.value == value
 
 
+def _neutral(e: Expr, value: float) -> bool:
+    """Whether a term is a number that changes nothing; one that may be changed is kept."""
+    return not _traced(e) and _plain(e, value)
+
+
+def _both(a: Expr, b: Expr) -> bool:
+    """Whether two operands are numbers that give one that is traced: zero is no matter then."""
+    if not (isinstance(a, Number) and isinstance(b, Number)):
+        return False
+    literals = [float(e.value) for e in (a, b) if not _traced(e)]
+    return len(literals) < 2 and not any(abs(x) in (0.0, 1.0) for x in literals)
+
+
+def _traced(e: Expr) -> bool:
+    return isinstance(e, Number) and isinstance(e.value, Traced)
+
+
 def _folded(e: Expr) -> Expr:
     """Return the value of a node whose subexpressions are all literals, else the node."""
     # In a table the value outside is nan, and a literal nan has no text.
@@ -87,10 +106,29 @@ def _folded(e: Expr) -> Expr:
     for child in below:
         if not (isinstance(child, Bool) or (isinstance(child, Number) and child.dimension is None)):
             return e
+    points = (*e.x, *e.y) if isinstance(e, Table) else ()
+    if any(map(_traced, below)) and not any(isinstance(x, Traced) for x in points):
+        return _followed(e, below)
     value = compile_expression(e, {}, FLOATS, pre_offset=0)(())
     if isinstance(value, bool):
         return Bool(value)
-    return Number(float(value)) if math.isfinite(value) else e
+    # of a table with points that are traced, the value is
+    value = value if isinstance(value, Traced) else float(value)
+    return Number(value) if math.isfinite(value) else e
+
+
+def _followed(e: Expr, below: tuple[Expr, ...]) -> Expr:
+    """Return the value of a node of numbers, some of them traced, as one that is traced."""
+    values = [b.value for b in below if isinstance(b, Number | Bool)]
+    trail = next(v.trail for v in values if isinstance(v, Traced))
+    plain = (b if isinstance(b, Bool) else Number(float(v)) for b, v in zip(below, values))
+    value = compile_expression(with_children(e, tuple(plain)), {}, FLOATS, pre_offset=0)(())
+    trees = (b if isinstance(b, Bool) else tree_of(v) for b, v in zip(below, values))
+    tree = with_children(e, tuple(trees))
+    if isinstance(value, bool):
+        trail.note(tree, holds=value)
+        return Bool(value)
+    return Number(Traced(value, tree, trail)) if math.isfinite(value) else e
 
 
 def _simpler(e: Expr) -> Expr:
@@ -137,9 +175,9 @@ def _logic(e: Expr, args: tuple[Expr, ...]) -> Expr:
 
 
 def _add(a: Expr, b: Expr) -> Expr:
-    if _plain(a, 0.0):
+    if _neutral(a, 0.0):
         return b
-    if _plain(b, 0.0):
+    if _neutral(b, 0.0):
         return a
     if isinstance(b, Neg):
         return _sub(a, b.arg)
@@ -147,9 +185,9 @@ def _add(a: Expr, b: Expr) -> Expr:
 
 
 def _sub(a: Expr, b: Expr) -> Expr:
-    if _plain(b, 0.0):
+    if _neutral(b, 0.0):
         return a
-    if _plain(a, 0.0):
+    if _neutral(a, 0.0):
         return _neg(b)
     if isinstance(b, Neg):
         return _add(a, b.arg)
@@ -163,21 +201,27 @@ def _neg(a: Expr) -> Expr:
 
 
 def _mul(a: Expr, b: Expr) -> Expr:
+    if _both(a, b):
+        return _folded(Binary("*", a, b))
+    if _neutral(a, 0.0) or _neutral(b, 0.0):
+        return ZERO
     if _plain(a, 0.0) or _plain(b, 0.0):
         return ZERO
-    if _plain(a, 1.0):
+    if _neutral(a, 1.0):
         return b
-    if _plain(b, 1.0):
+    if _neutral(b, 1.0):
         return a
-    if _plain(a, -1.0):
+    if _neutral(a, -1.0):
         return _neg(b)
-    if _plain(b, -1.0):
+    if _neutral(b, -1.0):
         return _neg(a)
     return _folded(Binary("*", a, b))
 
 
 def _div(a: Expr, b: Expr) -> Expr:
-    if _plain(b, 1.0):
+    if _both(a, b):
+        return _folded(Binary("/", a, b))
+    if _neutral(b, 1.0):
         return a
     if _plain(a, 0.0) and not _plain(b, 0.0):
         return ZERO
@@ -185,7 +229,9 @@ def _div(a: Expr, b: Expr) -> Expr:
 
 
 def _pow(a: Expr, b: Expr) -> Expr:
-    if _plain(b, 1.0):
+    if _both(a, b):
+        return _folded(Binary("^", a, b))
+    if _neutral(b, 1.0):
         return a
     if _plain(b, 0.0):
         return ONE

@@ -1,0 +1,124 @@
+"""Numbers that know which parameters they were made of, against the same sums done plainly."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+from hybond.model.expressions import (
+    Number,
+    compile_expression,
+    differentiate,
+    parse,
+    simplify,
+    substitute,
+)
+from hybond.model.expressions.traced import Traced, Trail
+from hybond.model.flatten import flatten
+
+VALUES = {"a": 3.0, "b": 0.7, "n": 2.0, "same": 3.0}
+OTHERS = {"a": -1.25, "b": 5.5, "n": 3.0, "same": 2.0}
+
+
+def followed(values: dict[str, float]) -> tuple[Trail, dict[str, Number]]:
+    trail = Trail(values)
+    return trail, {k: trail.follow(k, Number(v)) for k, v in values.items()}
+
+
+def at(tree: object, values: dict[str, float]) -> float:
+    slots = {f"p:{k}": i for i, k in enumerate(values)}
+    found: float = compile_expression(tree, slots, pre_offset=0)(list(values.values()))  # type: ignore[arg-type]
+    return found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a + b*2 - b/a",
+        "-(a - b)*1 + 0",
+        "a^n + 2^b",
+        "sin(a) + sqrt(abs(b)) + atan2(a, b)",
+        "min(a, b, 2) + max(a*b, 1) + mod(7, n)",
+        "hypot(a, b)*sign(a)",
+        "a - a + same*b",
+    ],
+)
+def test_a_number_is_what_its_expression_gives(text: str) -> None:
+    """The value is that of plain numbers, to the last bit; with others it is theirs."""
+    _, numbers = followed(VALUES)
+    found = simplify(substitute(parse(text), numbers))
+    assert isinstance(found, Number)
+    assert isinstance(found.value, Traced)
+    for values in (VALUES, OTHERS):
+        plain = simplify(substitute(parse(text), {k: Number(v) for k, v in values.items()}))
+        assert isinstance(plain, Number)
+        assert at(found.value.tree, values) == plain.value
+        if values is VALUES:
+            assert float(found.value) == plain.value
+
+
+def test_python_sums_are_followed() -> None:
+    _, numbers = followed(VALUES)
+    a, b = numbers["a"].value, numbers["b"].value
+    found = (2.0 - a) / b + abs(-a) ** 2 - 1.0 / b
+    plain = (2.0 - 3.0) / 0.7 + abs(-3.0) ** 2 - 1.0 / 0.7
+    assert float(found) == plain
+    assert at(found.tree, OTHERS) == (2.0 + 1.25) / 5.5 + 1.25**2 - 1.0 / 5.5
+
+
+def test_equal_values_are_kept_apart() -> None:
+    """Two parameters, or a parameter and a number, of one value do not merge."""
+    _, numbers = followed(VALUES)
+    a, same = numbers["a"], numbers["same"]
+    assert a != same
+    assert len({a, same, Number(3.0)}) == 3
+    assert a == Number(numbers["a"].value)
+    assert len({a, Number(numbers["a"].value)}) == 1
+
+
+def test_what_is_asked_is_written_down() -> None:
+    trail, numbers = followed(VALUES)
+    a, b = numbers["a"].value, numbers["b"].value
+    assert a > 1.0
+    assert not a < b
+    assert b
+    assert a == 3.0
+    assert not a <= 0.0
+    said = {str(e) for e in trail.conditions}
+    assert said == {"p:a > 1", "p:b != 0", "p:a >= p:b", "p:a == 3", "p:a > 0"}
+
+
+def test_neutral_terms_are_kept() -> None:
+    """What may be changed is kept where it is 0 or 1: the product with 1 has the same bits."""
+    trail, numbers = followed({"one": 1.0, "zero": 0.0})
+    tree = simplify(substitute(parse("one*x + zero"), numbers))
+    assert str(differentiate(tree, "x")) == "1"
+    assert [str(e) for e in trail.conditions] == ["p:one != 0"]
+    assert compile_expression(tree, {"x": 0}, pre_offset=0)([math.pi]) == math.pi
+
+
+def test_a_product_with_zero_is_part_of_the_model() -> None:
+    trail, numbers = followed({"zero": 0.0})
+    assert simplify(substitute(parse("zero*x"), numbers)) == Number(0.0)
+    assert [str(e) for e in trail.conditions] == ["p:zero == 0"]
+
+
+def test_a_parameter_made_of_others_says_so() -> None:
+    m = hb.Model("rc", domain="electrical")
+    m.parameter(R="5 ohm", tau="R*C", C="1 mF")
+    m.add(c=hb.C("tau/R"), r=hb.R("R"))
+    m.bond("c -> r")
+    trail = Trail(["R", "C", "tau"])
+    graph = flatten(m, {}, trail)
+    assert list(trail.parameters) == ["R", "C", "tau"]
+    made_of = trail.parameters["tau"].made_of
+    assert made_of is not None
+    assert str(made_of) == "p:R*p:C"
+    law = graph.nodes[graph.by_path["c"]].law
+    assert law is not None
+    assert law.matrix is not None
+    (row,) = law.matrix
+    assert isinstance(row[0], Traced)
+    assert at(row[0].tree, {"R": 2.0, "tau": 8.0}) == 0.25
