@@ -20,8 +20,9 @@ from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND, Branch, Value
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Drive
-from hybond.circuits.weaving import ends_of, weave, written
+from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import assemble
+from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
 from hybond.model.builder import Model
 

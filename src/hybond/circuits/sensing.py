@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line
-from hybond.circuits.weaving import Terms, Woven
+from hybond.circuits.woven import Terms, Woven
 
 _COST = {"Se": 1.0, "C": 1.0, "R": 1.1, "meter": 0.9, "I": 1.2, "winding": 1.2, "Sf": 3.0}
 """Voltages are read off sources and capacitors rather than off switches."""

@@ -53,3 +53,23 @@ def exact_sum(values: list[Value]) -> float:
     0.3
     """
     return float(sum((Decimal(repr(v.number)) for v in values), Decimal(0)))
+
+
+def minus(text: str | float) -> str | float:
+    """Return minus a value as text.
+
+    Examples
+    --------
+    >>> minus("5 V"), minus("-5 V"), minus("2 V*sin(w)"), minus("a + b")
+    ('-5 V', '5 V', '-(2 V*sin(w))', '-(a + b)')
+    """
+    if not isinstance(text, str):
+        return -text
+    words = text.split()
+    try:
+        float(words[0])
+    except (ValueError, IndexError):
+        return f"-{text}" if text.isidentifier() else f"-({text})"
+    if len(words) != 2 or not words[1].isalpha():
+        return f"-({text})"
+    return text[1:] if text.startswith("-") else f"-{text}"

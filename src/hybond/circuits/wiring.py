@@ -10,8 +10,8 @@ from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
-from hybond.circuits.texts import Texts
-from hybond.circuits.weaving import Terms, Woven, minus, written
+from hybond.circuits.texts import Texts, minus
+from hybond.circuits.woven import Terms, Woven, written
 from hybond.model.builder import Model
 from hybond.model.parts import MachinePart, Part
 
