@@ -41,3 +41,13 @@ def test_places_count_through_submodels_of_submodels() -> None:
     m.layout = {"s": (100, 7)}
     assert m.flatten().layout["s.r.minus"] == (112, 7)
     assert m.flatten().layout["s.end"] == (113, 7)
+
+
+def test_elements_of_a_part_show_values_and_those_of_the_model_what_is_written() -> None:
+    m = hb.Model("named", domain="electrical", parameters={"R0": "10 ohm"})
+    m.add(V=hb.Se("1 V"), n=hb.Zero(), own=hb.R("R0"), zero=hb.Se(0), m=hb.Zero())
+    m.add(part=hb.Submodel("electrical.resistor", R="2*R0"))
+    m.bond("V -> n -> part.plus", "part.minus -> m", "zero -> m", "n -> own")
+    shown = {node.path: node.shown or node.label for node in m.flatten().nodes}
+    assert (shown["own"], shown["part.r"]) == ("R0", "20 ohm")
+    assert ">20 ohm<" in draw(m).svg()

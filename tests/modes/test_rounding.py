@@ -112,3 +112,21 @@ def test_a_guard_that_holds_at_zero_beside_a_diode_is_not_asked_for_ever(
     assert [run.graph.mode_text(e.steps[-1].mode) for e in run.events][-1] == "off, blocks"
     after = -24.0 / 120.0 * (1.0 - math.exp(-120.0 * (2e-3 - zero) / 7e-3))
     assert run["coil.f"].at(2e-3) == pytest.approx(after, rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau", "exact"])
+def test_the_audit_of_a_body_at_rest_is_not_one_of_rounding(solver: str) -> None:
+    """0.3 - 0.1 - 0.2 N is 3e-17 N: what that moves is no energy, and no balance of it is due."""
+    m = hb.Model("balanced", domain="translational")
+    m.add(a=hb.Se("-0.1 N"), b=hb.Se("-0.2 N"), c=hb.Se("0.3 N"), body=hb.I("1 kg"), v=hb.One())
+    m.bond("a -> v -> body", "b -> v", "c -> v")
+    assert hb.simulate(m, until=5.0, solver=solver).audit().holds()
+
+
+def test_the_audit_of_a_weak_push_is_measured_by_what_it_stores() -> None:
+    """1 nN for 1 s: every joule of 5e-19 counts, as the tolerance of the run says."""
+    m = hb.Model("push", domain="translational")
+    m.add(push=hb.Se("1 nN"), body=hb.I("1 kg"), drag=hb.R("3 N*s/m"), v=hb.One())
+    m.bond("push -> v -> body", "v -> drag")
+    fine, coarse = (hb.simulate(m, until=1.0, rtol=r).audit().energy for r in (1e-8, 1e-3))
+    assert fine < 1e-7 < coarse

@@ -105,6 +105,6 @@ def _find(unit: Description, name: str, causality: str, where: str) -> Variable:
             f"the FMU {unit.name!r} has no {causality} {name!r}",
             code="HB-F162",
             where=where,
-            hint=did_you_mean(name, found),
+            hint=did_you_mean(name, found) or f"leave it out: it has no {causality}s at all",
         )
     return found[name]

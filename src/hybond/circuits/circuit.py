@@ -94,7 +94,7 @@ def read_circuit(
     if strict and notices.found:
         first = next(iter(notices.found))
         raise FileError(
-            f"{first.what} ({len(notices.found)} warnings in all)",
+            f"{first.what} ({len(notices.found)} warning{'s' * (len(notices.found) > 1)} in all)",
             code="HB-F145",
             where=first.where,
             hint="change the netlist, or convert without --strict",

@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from hybond.cli.settings import model_with
-from hybond.cli.streams import say
+from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
 from hybond.export.targets import TARGETS, default_name, export
@@ -41,6 +41,8 @@ def export_model(given: Namespace) -> int:
     names = ("until", "solver", "rtol", "atol", "points", "max_step", "fmi")
     options = {n: getattr(given, n) for n in names if getattr(given, n) is not None}
     model = model_with(load(Path(given.file)), given.settings)
+    if given.to == "fmu" and sys.stderr.isatty():
+        complain("making the program and compiling it, some seconds ...")
     found = export(model, to=given.to, path=path, **options)
     if path is not None:
         say(name)

@@ -233,7 +233,8 @@ def _symbol(
     derivative: bool,
     badge: Badge | None,
 ) -> Symbol:
-    parameter = _typeset(node.label)
+    said = node.shown or node.label
+    parameter = _typeset(said)
     if node.kind == "G" and parameter:
         # Drawn as R like in the textbooks: the value must say that it is a conductance.
         parameter = f"G = {parameter}"
@@ -242,8 +243,8 @@ def _symbol(
     # the law's own machine is named like its junction; the second of a pair has that of the first
     machine = "" if owner is None or (law and owner.path == switch.path) else owner.path
     about = f"{node.path}: {node.about.meaning}"
-    if node.label:
-        about += f", {node.label}"
+    if said:
+        about += f", {said}"
     if machine:
         about += f"; switched by {machine}"
     if law:

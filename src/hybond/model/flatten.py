@@ -30,7 +30,7 @@ from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean
 from hybond.uncollected import uncollected
-from hybond.units import DOMAINS, Dimension, parse_unit
+from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, format_quantity, parse_unit
 
 _TIME = parse_unit("s")[1]
 
@@ -65,6 +65,7 @@ def flatten(model: Model, overrides: Mapping[str, Value], trail: Trail | None = 
             hidden=raw.written is None,
             impulsive=bool(raw.written and raw.written.part.options.get("impulsive", False)),
             label=_label(raw),
+            shown=_shown(raw),
         )
         for k, raw in enumerate(raw_nodes)
     ]
@@ -195,6 +196,16 @@ def _label(raw: RawNode) -> str:
         (output, law), *_ = given.items()
         return f"{output} = {law}" if isinstance(law, str) else ""
     return ""
+
+
+def _shown(raw: RawNode) -> str:
+    """Return the value of the parameter that an element of a submodel has: ``R`` says little."""
+    if raw.written is None or not raw.written.scope.prefix:
+        return ""
+    number = raw.written.scope.parameters.get(_label(raw))
+    if number is None:
+        return ""
+    return format_quantity(number.value, number.dimension or DIMENSIONLESS)
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

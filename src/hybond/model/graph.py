@@ -72,6 +72,8 @@ class Node:
     machine: int | None = None
     impulsive: bool = False
     label: str = ""
+    shown: str = ""
+    """What a drawing says instead of the label, if anything: the value of a part's parameter."""
     """The parameter as written, for drawings: ``m``, ``1 mm/N``."""
     hidden: bool = False
     """True for the junction that stands for the switch of a switched element."""

@@ -25,6 +25,12 @@ _QUIET = 1e-3
 
 The sum of powers is rounded to some 1e-16 of the largest one, and has to hold to 1e-12 of this.
 """
+_IDLE = 1e-6
+"""Part of what has passed through all elements below which energy is measured against that part.
+
+Where forces cancel, rounding moves what is at rest: what is stored goes with its square, and what
+sources supply adds up to nothing, but the energy that passes from one to another does not.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +42,8 @@ class Audit:
     power : float
         Of the power over the junction structure, at any accepted point.
     energy : float
-        Of stored + dissipated - supplied over any segment, as a part of the largest energy. Of
+        Of stored + dissipated - supplied over any segment, as a part of the largest energy, or of
+        1e-6 of all that passes through the elements in a segment, if that is more. Of
         time-stepping: the sum of its rises in the balance that each of its steps keeps exactly,
         the work of its laws and its own damping included.
     created : float
@@ -84,7 +91,7 @@ def audit(program: Program, trace: Trace) -> Audit:
     bond = np.array([end.bond for end in ends], dtype=np.intp)
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
-    largest = 0.0
+    largest = through = 0.0
     storage = program.storage
     strongest, fastest = np.zeros(len(bond)), np.zeros(len(bond))
     for segment in trace.segments:
@@ -128,6 +135,10 @@ def audit(program: Program, trace: Trace) -> Audit:
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
         totals.append(total)
         sizes.append(size)
+        # of a motion along a surface, the mode through which most passes
+        flux = size.reshape(len(segment.t), -1).max(axis=1)
+        passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
+        through = max(through, float(passing.sum()))
         stored = np.array([equations.storage.energy(y[: program.nx]) for y in segment.y])
         supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
         balance = stored + dissipated - supplied
@@ -148,5 +159,6 @@ def audit(program: Program, trace: Trace) -> Audit:
         ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
         power = float(ratio.max(initial=0.0))
     energy = max(energy, trace.stats.get("energy_unbalanced", 0.0))
+    largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
     return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0))

@@ -37,6 +37,8 @@ CONSISTENT = 1e-12
 """A constraint is met if its residual is below this part of its terms."""
 AGREE = 1e-9
 """Contradicting sources agree if they differ by less than this part of their values."""
+NOTICED = 1e-9
+"""Part of the largest share that a storage has in a way below which it does not count."""
 JUMP_STEPS = 60
 CANCELLED = 1e-15
 """A sum of two terms below this part of their sizes is zero."""
@@ -185,9 +187,8 @@ class _Constraints:
             ]
         self.count = len(rows) + self.left.shape[1]
         self.reach = np.zeros(nk)
-        self.reach[: len(x)] = reach_of(equations.storage, x, energy) * stiffness_of(
-            equations.storage, x
-        )
+        self.may_hold = reach_of(equations.storage, x, energy)
+        self.reach[: len(x)] = self.may_hold * stiffness_of(equations.storage, x)
 
     def residual(self, x: Vector) -> tuple[Vector, Vector]:
         """Return residuals and the size of their terms, each of shape (count,)."""
@@ -228,11 +229,20 @@ class _Constraints:
         base, _ = self.residual(x)
         columns = []
         for j in range(d.shape[1]):
-            reach = np.abs(d[:, j]).max()
-            step = 1e-7 * max(float(np.abs(x).max(initial=0.0)), 1e-6) / reach
+            step = 1e-7 * self._far(x, d[:, j])
             ahead, _ = self.residual(x + step * d[:, j])
             columns.append((ahead - base) / step)
         return np.array(columns).reshape(d.shape[1], len(base)).T
+
+    def _far(self, x: Vector, way: Vector) -> float:
+        """Return how far along a way the storage goes that it fills first."""
+        share = np.abs(way)
+        moved = share > NOTICED * share.max()
+        held = np.abs(x) + self.may_hold
+        moved &= held > 0.0
+        if not moved.any():
+            return 1e-6 / float(share.max())
+        return float((held[moved] / share[moved]).min())
 
 
 def stiffness_of(storage: StorageLaws, x: Vector) -> Vector:
@@ -346,9 +356,30 @@ def ways_of(storage: StorageLaws, directions: Matrix, slope_of: Callable[[Matrix
     moving = _moving(rates)
     d = rates @ moving
     slope = slope_of(d)
-    inverse = np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float) if slope.size else slope.T
+    inverse, rank = _inverse(slope)
     shares = directions @ _complement(moving)
-    return Ways(directions, moving, d, slope, inverse, _rank(slope), shares)
+    return Ways(directions, moving, d, slope, inverse, rank, shares)
+
+
+def _inverse(slope: Matrix) -> tuple[Matrix, int]:
+    """Return the pseudo-inverse of a slope, and its rank.
+
+    Where it seems not to determine all areas, rows and columns are measured by their largest
+    entries: a capacitor and a column of oil are ten orders apart in SI units.
+    """
+    rank = _rank(slope)
+    if not slope.size:
+        return slope.T, rank
+    if rank < slope.shape[1]:
+        size = np.abs(slope).max(axis=1)
+        size = np.where(size > 0.0, size, 1.0)
+        rows = slope / size[:, None]
+        reach = np.abs(rows).max(axis=0)
+        reach = np.where(reach > 0.0, reach, 1.0)
+        if _rank(rows / reach) == slope.shape[1]:
+            found = np.linalg.pinv(rows / reach, rcond=1e-12)
+            return np.asarray(found / reach[:, None] / size, dtype=float), slope.shape[1]
+    return np.asarray(np.linalg.pinv(slope, rcond=1e-12), dtype=float), rank
 
 
 def _shares(ways: Ways) -> Matrix:

@@ -78,3 +78,21 @@ def test_laws_do_what_they_do_in_the_reference(roles):
         np.testing.assert_allclose(p.l, expected.l, atol=1e-9 * size)
     assert solved > 40
     assert unsolved > 0
+
+
+def test_switches_that_leave_a_part_afloat_share_by_least_voltage():
+    """A bridge without a gate: its four currents are zero, one voltage is not decided."""
+    M = np.array([[0.0, 1, 0, 0], [-1, 0.1, 0.1, 0], [0, 0.1, 0.1, -1], [0, 0, 1, 0]])
+    q = np.array([-3.0, 0.0, 0.0, -3.0])
+    roles = [reference.CUT, reference.HELD, reference.HELD, reference.CUT]
+    bridge = reference.Problem(M, q, roles, [True, False, False, True])
+    found = reference.solve_laws(bridge, start=np.zeros(4, dtype=np.int8))
+    assert found is not None
+    assert found.l == pytest.approx(np.zeros(4), abs=1e-15)
+    p = posed(bridge)
+    assert solve_laws(p, [0, 0, 0, 0])
+    assert p.l == pytest.approx(np.zeros(4), abs=1e-15)
+    # driven against each other they have no answer, and none is made up
+    driven = reference.Problem(M, np.array([0.0, 1.0, -1.0, 0.0]), roles, bridge.common)
+    assert reference.solve_laws(driven, start=np.zeros(4, dtype=np.int8)) is None
+    assert not solve_laws(posed(driven), [0, 0, 0, 0])

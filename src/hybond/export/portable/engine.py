@@ -191,6 +191,9 @@ class Work:
     gap: Block
     gap_size: Block
     base_gap: Block
+    scaled: Block
+    row_size: Block
+    column_size: Block
     two_port: Block
     by_stored: Block
     nu: Block
@@ -479,6 +482,9 @@ def make_work(m: Model) -> Work:
     w.gap = make_block(1)
     w.gap_size = make_block(1)
     w.base_gap = make_block(1)
+    w.scaled = make_block(1)
+    w.row_size = make_block(1)
+    w.column_size = make_block(1)
     w.two_port = make_block(1)
     w.by_stored = make_block(1)
     w.nu = make_block(1)

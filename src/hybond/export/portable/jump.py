@@ -29,7 +29,7 @@ from hybond.export.portable.newton import knowns_of
 from hybond.export.portable.newton_system import split
 from hybond.export.portable.products import largest, times_matrix
 from hybond.export.portable.qr import complement
-from hybond.export.portable.storage import coupled, own_stiffness, reach_of
+from hybond.export.portable.storage import coupled, own_stiffness, reach_of, stiff, with_stored
 from hybond.export.portable.svd import (
     least_squares,
     null_space,
@@ -47,6 +47,8 @@ BEST: Final = 1e-14
 AGREE: Final = 1e-9
 """Contradicting sources agree if they differ by less than this part of their values."""
 STEPS: Final = 60
+NOTICED: Final = 1e-9
+"""Part of the largest share that a storage has in a way below which it does not count."""
 CANCELLED: Final = 1e-15
 """A sum of two terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
@@ -321,10 +323,78 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     count = w.constraints
     slope_of(e, mode, v, x, ways)
     fit(ways.inverse, ways.areas * count)
-    d = svd_room(e, max(count, ways.areas), max(count, ways.areas))
-    pseudo_inverse(d, count, ways.areas, ways.slope.at, 1e-12, ways.inverse.at)
     ways.rank = rank_of(e, count, ways.areas, ways.slope.at)
+    invert_slope(e, ways, count)
     ways.known = True
+
+
+def invert_slope(e: Engine, ways: Ways, count: int) -> None:
+    """Put the pseudo-inverse of the slope into `ways.inverse`. After modes/jump.py, _inverse."""
+    w = e.work
+    areas = ways.areas
+    d = svd_room(e, max(count, areas), max(count, areas))
+    if ways.rank < areas and count > 0:
+        fit(w.row_size, count)
+        for i in range(count):
+            most = 0.0
+            for a in range(areas):
+                most = max(most, math.fabs(ways.slope.at[i * areas + a]))
+            w.row_size.at[i] = most if most > 0.0 else 1.0
+        if scale_slope(e, ways, count, w.row_size.at) == areas:
+            pseudo_inverse(d, count, areas, w.scaled.at, 1e-12, ways.inverse.at)
+            for a in range(areas):
+                for i in range(count):
+                    own = ways.inverse.at[a * count + i]
+                    ways.inverse.at[a * count + i] = own / w.column_size.at[a] / w.row_size.at[i]
+            ways.rank = areas
+            return
+    pseudo_inverse(d, count, areas, ways.slope.at, 1e-12, ways.inverse.at)
+
+
+def scale_slope(e: Engine, ways: Ways, count: int, size: Floats) -> int:
+    """Measure rows of the slope by `size` and columns by their largest entries; return its rank.
+
+    It goes into `e.work.scaled`, the sizes of columns into `e.work.column_size`.
+    """
+    w = e.work
+    areas = ways.areas
+    fit(w.scaled, count * areas)
+    fit(w.column_size, areas)
+    for a in range(areas):
+        most = 0.0
+        for i in range(count):
+            here = ways.slope.at[i * areas + a] / (size[i] if size[i] > 0.0 else 1.0)
+            w.scaled.at[i * areas + a] = here
+            most = max(most, math.fabs(here))
+        w.column_size.at[a] = most if most > 0.0 else 1.0
+        for i in range(count):
+            w.scaled.at[i * areas + a] = w.scaled.at[i * areas + a] / w.column_size.at[a]
+    return rank_of(e, count, areas, w.scaled.at)
+
+
+def find_step(e: Engine, ways: Ways, count: int) -> int:
+    """Put Newton's step into `e.work.step`; return the rank of the slope.
+
+    After modes/jump.py, _scaled_step.
+    """
+    w = e.work
+    areas = ways.areas
+    d = svd_room(e, max(count, areas), max(count, areas))
+    rank = scale_slope(e, ways, count, w.gap_size.at)
+    if areas == 0:
+        return rank
+    if rank < areas:
+        rank = rank_of(e, count, areas, ways.slope.at)
+        least_squares(d, count, areas, ways.slope.at, 1e-12, 1, w.gap.at, w.step.at)
+        return rank
+    fit(w.row_size, count)
+    for i in range(count):
+        size = w.gap_size.at[i]
+        w.row_size.at[i] = w.gap.at[i] / (size if size > 0.0 else 1.0)
+    least_squares(d, count, areas, w.scaled.at, 1e-12, 1, w.row_size.at, w.step.at)
+    for a in range(areas):
+        w.step.at[a] = w.step.at[a] / w.column_size.at[a]
+    return rank
 
 
 def first_of_v(n: int, many: int, v: Floats, basis: Floats) -> None:
@@ -380,7 +450,8 @@ def slope_of(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
     varies = False
     for k in range(mode.sources):
         varies = varies or (mode.source[k] >= 0 and m.source_value[mode.source[k]] >= 0)
-    if m.groups == 0 and not varies and not (w.lefts > 0 and sourced):
+    values = with_stored(e, x)
+    if not varies and not (w.lefts > 0 and sourced):
         # rows by co-energy variables, then by what is stored
         fit(w.by_stored, m.storages)
         for i in range(count):
@@ -393,25 +464,41 @@ def slope_of(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
                         continue
                     for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
                         s = m.stiff_other[p]
-                        total += factor * m.stiff_constant[p] * ways.d.at[s * areas + a]
+                        total += factor * stiff(m, p, values) * ways.d.at[s * areas + a]
                 ways.slope.at[i * areas + a] = total
         return
-    # nonlinear storage or controlled sources: a difference quotient is a good enough slope,
-    # because the residual decides when Newton ends
+    # controlled sources: a difference quotient is a good enough slope, because the residual
+    # decides when Newton ends
     residual(e, mode, v, x)
     for i in range(count):
         w.base_gap.at[i] = w.gap.at[i]
-    size = max(largest(m.storages, x), 1e-6)
     for a in range(areas):
-        reach = 0.0
-        for k in range(m.storages):
-            reach = max(reach, math.fabs(ways.d.at[k * areas + a]))
-        step = 1e-7 * size / reach
+        step = 1e-7 * far(e, x, ways, a)
         for k in range(m.storages):
             w.ahead[k] = x[k] + step * ways.d.at[k * areas + a]
         residual(e, mode, v, w.ahead)
         for i in range(count):
             ways.slope.at[i * areas + a] = (w.gap.at[i] - w.base_gap.at[i]) / step
+
+
+def far(e: Engine, x: Floats, ways: Ways, a: int) -> float:
+    """Return how far along a way the storage goes that it fills first."""
+    m = e.model
+    w = e.work
+    values = with_stored(e, x)
+    most = 0.0
+    for k in range(m.storages):
+        most = max(most, math.fabs(ways.d.at[k * ways.areas + a]))
+    least = math.inf
+    for k in range(m.storages):
+        share = math.fabs(ways.d.at[k * ways.areas + a])
+        own = math.fabs(own_stiffness(m, k, values))
+        held = math.fabs(x[k])
+        if own > 0.0 and math.isfinite(own):
+            held += w.reach[k] / own
+        if share > NOTICED * most and held > 0.0:
+            least = min(least, held / share)
+    return least if least < math.inf else 1e-6 / most
 
 
 def constraint_by_co_energy(e: Engine, mode: Mode, i: int, n: int) -> None:
@@ -463,10 +550,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
                     total += ways.inverse.at[a * count + i] * w.gap.at[i]
                 w.step.at[a] = total
         else:
-            rank = rank_of(e, count, areas, ways.slope.at)
-            if areas > 0:
-                d = svd_room(e, max(count, areas), max(count, areas))
-                least_squares(d, count, areas, ways.slope.at, 1e-12, 1, w.gap.at, w.step.at)
+            rank = find_step(e, ways, count)
         worst = 0.0
         most = 0.0
         for i in range(count):

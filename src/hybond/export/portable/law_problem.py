@@ -25,6 +25,8 @@ from hybond.export.portable.one_sided import put_in_held, solve_one_sided
 from hybond.export.portable.svd import rank_above, svd
 from hybond.export.portable.words import Floats, Ints
 
+SETTLED: Final = 1e-9
+"""Part of its terms up to which what is held counts as zero."""
 LEAST_SCALE: Final = 2.2250738585072014e-308
 """The least number with all its digits."""
 
@@ -76,9 +78,11 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
             entry = p.m[p.held[i] * n + p.held[j]]
             p.block[i * many + j] = entry / held_scale(p, p.held[j]) / a
     svd(p.svd, many, many, p.block)
-    if rank_above(p.svd, many, 1e-9) < many:
-        # what is held depends on the others, not on its own l alone
-        return solve_with_friction(p, p.q, start)
+    tied = rank_above(p.svd, many, SETTLED) < many
+    # what is held may depend on the others, not on its own l alone
+    if tied and solve_with_friction(p, p.q, start):
+        return True
+    # or nothing decides some l, like voltages of switches that leave a part afloat
     wide = free + 1
     put_in_held(p, n, many, free, p.m, p.q, p.inner, p.rest)
     for i in range(free):
@@ -104,6 +108,22 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
         for j in range(free):
             total += p.kept[i * wide + j] * p.inner_l[j]
         p.l[p.place[free + i]] = -(total + p.kept[i * wide + free])
+    return not tied or is_held(p)
+
+
+def is_held(p: LawProblem) -> bool:
+    """Whether what is held is zero but for rounding."""
+    n = p.n
+    for k in range(n):
+        if p.role[k] != SHUT:
+            continue
+        total = p.q[k]
+        size = math.fabs(p.q[k])
+        for j in range(n):
+            total += p.m[k * n + j] * p.l[j]
+            size += math.fabs(p.m[k * n + j]) * math.fabs(p.l[j])
+        if math.fabs(total) > SETTLED * size:
+            return False
     return True
 
 

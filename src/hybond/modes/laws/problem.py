@@ -35,6 +35,8 @@ CLEAR = 1e-6
 """Part of the largest of its kind from which a value is positive beyond doubt."""
 LEVELS = 4
 """Orders of magnitude at which pairs that are zero on both sides are looked at again."""
+SETTLED = 1e-9
+"""Part of its terms up to which what is held counts as zero."""
 ONE_SIDED, TWO_SIDED, CUT, HELD = "one-sided", "two-sided", "cut", "held"
 FORWARD, BACKWARD = "forward", "backward"
 
@@ -226,9 +228,13 @@ def _without_held(
     free = ~held
     own = M[np.ix_(held, held)]
     scale = np.sqrt(np.maximum(np.abs(np.diag(own)), np.finfo(float).tiny))
-    if np.linalg.matrix_rank(own / scale / scale[:, None], tol=1e-9) < len(own):
+    tied = np.linalg.matrix_rank(own / scale / scale[:, None], tol=SETTLED) < len(own)
+    if tied:
         # what is held depends on the others, not on its own `l` alone
-        return _mixed(M, q, q, roles, common, {}, start)
+        mixed_up = _mixed(M, q, q, roles, common, {}, start)
+        if mixed_up is not None:
+            return mixed_up
+        # or nothing decides some `l`, like voltages of switches that leave a part afloat
     fixed = np.column_stack([M[np.ix_(held, free)], q[held]])
     into = np.linalg.lstsq(M[np.ix_(held, held)], fixed, rcond=None)[0]
     through = M[np.ix_(free, held)]
@@ -248,6 +254,9 @@ def _without_held(
     either = np.zeros(len(q), dtype=bool)
     l[free], branch[free], either[free] = found.l, found.branch, found.open
     l[held] = -(into[:, :-1] @ found.l + into[:, -1])
+    left = np.abs(M @ l + q)[held]
+    if tied and (left > SETTLED * (np.abs(M) @ np.abs(l) + np.abs(q))[held]).any():
+        return None
     return Answer(l, branch, either)
 
 
