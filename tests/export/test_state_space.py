@@ -219,3 +219,13 @@ def test_a_floating_node_is_refused() -> None:
     with pytest.raises(EquationError) as refused:
         state_space(model, ["L.f"], mode={"leg": "both"})
     assert refused.value.code == "HB-Q105"
+
+
+def test_a_sampled_signal_has_no_matrices() -> None:
+    m = hb.Model("controlled")
+    m.add(V=hb.Se("u"), j=hb.One(), r=hb.R(2), c=hb.C(1))
+    m.bond("V -> j -> r", "j -> c")
+    m.signal(u=hb.Sampled("1 - c.e", every="0.1 s"))
+    with pytest.raises(hb.EquationError) as caught:
+        hb.state_space(m, ["c.e"])
+    assert caught.value.code == "HB-E671"

@@ -68,6 +68,13 @@ def extended(graph: FlatGraph, mode: Mode, outputs: tuple[str, ...]) -> Extended
         HB-E671 for what is not linear, HB-Q103 for a nonlinear law, HB-Q105 if the mode leaves a
         variable open.
     """
+    for sample in graph.samples:
+        raise EquationError(
+            f"{sample.path} is sampled: it changes at instants, not with a rate",
+            code="HB-E671",
+            where=sample.path,
+            hint="take the controller out and make what it sets an input of the model",
+        )
     for integral in graph.integrals:
         _refuse_pre(integral.rate, integral.path)
     eq = state_equations(graph, symbolic=False).in_mode(mode)

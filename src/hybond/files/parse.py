@@ -103,7 +103,8 @@ def decode_text(data: bytes, name: str) -> str:
             f"byte 0x{data[error.start]:02x} on line {line} is not UTF-8 text",
             code="HB-F104",
             where=name,
-            hint="save it as UTF-8; a binary file is not a model",
+            hint="save it as UTF-8 (µ and ° of older programs are often Latin-1: "
+            "iconv -f latin1 -t utf-8); a binary file is not a model",
         ) from None
 
 
