@@ -6,9 +6,10 @@ from typing import Any
 
 from hybond.errors import ModelError
 from hybond.export.modelica.draft import Draft
-from hybond.export.modelica.expressions import Pairs, Resolve, inner, modelica
+from hybond.export.modelica.expressions import Resolve, inner, modelica
 from hybond.export.modelica.identifiers import in_unit, quoted
 from hybond.export.modelica.inputs import InputText, input_text
+from hybond.export.modelica.pairs import Pairs
 from hybond.export.modelica.solve import ONE, Form
 from hybond.export.modelica.terms import term, total
 from hybond.export.modelica.trees import Trees, unbracketed

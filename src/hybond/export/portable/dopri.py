@@ -62,18 +62,24 @@ def spacing(t: float) -> float:
     return unit * 2.220446049250313e-16
 
 
+def goes_elsewhere(e: Engine, t: float, y: Floats, forget: bool) -> bool:
+    """Take where the next step begins; say whether the last one did not end there."""
+    s = e.step
+    moved = forget or t != s.t
+    for k in range(e.states):
+        moved = moved or y[k] != s.y[k]
+        s.y[k] = y[k]
+    s.started = True
+    s.t = t
+    return moved
+
+
 def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event. After DormandPrince._begin."""
     s = e.step
     n = e.states
     forget = jumped or not s.started
-    moved = forget or t != s.t
-    for k in range(n):
-        moved = moved or y[k] != s.y[k]
-        s.y[k] = y[k]
-    s.started = True
-    s.t = t
-    if moved:
+    if goes_elsewhere(e, t, y, forget):
         if field(e, e.mode, t, s.y, s.f) != OK:
             return NOT_FINITE
         if not all_finite(n, s.f):

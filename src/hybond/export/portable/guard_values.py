@@ -74,17 +74,23 @@ def holds_here(e: Engine, g: Locator, rule: int) -> bool:
     if not g.sized:
         put_sizes(e, e.mode)
         g.sized = True
+    ask_in_motion(e)
+    true = holds(m, rule, stack)
+    if stack.refused != 0:
+        refuse_pair(e, e.v[0], rule_text(m, rule))
+        g.failed = True
+    return true
+
+
+def ask_in_motion(e: Engine) -> None:
+    """Let guards be asked at the values of the motion: nothing jumps there."""
+    stack = e.work.stack
     stack.now = e.v
     stack.was = e.v
     stack.was_first = 0
     stack.jump = e.v
     stack.jumps = False
     stack.terms = e.work.terms
-    true = holds(m, rule, stack)
-    if stack.refused != 0:
-        refuse_pair(e, e.v[0], rule_text(m, rule))
-        g.failed = True
-    return true
 
 
 def put_sizes(e: Engine, mode: Mode) -> None:

@@ -26,7 +26,7 @@ from hybond.export.portable.blend import combine_here
 from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import mode_of
-from hybond.export.portable.guard_values import put_sizes
+from hybond.export.portable.guard_values import ask_in_motion, put_sizes
 from hybond.export.portable.instant import (
     ACCUMULATION,
     CONTINUOUS,
@@ -428,12 +428,7 @@ def would_leave(e: Engine, g: Landings, t: float) -> bool:
     if evaluate(e, e.mode, e.v, t, g.at_rest) != OK:
         return True
     put_sizes(e, e.mode)
-    stack.now = e.v
-    stack.was = e.v
-    stack.was_first = 0
-    stack.jump = e.v
-    stack.jumps = False
-    stack.terms = e.work.terms
+    ask_in_motion(e)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[r] != e.state[k] or m.rule_watched[r] == 0:

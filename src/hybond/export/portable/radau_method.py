@@ -1,6 +1,6 @@
 """Radau IIA as a method that a run may ask for: start, step, retry, and what is between."""
 
-from hybond.export.portable.dopri import begin_step, first_step, not_finite
+from hybond.export.portable.dopri import begin_step, first_step, goes_elsewhere, not_finite
 from hybond.export.portable.engine import OK, Engine, say_fault
 from hybond.export.portable.products import copy_floats
 from hybond.export.portable.radau import (
@@ -20,13 +20,7 @@ def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     s = e.step
     n = e.states
     forget = jumped or not s.started
-    moved = forget or t != s.t
-    for k in range(n):
-        moved = moved or y[k] != s.y[k]
-        s.y[k] = y[k]
-    s.started = True
-    s.t = t
-    if moved:
+    if goes_elsewhere(e, t, y, forget):
         if rate_at(e, n, t, s.y, s.f) != OK:
             return not_finite(e)
         begin_radau(e.radau, forget)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
 
-from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
-from hybond.export.translate.effects import Effects, effects_of
-from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
-from hybond.export.translate.modules import Program
-from hybond.export.translate.reach import Reached, Uses, reached, uses_of
+from hybond.export.translate.braces import ATOM, UNARY, Text
+from hybond.export.translate.chapters import Chapters
+from hybond.export.translate.lines import block_comment, line_comments, prose, wrapped
 from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
@@ -36,36 +33,8 @@ _TYPES = {
 }
 
 
-class CPrinter(Braces):
-    """A printer of C99: one chapter for each portable module.
-
-    Parameters
-    ----------
-    program : Program
-    roots : iterable of str
-        Functions that are called from outside; what they do not need is not printed.
-    effects : Effects, optional
-    uses : mapping, optional
-        What the program's functions change and use, if it is known already.
-    """
-
-    def __init__(
-        self,
-        program: Program,
-        roots: Iterable[str],
-        *,
-        effects: Effects | None = None,
-        uses: Mapping[str, Uses] | None = None,
-    ) -> None:
-        roots = tuple(roots)
-        super().__init__(effects or effects_of(program, roots))
-        self.uses = uses or uses_of(program)
-        self.program = program
-        self.reached: Reached = reached(program, roots, self.uses)
-        self.given: Mapping[str, list[str]] = {}
-        """The text of given functions, which stands where they are declared."""
-        self.known: dict[int, list[str]] = {}
-        """Definitions that were printed before, by the identity of the function."""
+class CPrinter(Chapters):
+    """A printer of C99."""
 
     def type_name(self, t: Type) -> str:
         """Return a type, ready to stand before a name."""
@@ -127,15 +96,6 @@ class CPrinter(Braces):
 
     # chapters
 
-    def needed(self, module: Module) -> bool:
-        """Say whether anything of a module is printed."""
-        found = self.reached
-        return (
-            any(c.name in found.constants for c in module.constants.values())
-            or any(f.name in found.functions for f in module.functions.values())
-            or any(name in found.records for name in module.records)
-        )
-
     def typedefs(self) -> list[str]:
         """Return the names of all records, which may refer to each other."""
         names = [n for m in self.program.modules for n in m.records if n in self.reached.records]
@@ -172,9 +132,7 @@ class CPrinter(Braces):
                 if early:
                     lines += ["", *early]
                     early = []
-                if id(f) not in self.known:
-                    self.known[id(f)] = self.definition(f)
-                lines += ["", *self.known[id(f)]]
+                lines += ["", *self.defined(f)]
             elif f is not None and self.given.get(name):
                 flush()
                 lines += ["", *self.given[name]]
@@ -210,12 +168,8 @@ class CPrinter(Braces):
         for k, c in enumerate(constants):
             if k:
                 lines += line_comments(c.above, 4)
-            note = f" // {plain(c.behind)}" if c.behind else ""
-            entry = f"    {c.name} = {c.value}{',' if k + 1 < len(constants) else ''}"
-            if len(entry) + len(note) > 99:
-                lines += line_comments((c.behind,), 4)
-                note = ""
-            lines.append(f"{entry}{note}")
+            comma = "," if k + 1 < len(constants) else ""
+            lines += self.noted(f"    {c.name} = {c.value}{comma}", c.behind)
         return [*lines, "};"]
 
     def constant(self, c: Constant) -> list[str]:
@@ -231,32 +185,17 @@ class CPrinter(Braces):
                 text = f"static const char *const {c.name} = {c_text(c.value)};"
             case _:
                 text = f"static const double {c.name} = {c_number(float(c.value))};"
-        note = f" // {plain(c.behind)}" if c.behind else ""
-        if len(text) + len(note) > 99:
-            return [*lines, *line_comments((c.behind,), 0), text]
-        return [*lines, text + note]
+        return [*lines, *self.noted(text, c.behind)]
 
     def record(self, record: Record) -> list[str]:
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
-        if not self.members(record):
-            lines.append("    int nothing;")
-        for m in self.members(record):
-            if m.above and not lines[-1].endswith("{"):
-                lines.append("")
-            lines += line_comments(m.above, 4)
-            entry = f"    {self._typed(m.name, m.type, ('field', record.name, m.name))};"
-            note = f" // {plain(m.note)}" if m.note else ""
-            if len(entry) + len(note) > 99:
-                lines += line_comments((m.note,), 4)
-                note = ""
-            lines.append(entry + note)
-        return [*lines, "};"]
+        return [*lines, *(self.fields(record) or ["    int nothing;"]), "};"]
 
-    def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: those that are used."""
-        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
+    def field(self, record: Record, m: Member) -> str:
+        """Return the declaration of a field."""
+        return self._typed(m.name, m.type, ("field", record.name, m.name))
 
     def definition(self, f: Function) -> list[str]:
         """Return a function."""

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
 
-from hybond.export.translate.braces import ATOM, UNARY, Braces, Text
+from hybond.export.translate.braces import ATOM, UNARY, Text
 from hybond.export.translate.c_printer import decimal, helper_of
-from hybond.export.translate.effects import Effects, effects_of
-from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
-from hybond.export.translate.modules import Program
-from hybond.export.translate.reach import Reached, Uses, reached, uses_of
+from hybond.export.translate.chapters import Chapters
+from hybond.export.translate.lines import block_comment, line_comments, prose, wrapped
 from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
@@ -47,39 +44,12 @@ _EXACT = {
 gives the same bits everywhere."""
 
 
-class JavaPrinter(Braces):
-    """A printer of Java: static methods and nested classes, one chapter for each portable module.
-
-    Parameters
-    ----------
-    program : Program
-    roots : iterable of str
-        Functions that are called from outside; what they do not need is not printed.
-    effects : Effects, optional
-    uses : mapping, optional
-        What the program's functions change and use, if it is known already.
-    """
+class JavaPrinter(Chapters):
+    """A printer of Java: static methods and nested classes."""
 
     null = "null"
     member = "."
-
-    def __init__(
-        self,
-        program: Program,
-        roots: Iterable[str],
-        *,
-        effects: Effects | None = None,
-        uses: Mapping[str, Uses] | None = None,
-    ) -> None:
-        roots = tuple(roots)
-        super().__init__(effects or effects_of(program, roots))
-        self.uses = uses or uses_of(program)
-        self.program = program
-        self.reached: Reached = reached(program, roots, self.uses)
-        self.given: Mapping[str, list[str]] = {}
-        """The text of given functions, which stands where they are declared."""
-        self.known: dict[int, list[str]] = {}
-        """Definitions that were printed before, by the identity of the function."""
+    width = 95
 
     def type_name(self, t: Type) -> str:
         """Return a type."""
@@ -134,15 +104,6 @@ class JavaPrinter(Braces):
 
     # chapters
 
-    def needed(self, module: Module) -> bool:
-        """Say whether anything of a module is printed."""
-        found = self.reached
-        return (
-            any(c.name in found.constants for c in module.constants.values())
-            or any(f.name in found.functions for f in module.functions.values())
-            or any(name in found.records for name in module.records)
-        )
-
     def chapter(self, module: Module) -> list[str]:
         """Return what of a module is needed: constants, records, methods, as they stand there."""
         lines: list[str] = []
@@ -156,9 +117,7 @@ class JavaPrinter(Braces):
                 lines += ["", *self.record(record)]
             f = module.functions.get(name)
             if f is not None and f.name in self.reached.functions and f.body is not None:
-                if id(f) not in self.known:
-                    self.known[id(f)] = self.definition(f)
-                lines += ["", *self.known[id(f)]]
+                lines += ["", *self.defined(f)]
             elif f is not None and self.given.get(name):
                 lines += ["", *self.given[name]]
         return [ascii_only(line) for line in lines]
@@ -179,30 +138,17 @@ class JavaPrinter(Braces):
                 text = f"{head}{c.value};"
             case _:
                 text = f"{head}{java_number(c.value)};"
-        note = f" // {plain(c.behind)}" if c.behind else ""
-        if len(text) + len(note) > 95:
-            return [*lines, *line_comments((c.behind,), 0), text]
-        return [*lines, text + note]
+        return [*lines, *self.noted(text, c.behind)]
 
     def record(self, record: Record) -> list[str]:
         """Return a record as a class."""
         lines = block_comment(prose(record.doc), opener="/**") if record.doc else []
         lines.append(f"private static final class {record.name} {{")
-        for m in self.members(record):
-            if m.above and not lines[-1].endswith("{"):
-                lines.append("")
-            lines += line_comments(m.above, 4)
-            entry = f"    {self.declarator(m.name, m.type)};"
-            note = f" // {plain(m.note)}" if m.note else ""
-            if len(entry) + len(note) > 95:
-                lines += line_comments((m.note,), 4)
-                note = ""
-            lines.append(entry + note)
-        return [*lines, "}"]
+        return [*lines, *self.fields(record), "}"]
 
-    def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: those that are used."""
-        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
+    def field(self, record: Record, m: Member) -> str:
+        """Return the declaration of a field."""
+        return self.declarator(m.name, m.type)
 
     def definition(self, f: Function) -> list[str]:
         """Return a method."""
