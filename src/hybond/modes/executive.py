@@ -68,6 +68,8 @@ IDLE = 100
 """Instants in a row without any change that end a run."""
 SHORTER = 30
 """Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
+SHORT = 1e-6
+"""Part of the run after which a force that grows from zero has a size."""
 BEYOND = 50
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten,
 and this many at once."""
@@ -444,12 +446,20 @@ class Executive:
         return np.asarray(rows[-1])
 
     def _terms(self, y: Vector, interval: Interval, equations: ModeEquations) -> Vector:
-        """Return the size of what the rate of each stored quantity cancels from."""
+        """Return the size of what the rate of each stored quantity cancels from.
+
+        Where all is still and nothing pushes yet, that of a moment later, so that a force that
+        grows from zero like a high power of time has a size.
+        """
         program = self.program
         nx, ns = program.nx, program.ns
-        v = program.values(self.t, interval, self.mode, y[:nx], y[nx : nx + ns])
-        size = equations.solution(v, y[:nx]).size
-        return np.asarray(size[equations.storage.bond])
+        soon = min(SHORT * self.limits.until, 0.5 * (interval.end - self.t))
+        for t in (self.t, self.t + soon):
+            v = program.values(t, interval, self.mode, y[:nx], y[nx : nx + ns])
+            size = equations.solution(v, y[:nx]).size[equations.storage.bond]
+            if size.any():
+                break
+        return np.asarray(size)
 
     def _followed(self, step: Step, interval: Interval, equations: ModeEquations) -> Step:
         """Repeat a step shorter until it follows slip in the plane."""

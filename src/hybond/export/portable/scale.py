@@ -26,15 +26,30 @@ def start_scale(e: Engine, mode: Mode) -> None:
     """Learn what the rates of stored quantities cancel from, where motion starts.
 
     From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
-    right to a part of what it adds.
+    right to a part of what it adds. Where all is still and nothing pushes yet, the terms of a
+    moment later count. After modes.executive, _terms.
     """
+    if not found_terms(e, mode, e.t):
+        soon = SHORT * e.until
+        if e.next_break < math.inf:
+            soon = min(soon, 0.5 * (e.next_break - e.t))
+        found_terms(e, mode, e.t + soon)
+        set_state(e, mode, e.v, e.t, e.y)
+        solve(e, mode, e.v)
+
+
+def found_terms(e: Engine, mode: Mode, t: float) -> bool:
+    """Put the rounding of what rates cancel from at `t` there; False if there is nothing."""
     m = e.model
-    set_state(e, mode, e.v, e.t, e.y)
+    set_state(e, mode, e.v, t, e.y)
     solve(e, mode, e.v)
     sizes_of(e, mode)
+    found = False
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         e.rounding[k] = ROUNDED * SHORT * e.until * e.work.sizes[at]
+        found = found or e.work.sizes[at] > 0.0
+    return found
 
 
 def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
