@@ -69,6 +69,7 @@ def simulate(
     kernel: bool = True,
     keep: int | None = None,
     max_events: int | None = None,
+    max_steps: int | None = None,
     journal: str | Path | None = None,
     fmus: bool = False,
 ) -> Result:
@@ -126,6 +127,9 @@ def simulate(
         with millions of events then needs no more memory than one with few.
     max_events : int
         Events after which the run stops with HB-N404, default 1,000,000.
+    max_steps : int
+        Steps between two events after which the run stops with HB-N409, default 4,000,000: a
+        result keeps them all, at about a kilobyte each.
     journal : str or Path
         A CSV file to which events are written as they happen: time, cause, the states of the
         machines, stored quantities and signals after it.
@@ -173,7 +177,8 @@ def simulate(
         fit = fitting(looking, end, start_of(looking))
         name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
     most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
-    limits = Limits(end, float(experiment.get("event_tol", 1e-12)), int(most))
+    steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
+    limits = Limits(end, float(experiment.get("event_tol", 1e-12)), int(most), int(steps))
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
     executive: Executive | TimeStepping

@@ -102,6 +102,7 @@ experiment = some(
     outputs=st.lists(texts, max_size=3),
     max_writes=st.integers(1, 10**6),
     max_events=st.integers(1, 10**9),
+    max_steps=st.integers(1, 10**9),
     event_tol=scalars,
     sliding=st.sampled_from(["filippov", "hysteresis", "refuse"]),
     hysteresis=scalars,

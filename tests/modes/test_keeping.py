@@ -167,3 +167,17 @@ def test_times_of_events_come_without_their_records():
     times = run.events.t
     assert times.tolist() == [e.t for e in run.events]
     assert run.events[3:5][0].t == times[3]
+
+
+@pytest.mark.parametrize("kernel", [True, False])
+def test_steps_without_an_event_do_not_fill_the_memory(kernel):
+    # L/R is 1e-12 s: an explicit method goes on at that pace long after all has died out
+    m = hb.Model("stiff", domain="electrical")
+    m.add(V=hb.Se("1 V"), i=hb.One(), R=hb.R("1 Gohm"), L=hb.I("1 mH"))
+    m.bond("V -> i -> R", "i -> L")
+    with pytest.raises(hb.NumericsError) as caught:
+        hb.simulate(m, "1 s", solver="rk45", max_steps=3000, kernel=kernel)
+    assert caught.value.code == "HB-N409"
+    assert "in the mean" in str(caught.value)
+    assert caught.value.partial.stats["steps"] < 10_000
+    assert hb.simulate(m, "1 s", solver="radau", max_steps=3000).status == "ok"

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from hybond.model.expressions import Binary, Expr, Name, Neg, Number, differentiate, simplify
+from hybond.model.expressions import (
+    Binary,
+    Expr,
+    Name,
+    Neg,
+    Number,
+    differentiate,
+    simplify,
+    turning,
+)
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph, Storage
 
@@ -47,6 +56,11 @@ def gradient(e: Expr) -> dict[str, Expr]:
             if d != Number(0.0):
                 found[name] = d
     return found
+
+
+def bent(e: Expr) -> bool:
+    """Whether `e` bends or jumps as a bond variable changes, which its slopes do not show."""
+    return any(reads_bonds(a) for a in turning(e))
 
 
 def reads_bonds(e: Expr) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from hybond.equations.calculus import gradient, partial_time, reads_bonds
+from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.elimination import Row
 from hybond.model.expressions import (
     Binary,
@@ -249,7 +249,8 @@ def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], lis
         slopes = gradient(e)
         at_zero = simplify(substitute(e, {n: Number(0.0) for n in slopes}))
         numbers = {n: d.value for n, d in slopes.items() if isinstance(d, Number)}
-        if len(numbers) == len(slopes) and at_zero == Number(0.0) and not node.impulsive:
+        straight = len(numbers) == len(slopes) and not bent(e)
+        if straight and at_zero == Number(0.0) and not node.impulsive:
             constant.append(numbers)
         else:
             both = (f"e:{end.bond}", f"f:{end.bond}")

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, Literal, TypeVar
 
-from hybond.equations.calculus import gradient, reads_bonds
+from hybond.equations.calculus import bent, gradient, reads_bonds
 from hybond.equations.ring import Ring, Row
 from hybond.model.expressions import (
     Binary,
@@ -24,6 +24,7 @@ from hybond.model.expressions import (
     names,
     simplify,
     substitute,
+    turning,
 )
 from hybond.model.expressions.tree import fold, with_children
 from hybond.model.graph import FlatGraph, Node
@@ -218,7 +219,7 @@ class Assembly(Generic[T]):
     def affine(self, e: Expr) -> tuple[Row[T], Expr] | None:
         """Return coefficients by bond column and the rest, if `e` is affine in bond variables."""
         slopes = gradient(e)
-        if any(reads_bonds(d) for d in slopes.values()):
+        if any(reads_bonds(d) for d in slopes.values()) or bent(e):
             return None
         rest = simplify(_at_rest(e)) if slopes or reads_bonds(e) else e
         row = {self.bond(name): self.ring.read(d) for name, d in slopes.items()}
@@ -229,7 +230,8 @@ class Assembly(Generic[T]):
         row: Row[T] = {}
         if self.stored:
             slopes = {n: differentiate(rest, n) for n in sorted(names(rest)) if n[:2] == "x:"}
-            if slopes and all(_constant(d) for d in slopes.values()):
+            straight = not any(n in slopes for a in turning(rest) for n in names(a))
+            if slopes and straight and all(_constant(d) for d in slopes.values()):
                 row = {self.stored[int(n[2:])]: self.ring.read(d) for n, d in slopes.items()}
                 rest = simplify(substitute(rest, {n: Number(0.0) for n in slopes}))
         if rest != Number(0.0):

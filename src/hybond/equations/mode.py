@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import partial_time, reads_bonds
+from hybond.equations.calculus import bent, partial_time, reads_bonds
 from hybond.equations.damped import damped
 from hybond.equations.element_parts import Dynamic
 from hybond.equations.leakage import (
@@ -448,7 +448,7 @@ def prepare(
     if structure:
         equations.rank = _generic_rank(equations)
     equations.affine = equations.rank == len(structure) and not any(
-        reads_bonds(e) for d in rows for e in d.slopes.values()
+        bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values()) for d in rows
     )
     if equations.linear and equations.n2.shape[1]:
         equations.freedom = equations.n2

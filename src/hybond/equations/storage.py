@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.kinks import bends
 from hybond.equations.slots import Slots
 from hybond.equations.sparse import Sparse
 from hybond.equations.tableau import stiffness, stored_names
@@ -21,6 +23,7 @@ from hybond.model.expressions import (
     Number,
     compile_expression,
     substitute,
+    turning,
 )
 from hybond.model.expressions.tree import fold
 from hybond.model.graph import FlatGraph, Storage
@@ -63,6 +66,8 @@ class StorageLaws:
     """Of each group: of its laws as polynomials of what is stored; None if they are none."""
     ports: dict[int, list[int]]
     """Of each storage, by node."""
+    turning: dict[int, list[Closure]] = field(default_factory=dict)
+    """Of each nonlinear port: what changes its sign where its law has a kink."""
     _last: tuple[bytes, float] | None = None
     _law: dict[int, Closure] = field(default_factory=dict)
 
@@ -84,6 +89,7 @@ class StorageLaws:
         groups: dict[int, list[int]] = {}
         ports: dict[int, list[Storage]] = {}
         degrees: dict[int, int | None] = {}
+        turns: dict[int, list[Closure]] = {}
         for s in graph.storages:
             ports.setdefault(s.node, []).append(s)
         for s in graph.storages:
@@ -105,6 +111,9 @@ class StorageLaws:
             before = degrees.get(s.node, 0)
             degrees[s.node] = None if own is None or before is None else max(own, before)
             laws.append((s.index, compile_expression(law, slots.index, pre_offset=slots.size)))
+            turns[s.index] = [
+                compile_expression(a, slots.index, pre_offset=slots.size) for a in turning(law)
+            ]
             for t in siblings:
                 d = stiffness(node, s.port, t.port, graph, siblings)
                 f = compile_expression(d, slots.index, pre_offset=slots.size)
@@ -125,6 +134,7 @@ class StorageLaws:
             expressions,
             list(degrees.values()),
             {node: [s.index for s in own] for node, own in ports.items()},
+            turns,
         )
 
     @property
@@ -263,9 +273,12 @@ class StorageLaws:
         laws = [self._law[k] for k in group]
         ends = x[list(group)].tolist()
 
-        def power(a: float) -> float:
+        def go(a: float) -> None:
             for k, b in zip(group, ends, strict=True):
                 v[self.offset + k] = a * b
+
+        def power(a: float) -> float:
+            go(a)
             return float(sum(f(v) * b for f, b in zip(laws, ends, strict=True)))
 
         if degree is not None and degree <= EXACT:
@@ -274,8 +287,23 @@ class StorageLaws:
             return sum(w * power(a) for a, w in zip(points, weights, strict=True))
         from scipy.integrate import quad
 
-        value, _ = quad(power, 0.0, 1.0, epsabs=0.0, epsrel=1e-13, limit=200)
-        return float(value)
+        def followed(f: Closure) -> Callable[[float], float]:
+            def at(a: float) -> float:
+                go(a)
+                return f(v)
+
+            return at
+
+        # the rule samples: of a spring with play it may see nothing but the play
+        ways = bends([followed(f) for k in group for f in self.turning[k]])
+        marks = [0.0, *ways, 1.0]
+        # a piece without force need not have none to the last bit
+        nothing = 1e-15 * max(abs(power(a)) for a in marks)
+        pieces = (
+            quad(power, low, high, epsabs=nothing, epsrel=1e-13, limit=200)[0]
+            for low, high in pairwise(marks)
+        )
+        return float(sum(pieces))
 
 
 @cache

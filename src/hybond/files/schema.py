@@ -218,6 +218,7 @@ class Experiment(Struct, forbid_unknown_fields=True):
     outputs: list[str] | UnsetType = UNSET
     max_writes: int | UnsetType = UNSET
     max_events: int | UnsetType = UNSET
+    max_steps: int | UnsetType = UNSET
     event_tol: Scalar | UnsetType = UNSET
     sliding: Literal["filippov", "hysteresis", "refuse"] | UnsetType = UNSET
     hysteresis: Scalar | UnsetType = UNSET

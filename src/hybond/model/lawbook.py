@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     names,
     simplify,
     substitute,
+    turning,
 )
 from hybond.model.expressions.traced import give_up
 from hybond.model.graph import Node
@@ -287,7 +288,8 @@ class _Reader:
         ]
         rows = []
         for e in expressions:
-            if names(e) - set(arguments):
+            # the slope of a law that jumps does not show its jumps
+            if names(e) - set(arguments) or turning(e):
                 return None
             at_zero = simplify(substitute(e, {a: Number(0.0) for a in arguments}))
             row = [differentiate(e, a) for a in arguments]

@@ -56,11 +56,14 @@ class Limits:
     event_tol : float
         A guard this close to a timed event belongs to it, as a part of `until`.
     max_events : int
+    max_steps : int
+        Steps between two events.
     """
 
     until: float
     event_tol: float = 1e-12
     max_events: int = 1_000_000
+    max_steps: int = 4_000_000
 
 
 @dataclass(slots=True)
@@ -194,6 +197,7 @@ class Motion:
         march = self._marching(view)
         begins = True
         while True:
+            self._check_steps()
             if march is not None:
                 start = (self.now.t, y) if begins else None
                 taken = march.march(
@@ -257,6 +261,21 @@ class Motion:
                 self.program.linear.slid(view.number)
         self._guarded(lambda: self.solver.start(field, self.now.t, y, t_bound=end, jumped=jumped))
         return field
+
+    def _check_steps(self) -> None:
+        """Refuse to fill the memory with steps of one segment."""
+        assert self._recorder is not None
+        begin, now = self._recorder.t[0], self.now.t
+        if len(self._recorder.t) <= self.limits.max_steps:
+            return
+        mean = (now - begin) / len(self._recorder.t)
+        raise NumericsError(
+            f"{self.limits.max_steps} steps without an event by t = {now:.9g} s, "
+            f"of {mean:.3g} s in the mean",
+            code="HB-N409",
+            where=self.settler.text(self.now.mode),
+            hint="a model as stiff as that wants solver = 'auto' or 'radau'; else raise max_steps",
+        )
 
     def _marching(self, view: View | None) -> March | None:
         """Return what marches, if nothing else has to see every step."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
-from hybond.equations.calculus import gradient, partial_time, reads_bonds
+from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Parts, Source
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
@@ -448,7 +448,8 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         t.values.number(d.expression, f"law of {g.nodes[d.node].path}, zero") for d in rows
     ]
     t.ints["dynamic_affine"] = [
-        int(not any(reads_bonds(e) for e in d.slopes.values())) for d in rows
+        int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
+        for d in rows
     ]
     free = [[(t.slots.index[n] - first,) for n in d.impulse_free] for d in rows]
     _put(t, "dynamic_free", free, free_column=_INTS)

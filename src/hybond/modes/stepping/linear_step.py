@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import gradient, reads_bonds
+from hybond.equations.calculus import bent, gradient, reads_bonds
 from hybond.equations.element_parts import Dynamic
 from hybond.equations.ports import PortEquations
 from hybond.model.expressions import Expr, Number, names
@@ -180,8 +180,10 @@ class LinearSteps:
 
 def _constant(row: Dynamic) -> bool:
     """Whether a row reads nothing but bond variables, with coefficients that are numbers."""
-    return all(n.startswith(("e:", "f:")) for n in names(row.expression)) and all(
-        isinstance(slope, Number) for slope in row.slopes.values()
+    return (
+        all(n.startswith(("e:", "f:")) for n in names(row.expression))
+        and all(isinstance(slope, Number) for slope in row.slopes.values())
+        and not bent(row.expression)
     )
 
 
@@ -195,4 +197,5 @@ def _affine(e: Expr) -> bool:
     if isinstance(e, Number):
         return True
     inner = [n for n in names(e) if not (n == "time" or n.startswith((*_OUTER, "e:", "f:")))]
-    return not inner and not any(reads_bonds(d) for d in gradient(e).values())
+    curved = bent(e) or any(reads_bonds(d) for d in gradient(e).values())
+    return not inner and not curved

@@ -1,0 +1,40 @@
+"""Where an expression has a kink or a jump: what its derivative does not tell."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
+
+
+def turning(e: Expr) -> list[Expr]:
+    """Return what changes its sign where an expression has a kink or a jump.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in turning(parse("abs(q - 1) + max(q, 2)"))]
+    ['q - 1', 'q - 2']
+    """
+    found: list[Expr] = []
+    for part, _ in walk(e):
+        match part:
+            case Compare():
+                found.append(Binary("-", part.left, part.right))
+            case Call(function="abs" | "sign"):
+                found.append(part.args[0])
+            case Call(function="min" | "max"):
+                found += [Binary("-", a, b) for a, b in combinations(part.args, 2)]
+            case Call(function="floor" | "ceil"):
+                found.append(_whole(part.args[0]))
+            case Call(function="mod"):
+                found.append(_whole(Binary("/", *part.args)))
+            case Table():
+                found += [Binary("-", part.arg, Number(x)) for x in part.x]
+    return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def _whole(e: Expr) -> Expr:
+    """Return what changes its sign where an expression is a whole number."""
+    return Call("sin", (Binary("*", Number(math.pi), e),))
