@@ -160,6 +160,11 @@ def _parser() -> Parser:
         help="explain the signs that occur (default: yes)",
     )
     draw.add_argument("--numbers", action="store_true", help="number the bonds")
+    draw.add_argument(
+        "--simplify",
+        action="store_true",
+        help="leave out junctions between two bonds, grounds, and losses of zero",
+    )
     _settings(draw)
 
     causality = _verb(

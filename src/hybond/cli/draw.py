@@ -40,13 +40,13 @@ def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
     from hybond.draw import draw_hybrid, draw_mode, draw_modes
 
     modes = [mode_of(graph, text) for text in given.mode]
+    signs = {"numbers": given.numbers, "simplify": given.simplify, "legend": given.legend}
     if given.panels or (len(modes) > 1 and not given.hybrid):
         return draw_modes(
             graph,
             modes or None,
             columns=given.columns,
-            numbers=given.numbers,
-            legend=given.legend,
+            **signs,
         )
     if given.columns is not None:
         raise UsageError(
@@ -64,6 +64,6 @@ def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
         )
     if given.hybrid or (graph.machines and not modes):
         reference = modes[0] if modes else None
-        return draw_hybrid(graph, reference, numbers=given.numbers, legend=given.legend)
+        return draw_hybrid(graph, reference, **signs)
     mode = modes[0] if modes else graph.start_mode
-    return draw_mode(graph, mode, numbers=given.numbers, legend=given.legend)
+    return draw_mode(graph, mode, **signs)

@@ -14,6 +14,7 @@ from hybond.draw.layout import layout
 from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, write_figure
 from hybond.draw.scene import Scene
+from hybond.draw.simplify import simplified, zeros_of
 from hybond.draw.sketch import Causality, Sketch, sketch
 from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
@@ -94,6 +95,7 @@ def draw(
     dynamic_bonds: Collection[int] = (),
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
+    simplify: bool = False,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -114,6 +116,8 @@ def draw(
         Badges beside elements: ``{"pad": "derivative", "i": ("12 kHz", "purple")}``.
     numbers : bool
         Number the bonds, from 1.
+    simplify : bool
+        Leave out what decides nothing: junctions between two bonds, grounds, losses of zero.
     title : bool
         Write the model's title above.
     legend : bool
@@ -160,6 +164,8 @@ def draw(
         numbers=numbers,
         title=title,
     )
+    if simplify:
+        shown = simplified(shown, zeros_of(graph))
     return finished(shown, legend=legend)
 
 
@@ -200,6 +206,7 @@ def draw_mode(
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
+    simplify: bool = False,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -226,6 +233,7 @@ def draw_mode(
         causality=causality_of(graph, mode),
         marks=marks,
         numbers=numbers,
+        simplify=simplify,
         title=title,
         legend=legend,
     )

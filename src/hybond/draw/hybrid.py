@@ -13,6 +13,7 @@ from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
 from hybond.draw.drawing import Drawing, finished, positions_of
 from hybond.draw.panels import side_by_side
+from hybond.draw.simplify import simplified, zeros_of
 from hybond.draw.sketch import mode_caption, sketch
 from hybond.errors import UsageError
 from hybond.model.builder import graph_of
@@ -31,6 +32,7 @@ def draw_hybrid(
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
+    simplify: bool = False,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -45,7 +47,7 @@ def draw_hybrid(
     graph : Model or FlatGraph
     reference : tuple of int, optional
         Without it the mode in which most storages are in integral causality.
-    marks, numbers, title, legend
+    marks, numbers, simplify, title, legend
         As for `draw`.
 
     References
@@ -77,6 +79,8 @@ def draw_hybrid(
         title=title,
         caption=f"reference mode: {caption}" if caption else "",
     )
+    if simplify:
+        shown = simplified(shown, zeros_of(graph))
     return finished(shown, legend=legend)
 
 
@@ -87,6 +91,7 @@ def draw_modes(
     reference: AnyMode | None = None,
     columns: int | None = None,
     numbers: bool = False,
+    simplify: bool = False,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -104,7 +109,7 @@ def draw_modes(
         Without it the mode in which most storages are in integral causality.
     columns : int, optional
         Panels in a row; without it as many as suit a page.
-    numbers, title, legend
+    numbers, simplify, title, legend
         As for `draw`.
 
     Raises
@@ -162,6 +167,8 @@ def draw_modes(
                 caption=caption,
             )
         )
+    if simplify:
+        sketches = [simplified(s, zeros_of(graph)) for s in sketches]
     positions = positions_of(sketches[0])
     scene = side_by_side(sketches, positions, columns=columns, legend=legend)
     places = dict(zip((s.path for s in sketches[0].symbols), positions, strict=True))
