@@ -116,7 +116,7 @@ _HOME = {
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
     "state_equations": "hybond.equations.derive",
-    **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.state_space"),
+    **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }
 _OTHER_NAME = {"Input": "InputPart"}
 _ROOMS = {

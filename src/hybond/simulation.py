@@ -16,10 +16,11 @@ from hybond.kernel.marcher import ONLY, Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
-from hybond.modes.executive import Executive, Limits
+from hybond.modes.executive import Executive
 from hybond.modes.fitting import fitting
 from hybond.modes.impacts.laws import IMPACT_LAWS
 from hybond.modes.journal import Journal
+from hybond.modes.motion import Limits
 from hybond.modes.sliding.bands import CHOICES, Choice, banded
 from hybond.names import did_you_mean
 from hybond.programs.interval import interval_after

@@ -8,7 +8,7 @@ import pytest
 
 import hybond as hb
 from hybond.errors import EquationError, UsageError
-from hybond.export.state_space import StateSpace, state_space
+from hybond.export.linear.state_space import StateSpace, state_space
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.modes.executive import Executive, Limits
+from hybond.modes.executive import Executive
+from hybond.modes.motion import Limits
 
 
 def both(model, until, **options):

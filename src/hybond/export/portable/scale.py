@@ -27,7 +27,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
 
     From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
     right to a part of what it adds. Where all is still and nothing pushes yet, the terms of a
-    moment later count. After modes.executive, _terms.
+    moment later count. After modes.motion, _terms.
     """
     if not found_terms(e, mode, e.t):
         soon = SHORT * e.until

@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, NumericsError
 from hybond.model.expressions import Number
 from hybond.model.graph import Mode
-from hybond.modes.executive import Limits, Progress
 from hybond.modes.laws.limits import FrictionLimits
+from hybond.modes.motion import Limits, Progress
 from hybond.modes.sampling import Runner, Sampling
 from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import EquationError, UsageError
-from hybond.export.linear_mode import Extended, extended
-from hybond.export.proper import Proper, proper
+from hybond.export.linear.linear_mode import Extended, extended
+from hybond.export.linear.proper import Proper, proper
 from hybond.model.builder import Model, graph_of
 from hybond.model.graph import AnyMode, FlatGraph
 from hybond.names import did_you_mean

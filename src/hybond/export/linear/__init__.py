@@ -1,0 +1,1 @@
+"""Linear modes as matrices for SciPy and python-control."""
