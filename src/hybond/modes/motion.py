@@ -318,9 +318,9 @@ class Motion:
         """
         program = self.program
         nx, ns = program.nx, program.ns
-        soon = min(SHORT * self.limits.until, 0.5 * (interval.end - self.t))
-        for t in (self.t, self.t + soon):
-            v = program.values(t, interval, self.mode, y[:nx], y[nx : nx + ns])
+        soon = min(SHORT * self.limits.until, 0.5 * (interval.end - self.now.t))
+        for t in (self.now.t, self.now.t + soon):
+            v = program.values(t, interval, self.now.mode, y[:nx], y[nx : nx + ns])
             size = equations.solution(v, y[:nx]).size[equations.storage.bond]
             if size.any():
                 break
