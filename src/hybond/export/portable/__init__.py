@@ -13,6 +13,7 @@ room to work in. Data flows so::
     equations                 those made ready: engine.Mode, kept (the least recently used goes)
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
     newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
+    damped                    Newton with shorter steps, where full ones do not end
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left
     values, scale, stepping   values while time passes; tolerances; one step (dopri, radau)

@@ -170,6 +170,12 @@ class Work:
     frozen: Block
     jacobian: Block
     jacobian2: Block
+    whole: Block
+    """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
+    and the slopes where it begins."""
+    weight: Block
+    trial: Block
+    slopes_there: Block
     residual: Block
     step: Block
     onto: Block
@@ -464,6 +470,10 @@ def make_work(m: Model) -> Work:
     w.frozen = make_block(1)
     w.jacobian = make_block(1)
     w.jacobian2 = make_block(1)
+    w.whole = make_block(1)
+    w.weight = make_block(1)
+    w.trial = make_block(1)
+    w.slopes_there = make_block(1)
     w.residual = make_block(1)
     w.step = make_block(1)
     w.onto = make_block(1)

@@ -8,16 +8,23 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blocks import fit, fit_places, row_size, row_times
+from hybond.export.portable.blocks import fit, row_size, row_times
+from hybond.export.portable.damped import shorter_steps
 from hybond.export.portable.dynamic_rows import dynamic_value, slopes_at
 from hybond.export.portable.engine import NOT_FINITE, OK, Engine, Mode, say_fault, svd_room
 from hybond.export.portable.leakage import project
-from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import node_name, value
-from hybond.export.portable.newton_system import system, write_bonds
+from hybond.export.portable.newton_system import (
+    is_zero,
+    largest_of,
+    newton_step,
+    system,
+    with_free,
+    write_bonds,
+)
 from hybond.export.portable.products import all_finite
 from hybond.export.portable.storage import co_energy
-from hybond.export.portable.svd import least_squares, null_space
+from hybond.export.portable.svd import null_space
 from hybond.export.portable.words import Floats, Text
 
 STEPS: Final = 40
@@ -50,16 +57,6 @@ def by_knowns(e: Engine, mode: Mode, w: Floats) -> None:
     for k in range(n):
         same = mode.same[k]
         w[k] = w[same] if same < k else row_times(mode.finite, k, xi)
-
-
-def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give."""
-    frees = mode.finite_frees
-    for k in range(n):
-        total = base[k]
-        for j in range(frees):
-            total += mode.finite_free.at[k * frees + j] * r[j]
-        w[k] = total
 
 
 def solve(e: Engine, mode: Mode, v: Floats) -> int:
@@ -129,6 +126,10 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
             with_free(mode, n, base, r, w)
             keep_guess(mode, r)
             return OK
+    if shorter_steps(e, mode, v, TOLERANCE):
+        with_free(mode, n, base, r, w)
+        keep_guess(mode, r)
+        return OK
     mode.guessed = False
     say_fault(e, "HB-N301", "laws have no solution near the last one", first_place(e, mode))
     e.fault.t = v[0]
@@ -140,41 +141,6 @@ def keep_guess(mode: Mode, r: Floats) -> None:
     for j in range(mode.finite_frees):
         mode.guess.at[j] = r[j]
     mode.guessed = True
-
-
-def is_zero(n: int, a: Floats) -> bool:
-    """Whether all of n numbers are zero."""
-    for k in range(n):
-        if a[k] != 0.0:
-            return False
-    return True
-
-
-def largest_of(n: int, a: Floats) -> float:
-    """Return the largest magnitude; nan if there is one."""
-    most = 0.0
-    for k in range(n):
-        if not math.fabs(a[k]) <= most:
-            most = math.fabs(a[k])
-    return most
-
-
-def newton_step(e: Engine, rows: int, frees: int) -> None:
-    """Solve ``jacobian step = residual``; if it is not square and regular in the least squares."""
-    work = e.work
-    if rows == frees:
-        fit(work.jacobian2, rows * frees)
-        fit_places(work.pivots, rows)
-        for i in range(rows * frees):
-            work.jacobian2.at[i] = work.jacobian.at[i]
-        for i in range(rows):
-            work.step.at[i] = work.residual.at[i]
-        if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
-            lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
-            if all_finite(rows, work.step.at):
-                return
-    d = svd_room(e, max(rows, frees), max(rows, frees))
-    least_squares(d, rows, frees, work.jacobian.at, -1.0, 1, work.residual.at, work.step.at)
 
 
 def stands_still(e: Engine, mode: Mode, rows: int, frees: int) -> bool:

@@ -1,18 +1,22 @@
-"""The residual that Newton makes zero, and its Jacobian.
+"""The residual that Newton makes zero, its Jacobian, and the step that they ask for.
 
-They are the laws, the power structure projected on its range, and the hidden constraints: the time
-derivative of what the power structure puts on co-energy variables, found by its left null vectors.
-After equations/mode.py.
+The residuals are the laws, the power structure projected on its range, and the hidden constraints:
+the time derivative of what the power structure puts on co-energy variables, found by its left null
+vectors. After equations/mode.py.
 """
 
 from __future__ import annotations
 
-from hybond.export.portable.blocks import fit
+import math
+
+from hybond.export.portable.blocks import fit, fit_places
 from hybond.export.portable.dynamic_rows import dynamic_value, frozen_at, slopes_at
 from hybond.export.portable.engine import Engine, Mode, svd_room
+from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import value
+from hybond.export.portable.products import all_finite
 from hybond.export.portable.storage import stiff
-from hybond.export.portable.svd import svd_of_transpose
+from hybond.export.portable.svd import least_squares, svd_of_transpose
 from hybond.export.portable.words import Floats
 
 
@@ -168,3 +172,48 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
             slope = m.drift_constant[p] if law < 0 else value(m, law, v)
             row[m.drift_column[p]] += share * slope
     return total
+
+
+def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
+    """Add what the free unknowns give."""
+    frees = mode.finite_frees
+    for k in range(n):
+        total = base[k]
+        for j in range(frees):
+            total += mode.finite_free.at[k * frees + j] * r[j]
+        w[k] = total
+
+
+def newton_step(e: Engine, rows: int, frees: int) -> None:
+    """Solve ``jacobian step = residual``; if it is not square and regular in the least squares."""
+    work = e.work
+    if rows == frees:
+        fit(work.jacobian2, rows * frees)
+        fit_places(work.pivots, rows)
+        for i in range(rows * frees):
+            work.jacobian2.at[i] = work.jacobian.at[i]
+        for i in range(rows):
+            work.step.at[i] = work.residual.at[i]
+        if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
+            lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
+            if all_finite(rows, work.step.at):
+                return
+    d = svd_room(e, max(rows, frees), max(rows, frees))
+    least_squares(d, rows, frees, work.jacobian.at, -1.0, 1, work.residual.at, work.step.at)
+
+
+def is_zero(n: int, a: Floats) -> bool:
+    """Whether all of n numbers are zero."""
+    for k in range(n):
+        if a[k] != 0.0:
+            return False
+    return True
+
+
+def largest_of(n: int, a: Floats) -> float:
+    """Return the largest magnitude; nan if there is one."""
+    most = 0.0
+    for k in range(n):
+        if not math.fabs(a[k]) <= most:
+            most = math.fabs(a[k])
+    return most
