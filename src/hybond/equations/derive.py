@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 from hybond.equations.booleans import Naming
 from hybond.equations.element_rows import laws_of
 from hybond.equations.mixed import MixedRow, cleared, closing_row, mixed_row
 from hybond.equations.parameters import parameter_values
-from hybond.equations.regions import regions_of
+from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.state_form import StateEquations
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.model.builder import Model, graph_of
-from hybond.model.expressions import (
-    Expr,
-)
+from hybond.model.expressions import Expr, names
 from hybond.model.graph import AnyMode, FlatGraph
 from hybond.uncollected import uncollected
 
@@ -113,7 +111,8 @@ def state_equations(
         rest = {k: c for k, c in row.items() if k not in stored}
         return ring.collect([(ring.one, rest), *parts])
 
-    read = {k for row in (*rows, *results) for k in row.columns()}
+    # what a nonlinear law reads counts, too: it is what its closing row is there for
+    read = {k for row in (*rows, *results, *_arguments(form, region_at)) for k in row.columns()}
     variables = [v for region in regions if region.why_kept for v in region.variables]
     kept = tuple(v for v in variables if v in read)
     naming = Naming(graph)
@@ -151,6 +150,15 @@ def state_equations(
         eq.variable_name(s) if s >= 0 else f"constraint {next(constraints)}" for s, _ in closing
     )
     return eq
+
+
+def _arguments(form: SwitchForm[T], region_at: dict[int, Region[T]]) -> Iterator[MixedRow[T]]:
+    """Yield the bond variables that laws read."""
+    bonds = len(form.graph.bonds)
+    formulas = [c.formula for c in form.rows.columns if c.kind == "law" and c.formula is not None]
+    for name in sorted({n for e in formulas for n in names(e) if n.startswith(("e:", "f:"))}):
+        column = int(name[2:]) + (bonds if name[0] == "f" else 0)
+        yield mixed_row(form, form.solution.value(column), region_at)
 
 
 def _of_kind(form: SwitchForm[Any], *kinds: str) -> tuple[int, ...]:
