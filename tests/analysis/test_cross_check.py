@@ -174,6 +174,7 @@ def test_an_impact_law_that_is_wrong_is_not_excused_by_a_later_reason(
     assert found.reasons[0].name == "simultaneous impacts"
 
 
+@pytest.mark.slow
 def test_where_small_errors_grow_nothing_is_called_wrong() -> None:
     """A mass between two stops, driven: impacts part neighbouring motions ever further."""
     found = hb.cross_check(hb.load(EXAMPLES / "end_stops.toml"), 1.2, step="5 ms")

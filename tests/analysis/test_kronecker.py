@@ -15,7 +15,7 @@ from hybond.analysis.structure.stored_form import stored_form
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 
-SMALL = settings(max_examples=150, deadline=None, derandomize=True)
+SMALL = settings(max_examples=75, deadline=None, derandomize=True)
 
 
 def hidden(rng: np.random.Generator, n: int) -> np.ndarray:

@@ -30,7 +30,7 @@ from dense_oracle import random_net
 from test_mixed_boolean import hybrid_model, modes_of
 
 SETTINGS = settings(
-    max_examples=60,
+    max_examples=30,
     derandomize=True,
     deadline=None,
     database=None,

@@ -19,7 +19,7 @@ from hybond.analysis.structure.rows import ModeStructure
 from hybond.analysis.structure.structure import structure
 from hybond.equations.pencil import analyse
 
-MANY = settings(max_examples=100, deadline=None, derandomize=True)
+MANY = settings(max_examples=50, deadline=None, derandomize=True)
 
 
 def modes_of(net: Net, output: str) -> list[tuple[Net, ModeStructure]]:

@@ -18,6 +18,15 @@ ENDS_WITHOUT_A_MODE = {
     "diode_inductor_no_mode",
     "falling_rod_threshold",
 }
+QUICK = {
+    "buck",
+    "capacitors_joined",
+    "clutch",
+    "elevator_actuators",
+    "newtons_cradle",
+    "woodpecker",
+}
+"""Examples that are run twice each time the tests are."""
 every_example = pytest.mark.parametrize("name", NAMES)
 
 
@@ -191,7 +200,9 @@ def test_the_state_before_and_after_is_that_of_the_segments(name):
             assert np.array_equal(ends[event.t].y[-1, :n], event.before)
 
 
-@every_example
+@pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES]
+)
 def test_a_run_can_be_repeated(name):
     one = run_of(name)
     two = hb.simulate(hb.load(EXAMPLES / f"{name}.toml"), rtol=1e-11, on_error="return")

@@ -384,7 +384,7 @@ def test_bonds_turned_round_turn_their_own_signs_alone(turned: tuple[int, ...]) 
     assert run.audit().holds()
 
 
-@pytest.mark.parametrize("step", [0.001, 0.03, 0.2])
+@pytest.mark.parametrize("step", [pytest.param(0.001, marks=pytest.mark.slow), 0.03, 0.2])
 def test_fixed_steps_do_not_pass_rest(step: float) -> None:
     run = hb.simulate(block((0.5, 0.0), (3.0, 4.0), limit=2.5), until=4, solver="rk4", step=step)
     assert states(run) == ["slips", "sticks"]
@@ -392,6 +392,7 @@ def test_fixed_steps_do_not_pass_rest(step: float) -> None:
     assert run.events[-1].t == pytest.approx(want, abs=1e-4 if step > 0.1 else 1e-6)
 
 
+@pytest.mark.slow
 def test_breaking_loose_at_the_limit_does_not_depend_on_how_long_the_run_is() -> None:
     force = tuple(f"(2[N] + 0.5*time*1[N/s])*{f}(time/1[s])" for f in ("cos", "sin"))
     ends = []

@@ -204,6 +204,7 @@ def test_thresholds_that_meet_make_a_surface(tmp_path: Path) -> None:
     assert "made of other parts" in refusal(program, "--set", "low=0.1")
 
 
+@pytest.mark.slow
 @needs_java
 def test_a_class_with_other_parameters(tmp_path: Path) -> None:
     """Two classes, compiled at once; what one run sets, the next one has forgotten."""

@@ -90,6 +90,7 @@ def test_without_a_kernel_the_reference_runs_and_says_so():
     assert done.stdout.splitlines()[0] == "rope_and_disc not used: HYBOND_KERNEL is off"
 
 
+@pytest.mark.slow
 def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
     old = tmp_path / build.NAME
     flags = ("-O0", "-UHYBOND_SOURCE", '-DHYBOND_SOURCE="old"')

@@ -75,7 +75,7 @@ def trees():
 
 
 @given(trees(), st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6))
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=500, deadline=None)
 def test_the_kernel_gives_what_the_reference_gives(kernel, tree, v):
     want = float(compile_expression(tree, SLOT, pre_offset=3)(v))
     got = evaluated(kernel, tree, v)
@@ -160,7 +160,7 @@ def paired(kernel, tree, given):
     st.lists(st.sampled_from([0.0, 0.0, -1.0, 1e-14, 3.0]), min_size=3, max_size=3),
     st.lists(st.sampled_from([0.0, 1.0, 1e3]), min_size=3, max_size=3),
 )
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=500, deadline=None)
 def test_guards_hold_as_settling_asks_them(kernel, tree, now, before, impulse, more):
     size = [abs(a) + b for a, b in zip(now, more, strict=True)]
     pairs = Pairs(now, before, impulse, size)
@@ -175,7 +175,7 @@ def test_guards_hold_as_settling_asks_them(kernel, tree, now, before, impulse, m
 @given(
     quantities(), THREE, THREE, st.lists(st.sampled_from([0.0, 1.0, -2.0]), min_size=3, max_size=3)
 )
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=500, deadline=None)
 def test_expressions_of_impulses(kernel, tree, now, before, impulse):
     size = [abs(a) for a in now]
     try:

@@ -20,7 +20,7 @@ SEEDS = st.integers(0, 10**6)
 def some(count):
     """Draw `count` seeds, many more when fuzzing; a smaller seed is no simpler model."""
     return settings(
-        max_examples=20 * count if MORE else count,
+        max_examples=20 * count if MORE else max(1, count // 2),
         deadline=None,
         phases=(Phase.explicit, Phase.generate),
         suppress_health_check=list(HealthCheck),

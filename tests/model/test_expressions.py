@@ -88,7 +88,7 @@ def numeric_trees():
 
 
 @given(numeric_trees())
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_text_reads_back_as_the_same_tree(tree):
     assert parse(to_text(tree)) == tree
 
@@ -192,7 +192,7 @@ def test_caret_stands_under_the_culprit():
 
 
 @given(st.text(st.sampled_from(string.printable + "µ°²\x00🙂"), max_size=80))
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_any_text_parses_or_is_refused(text):
     try:
         tree = parse(text)
@@ -206,7 +206,7 @@ WORDS += [",", "min", "pre", "<", "==", '"a"', "pi", "true"]
 
 
 @given(st.lists(st.sampled_from(WORDS)))
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_any_tokens_parse_or_are_refused(tokens):
     try:
         tree = parse(" ".join(tokens))
@@ -276,7 +276,7 @@ REALS = st.floats(-10, 10) | st.sampled_from([0.0, -0.0, 1.0, math.inf, math.nan
 
 
 @given(numeric_trees(), st.lists(st.tuples(*[REALS] * 14), min_size=1, max_size=3))
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_floats_and_arrays_agree(tree, rows):
     paths = ["x", "y", "ball.p", "lever.1.e", '"contact->v".e', "min", "time"]
     slot = {path: k for k, path in enumerate(paths)}

@@ -23,7 +23,7 @@ from hybond.equations.tableau import build
 from hybond.model.expressions import compile_expression
 
 SETTINGS = settings(
-    max_examples=150,
+    max_examples=75,
     derandomize=True,
     deadline=None,
     database=None,

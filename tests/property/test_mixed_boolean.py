@@ -27,7 +27,7 @@ from hybond.model.expressions import compile_expression
 from hybond.model.expressions import names as hb_names
 
 SETTINGS = settings(
-    max_examples=150,
+    max_examples=75,
     derandomize=True,
     deadline=None,
     database=None,

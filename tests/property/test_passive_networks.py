@@ -25,7 +25,7 @@ END = 2.0
 def some(count: int) -> settings:
     """Draw `count` seeds, many more when fuzzing; a smaller seed is no simpler network."""
     return settings(
-        max_examples=20 * count if MORE else count,
+        max_examples=20 * count if MORE else max(1, count // 2),
         phases=(Phase.explicit, Phase.generate),
         suppress_health_check=list(HealthCheck),
     )

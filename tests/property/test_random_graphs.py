@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import hybond as hb
 
 SETTINGS = settings(
-    max_examples=100,
+    max_examples=60,
     derandomize=True,
     deadline=None,
     database=None,
