@@ -50,6 +50,7 @@ def test_a_block_stops_on_a_straight_line(angle: float) -> None:
     assert run["mx.p"].at(5.0) == run["my.p"].at(5.0) == 0.0
 
 
+@pytest.mark.slow
 def test_the_limit_is_a_disk_and_no_box() -> None:
     for size, state in ((2.99, "sticks"), (3.2, "slips")):
         for angle in np.linspace(0.0, 2.0 * math.pi, 9):
@@ -404,6 +405,7 @@ def test_breaking_loose_at_the_limit_does_not_depend_on_how_long_the_run_is() ->
     assert ends[2] == pytest.approx(ends[0], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_two_engines_agree_on_a_pair() -> None:
     found = hb.cross_check(block((1.0, 0.0), (1.0, 2.0), limit=2.0), until=2, step=0.01)
     assert found.agrees

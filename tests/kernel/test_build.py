@@ -61,6 +61,7 @@ def test_the_kernel_compiles_without_a_warning(tmp_path):
     assert build.compile_kernel(tmp_path / build.NAME, flags=flags) == ""
 
 
+@pytest.mark.slow
 def test_runs_are_clean_under_sanitizers(checked):
     target, runtime = checked
     env = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "HYBOND_KERNEL": str(target)}
@@ -84,6 +85,7 @@ kernel.hb_evaluate(*(a.ctypes.data_as(ctypes.c_void_p) for a in (code, v, v)))
     assert python(wrong, env=env).returncode != 0
 
 
+@pytest.mark.slow
 def test_without_a_kernel_the_reference_runs_and_says_so():
     done = python(RUNS, env={"HYBOND_KERNEL": "off"})
     assert done.returncode == 0, done.stderr

@@ -87,7 +87,7 @@ def test_examples_are_the_same_with_and_without_the_kernel(kernel, name):
 
 
 @given(seed=SEEDS)
-@some(20)
+@some(10)
 def test_random_networks(kernel, seed):
     a, b = both(converter(seed), until=2.0)
     c = hb.simulate(converter(seed), 2.0, rtol=1e-11, kernel=False, on_error="return")
@@ -103,7 +103,7 @@ def test_random_networks(kernel, seed):
 
 
 @given(seed=SEEDS, n=st.integers(1, 6))
-@some(20)
+@some(10)
 def test_random_linear_networks_end_where_rk45_does(kernel, seed, n):
     """Coils and capacitors of any size between resistors, driven by a sum of everything."""
     random = np.random.default_rng(seed)

@@ -119,6 +119,7 @@ def test_pendulum(name):
     assert np.abs(steps[-1].y1 - exact.y[:, -1]).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_stiff_van_der_pol_through_two_relaxations():
     steps = run(started("liqss3", van_der_pol, [2.0, 0.0], tol=1e-4, t_bound=200.0), 200.0)
     exact = solve_ivp(van_der_pol, (0.0, 200.0), [2.0, 0.0], method="Radau", rtol=1e-12, atol=1e-12)
