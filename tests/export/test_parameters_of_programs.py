@@ -238,7 +238,7 @@ def test_a_class_with_other_parameters(tmp_path: Path) -> None:
 def test_parameters_have_names_in_print() -> None:
     text = str(hb.export(circuits(), to="c"))
     assert re.search(r"^    R = \d+, // R, ohm$", text, re.M)
-    assert "p[D] = checked(2.0 * p[C]);" in text
+    assert "parameter[D] = checked(2.0 * parameter[C]);" in text
     assert "static double POINTS_0[8] = {" in text
 
 

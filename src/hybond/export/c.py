@@ -169,7 +169,7 @@ def _values(printer: CPrinter, found: Exported) -> list[str]:
     for case in found.values:
         lines.append(f"    case {case.number}: // {plain(case.text)}"[:99])
         lines += wrapped(f"return {printer.said(case.value)};", 8)
-    return [*lines, "    default:", "        return NAN;", "    }", "}"]
+    return [*lines, "    default:", "        return (double)NAN;", "    }", "}"]
 
 
 def _pairs(printer: CPrinter, found: Exported) -> list[str]:
@@ -259,7 +259,8 @@ int main(int argc, char **argv)
         }} else if (strcmp(argv[k], "--until") == 0) {{
             model.until = number_after(argc, argv, k++);
         }} else if (strcmp(argv[k], "--points") == 0) {{
-            model.points = (int)number_after(argc, argv, k++);
+            const double points = number_after(argc, argv, k++);
+            model.points = points < 1e9 ? (int)points : 1000000000;
         }} else if (strcmp(argv[k], "--rtol") == 0) {{
             model.rtol = number_after(argc, argv, k++);
         }} else if (strcmp(argv[k], "--atol") == 0) {{

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from hybond.export.parameters import ARRAY, Parameters
+from hybond.export.formulas import ARRAY
+from hybond.export.parameters import Parameters
 from hybond.export.translate.c_printer import CPrinter, c_number, c_text
 from hybond.export.translate.lines import plain, wrapped
 from hybond.export.translate.tree import Expr
@@ -49,23 +50,26 @@ def putting(printer: CPrinter, found: Parameters, members: Collection[str]) -> l
     def checked(place: str, value: Expr, indent: int) -> list[str]:
         return wrapped(f"{place} = checked({printer.said(value)});", indent)
 
-    lines = CHECKED.splitlines()
     made = [s for s in found.settable if s.made_of is not None]
-    if not made:
-        lines.append("    (void)set;")
-    lines.append("    unfit = false;")
+    puts = []
     for s in made:
         assert s.made_of is not None
-        lines.append(f"    if (!set[{s.shown}]) {{")
-        lines += [*checked(f"{ARRAY}[{s.shown}]", s.made_of, 8), "    }"]
+        puts.append(f"    if (!set[{s.shown}]) {{")
+        puts += [*checked(f"{ARRAY}[{s.shown}]", s.made_of, 8), "    }"]
     for n in found.numbers:
-        lines += checked(f"{ARRAY}[{n.shown}]", n.value, 4)
+        puts += checked(f"{ARRAY}[{n.shown}]", n.value, 4)
     for x in found.points:
-        lines += checked(f"{x.table}[{x.index}]", x.value, 4)
+        puts += checked(f"{x.table}[{x.index}]", x.value, 4)
     for x in found.entries:
         if x.table in members:
-            lines += checked(f"{table_name(x.table)}[{x.index}]", x.value, 4)
-    lines += ["}", "", *BROKEN.splitlines()]
+            puts += checked(f"{table_name(x.table)}[{x.index}]", x.value, 4)
+    lines = UNFIT.splitlines()
+    if puts:
+        lines += CHECKED.splitlines()
+    lines += PUT_PARAMETERS.splitlines()
+    if not made:
+        lines.append("    (void)set;")
+    lines += ["    unfit = false;", *puts, "}", "", *BROKEN.splitlines()]
     for c in found.conditions:
         lines += wrapped(f"if (!({printer.said(c.holds)})) {{", 4)
         lines += [f"        return {c_text(c.text)};", "    }"]
@@ -97,20 +101,26 @@ def setting(found: Parameters) -> list[str]:
         *(fixed or ['    {"", ""},']),
         "};",
         "",
-        *SETTING.replace("@PUT@", "p[k] = x;" if found.settable else "(void)x;").splitlines(),
+        *SETTING.replace(
+            "@PUT@", f"{ARRAY}[k] = x;" if found.settable else "(void)x;"
+        ).splitlines(),
         *(PUT.splitlines() if found.settable else ()),
     ]
 
 
-CHECKED = """\
+UNFIT = """\
 /* Whether a number that follows from parameters has no value. */
 static bool unfit = false;
+"""
+CHECKED = """\
 
 static double checked(double x)
 {
     unfit = unfit || !isfinite(x);
     return x;
 }
+"""
+PUT_PARAMETERS = """\
 
 /* Put in what follows from the parameters; `set` says which of them are not to follow. */
 static void put_parameters(const bool *set)

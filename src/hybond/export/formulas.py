@@ -37,7 +37,9 @@ from hybond.model.expressions.tree import Table, fold
 
 V = Local("v", FLOATS)
 STACK = Local("s", Type("record", "Stack"))
-PARAMETERS = Global("p", FLOATS)
+ARRAY = "parameter"
+"""What the array of parameters is called in print."""
+PARAMETERS = Global(ARRAY, FLOATS)
 """Parameters, and what follows from them, in one array."""
 TOP = Element(Field(STACK, "finite", FLOATS), Field(STACK, "top", INT), FLOAT)
 WAS = Element(Field(STACK, "before", FLOATS), Field(STACK, "top", INT), FLOAT)
@@ -256,6 +258,8 @@ def _literal(value: float) -> Expr:
 
 
 def _number(tree: Expr) -> Expr:
+    if isinstance(tree, Value) and tree.type == BOOL:
+        return Value(float(tree.value is True), FLOAT)
     if tree.type == BOOL:
         return Choice(tree, Value(1.0, FLOAT), Value(0.0, FLOAT), FLOAT)
     return tree

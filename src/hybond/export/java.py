@@ -279,7 +279,7 @@ SET_USAGE = """\
         + "  --set NAME=VALUE gives a parameter another value, in SI; there may be several\\n"
 """
 SET_BEGUN = """\
-    p = PARAMETER_START.clone();
+    parameter = PARAMETER_START.clone();
     parameterSet = new boolean[PARAMETERS.length];
 """
 SET_OPTION = """\

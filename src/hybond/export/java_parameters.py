@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from hybond.export.parameters import ARRAY, Parameters
+from hybond.export.formulas import ARRAY
+from hybond.export.parameters import Parameters
 from hybond.export.translate.java_printer import JavaPrinter, java_number, java_text
 from hybond.export.translate.lines import plain, wrapped
 

@@ -18,9 +18,6 @@ from hybond.model import expressions as e
 from hybond.model.expressions.traced import PREFIX, Traced
 from hybond.units import DIMENSIONLESS, Dimension
 
-ARRAY = "p"
-"""What the array of parameters is called in print."""
-
 
 @dataclass(frozen=True, slots=True)
 class Parameter:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from hybond.export.formulas import PRIOR, Formulas
+from hybond.export.formulas import ARRAY, PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
-from hybond.export.parameters import ARRAY, Names, Parameters
+from hybond.export.parameters import Names, Parameters
 from hybond.export.tables import ModelTables
 from hybond.export.tables.following import followed
 from hybond.export.translate.effects import Effects, effects_of

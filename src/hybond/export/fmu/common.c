@@ -21,7 +21,7 @@ static bool parameters_changed = false;
 static void forget_parameters(void)
 {
     for (int k = 0; k < PARAMETERS; k++) {
-        p[k] = PARAMETER_START[k];
+        parameter[k] = PARAMETER_START[k];
         parameter_set[k] = false;
     }
     if (parameters_changed) {
@@ -60,7 +60,7 @@ static double get_parameter(unsigned k)
     if (parameters_changed) {
         put_parameters(parameter_set);
     }
-    return p[k];
+    return parameter[k];
 }
 
 static bool set_parameter(Unit *u, unsigned k, double value)
@@ -70,7 +70,7 @@ static bool set_parameter(Unit *u, unsigned k, double value)
                              : "this parameter follows from others";
         return false;
     }
-    p[k] = value;
+    parameter[k] = value;
     parameter_set[k] = true;
     parameters_changed = true;
     return true;

@@ -193,11 +193,11 @@ EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
     Instance *i = c;
     bool jumped = false;
-    double next = INFINITY;
+    double next = HUGE_VAL;
     const bool fine = settle_instant(i->unit, &jumped, &next);
     memset(info, 0, sizeof *info);
     info->valuesOfContinuousStatesChanged = jumped;
-    info->nextEventTimeDefined = next < INFINITY;
+    info->nextEventTimeDefined = next < HUGE_VAL;
     info->nextEventTime = next;
     return told(i, fine);
 }

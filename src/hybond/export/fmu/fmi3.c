@@ -210,11 +210,11 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again,
 {
     Instance *i = c;
     bool jumped = false;
-    double following = INFINITY;
+    double following = HUGE_VAL;
     const bool fine = settle_instant(i->unit, &jumped, &following);
     *again = *terminate = *nominals = false;
     *values = jumped;
-    *has_next = following < INFINITY;
+    *has_next = following < HUGE_VAL;
     *next = following;
     return told(i, fine);
 }

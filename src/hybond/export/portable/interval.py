@@ -56,6 +56,12 @@ def begin_of_piece(m: Model, i: int, piece: int) -> float:
     return begin + float((piece - 1) // rows_of_round(m, i)) * m.input_period[i]
 
 
+def whole_below(x: float) -> int:
+    """Return the largest whole number that is not above x."""
+    below = float(math.floor(x))
+    return int(below)
+
+
 def piece_of(m: Model, i: int, t: float) -> int:
     """Return the number of the piece of an input that begins at or contains t."""
     at = m.input_first[i]
@@ -63,12 +69,12 @@ def piece_of(m: Model, i: int, t: float) -> int:
     if kind == CONSTANT or kind == FREE:
         return 0
     if kind == PULSES:
-        guess = 2 * int(math.floor((t - m.input_number[at + 4]) / m.input_number[at])) - 2
+        guess = 2 * whole_below((t - m.input_number[at + 4]) / m.input_number[at]) - 2
         while edge(m, i, guess + 1) <= t:
             guess += 1
         return guess
     if m.input_period[i] > 0.0 and t >= m.input_number[at]:
-        rounds = int(math.floor((t - m.input_number[at]) / m.input_period[i])) - 1
+        rounds = whole_below((t - m.input_number[at]) / m.input_period[i]) - 1
         guess = max(0, rounds) * rows_of_round(m, i)
         while begin_of_piece(m, i, guess + 1) <= t:
             guess += 1
@@ -119,7 +125,7 @@ def input_value(m: Model, i: int, t: float, piece: int) -> float:
     if kind == CONSTANT:
         return m.input_number[at]
     if kind == PULSES:
-        high = piece - 2 * int(math.floor(0.5 * float(piece))) == 0
+        high = piece - 2 * whole_below(0.5 * float(piece)) == 0
         return m.input_number[at + 2] if high else m.input_number[at + 3]
     many = (m.input_first[i + 1] - at) // 2
     if piece == 0:
@@ -135,7 +141,7 @@ def level_of_piece(m: Model, i: int, piece: int) -> int:
     if kind == CONSTANT:
         return 0
     if kind == PULSES:
-        return piece - 2 * int(math.floor(0.5 * float(piece)))
+        return piece - 2 * whole_below(0.5 * float(piece))
     if piece == 0:
         return m.level_of[m.level_first[i]]
     return m.level_of[m.level_first[i] + 1 + row_of_piece(m, i, piece)]

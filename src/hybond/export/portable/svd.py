@@ -207,7 +207,8 @@ def least_squares(
     rounding times the larger size. As numpy.linalg.lstsq, rcond being `relative`, or None.
     """
     svd(d, m, n, a)
-    part = relative if relative >= 0.0 else ROUNDING_UNIT * float(max(m, n))
+    longer = max(m, n)
+    part = relative if relative >= 0.0 else ROUNDING_UNIT * float(longer)
     first = d.s[0] if n > 0 else 0.0
     rank = min(rank_above(d, n, part * first), m)
     smallest_solution(d, m, n, rank, c, b, x)

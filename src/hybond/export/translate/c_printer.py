@@ -72,7 +72,7 @@ class CPrinter(Chapters):
 
     def named(self, name: str, t: Type) -> str:
         """Return how a constant is called."""
-        special = {"math.inf": "INFINITY", "math.nan": "NAN", "math.pi": c_number(math.pi)}
+        special = {"math.inf": "HUGE_VAL", "math.nan": "(double)NAN", "math.pi": c_number(math.pi)}
         return special.get(name, name)
 
     def word(self, e: Word, args: list[str]) -> Text:
@@ -219,12 +219,12 @@ def c_number(value: float) -> str:
     Examples
     --------
     >>> c_number(1e-12), c_number(2.0), c_number(-math.inf)
-    ('1e-12', '2.0', '-INFINITY')
+    ('1e-12', '2.0', '-HUGE_VAL')
     """
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
+        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
     if math.isnan(value):
-        return "NAN"
+        return "(double)NAN"
     return decimal(value)
 
 

@@ -15,7 +15,7 @@ struct Taken {
     Taken *next;
     double start;
 };
-static Taken *taken = NULL;
+static Taken *last_taken = NULL;
 
 static void *take(int count, size_t size)
 {
@@ -25,17 +25,17 @@ static void *take(int count, size_t size)
         fputs("out of memory\\n", stderr);
         exit(3);
     }
-    block->next = taken;
-    taken = block;
+    block->next = last_taken;
+    last_taken = block;
     return block + 1;
 }
 
 static void release(void)
 {
-    while (taken != NULL) {
-        Taken *next = taken->next;
-        free(taken);
-        taken = next;
+    while (last_taken != NULL) {
+        Taken *next = last_taken->next;
+        free(last_taken);
+        last_taken = next;
     }
 }
 """
