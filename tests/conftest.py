@@ -1,9 +1,41 @@
-"""Random tests draw the same examples in every run; ``HYBOND_FUZZ=1`` draws new ones."""
+"""Which tests run, on which worker, and with which random examples."""
 
 import os
+from collections import defaultdict
 
+import pytest
+from example_runs import SHARE_RUNS
 from hypothesis import settings
 
 settings.register_profile("same", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None)
 settings.load_profile("new" if os.environ.get("HYBOND_FUZZ") else "same")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test marked ``sampled(n)`` keep n cases, spread over all of them; the rest are slow."""
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("sampled"):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for found in cases.values():
+        mark = found[0].get_closest_marker("sampled")
+        assert mark is not None
+        (many,) = mark.args
+        kept = {k * len(found) // many for k in range(many)}
+        for k, item in enumerate(found):
+            if k not in kept:
+                item.add_marker(pytest.mark.slow)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Send the files that look at the same runs of examples to one worker, others file by file."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            path = nodeid.partition("::")[0]
+            return "examples" if path.endswith(SHARE_RUNS) else super()._split_scope(nodeid)
+
+    return Scheduling(config, log)

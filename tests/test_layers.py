@@ -11,6 +11,7 @@ import pytest
 
 SOURCE = Path(__file__).parents[1] / "src"
 FILES = sorted((SOURCE / "hybond").rglob("*.py"))
+TEXTS = {path: path.read_text(encoding="utf-8") for path in FILES}
 
 LAYERS = [
     ["_version"],
@@ -93,27 +94,20 @@ def test_every_room_has_a_layer() -> None:
     assert rooms <= LAYER.keys()
 
 
-@pytest.mark.parametrize(
-    "path",
-    [path for path in FILES if module_name(path) not in EXEMPT],
-    ids=lambda path: str(path.relative_to(SOURCE)),
-)
-def test_imports_go_left(path: Path) -> None:
+def test_imports_go_left() -> None:
+    found = [
+        (path, *row)
+        for path, text in TEXTS.items()
+        if module_name(path) not in EXEMPT
+        for row in rightward(text, path)
+    ]
     wrong = [
-        f"line {line}: {scope} imports from {room or 'the package itself'}"
-        for scope, line, room in rightward(path.read_text(encoding="utf-8"), path)
+        f"{path}:{line}: {scope} imports from {room or 'the package itself'}"
+        for path, scope, line, room in found
         if room not in DISPLAY.get(scope, ())
     ]
     assert not wrong, "\n".join(wrong)
-
-
-def test_listed_display_methods_do_import_rightwards() -> None:
-    used = {
-        (scope, room)
-        for path in FILES
-        if module_name(path) not in EXEMPT
-        for scope, _, room in rightward(path.read_text(encoding="utf-8"), path)
-    }
+    used = {(scope, room) for _, scope, _, room in found}
     listed = {(scope, room) for scope, rooms in DISPLAY.items() for room in rooms}
     assert listed <= used, f"listed for nothing: {sorted(listed - used)}"
 
@@ -168,9 +162,8 @@ def runs_text(source: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
-def test_no_text_is_run_as_code(path: Path) -> None:
-    found = runs_text(path.read_text(encoding="utf-8"))
+def test_no_text_is_run_as_code() -> None:
+    found = [f"{path}: {what}" for path, text in TEXTS.items() for what in runs_text(text)]
     assert not found, "\n".join(found)
 
 

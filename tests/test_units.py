@@ -136,6 +136,7 @@ def test_unknown_unit_names_the_nearest():
         parse_unit("Ohm")
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60))
 @settings(max_examples=300, deadline=None)
 @example("5 ²")

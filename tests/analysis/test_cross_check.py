@@ -102,6 +102,7 @@ def test_shares_are_those_that_a_circuit_leaves_open() -> None:
     assert ("d3", "common") not in found.shares
 
 
+@pytest.mark.slow
 def test_a_bouncing_ball_agrees() -> None:
     found = hb.cross_check(ball(), 2.0, step="2 ms")
     assert found.verdict == "agree"
@@ -130,6 +131,7 @@ def test_one_ball_after_another_agrees() -> None:
     assert "simultaneous impacts" not in [r.name for r in found.reasons]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("model", [rlcd, ball], ids=["rlcd", "ball"])
 def test_an_engine_that_is_wrong_is_found(model: object, monkeypatch: pytest.MonkeyPatch) -> None:
     end = {rlcd: 2e-3, ball: 1.0}[model]
@@ -183,6 +185,7 @@ def test_where_small_errors_grow_nothing_is_called_wrong() -> None:
     assert since[0] is not None and (since[-1] is None or since[-1] > 2 * since[0])
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_early_is_a_difference(monkeypatch: pytest.MonkeyPatch) -> None:
     made = module.simulate
 
@@ -206,6 +209,7 @@ def test_without_laws_the_tolerance_is_refined() -> None:
     assert found.events.parted is None and "no junction has a law" in found.chosen
 
 
+@pytest.mark.slow
 def test_engines_as_given_and_the_models_own() -> None:
     m = ball()
     m.experiment["solver"] = "moreau-jean"

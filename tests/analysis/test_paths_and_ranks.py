@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,6 +58,7 @@ def test_on_trees_paths_tell_the_rank(seed: int, size: int, controlled: float) -
         assert at_rest(net) == len(strokes.stuck)
 
 
+@pytest.mark.slow
 @MANY
 @given(seeds, sizes, st.integers(1, 4))
 def test_with_a_modulus_in_each_ring_too(seed: int, size: int, rings: int) -> None:

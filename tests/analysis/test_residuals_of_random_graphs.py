@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import null_space
@@ -166,6 +167,7 @@ def faulty_graph(graph, key: str):
     return replace(graph, nodes=tuple(nodes))
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), size=st.integers(1, 5), rings=st.integers(0, 1))
 @SETTINGS
 def test_they_react_to_what_the_signatures_say(seed, size, rings) -> None:
@@ -200,6 +202,7 @@ def test_they_react_to_what_the_signatures_say(seed, size, rings) -> None:
                     assert size_ > 100 * TOLERANCE, what
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), size=st.integers(1, 5), rings=st.integers(0, 1))
 @settings(SETTINGS, max_examples=40)
 def test_nothing_that_holds_is_missing(seed, size, rings) -> None:

@@ -4,35 +4,23 @@ import dataclasses
 import functools
 import itertools
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from example_runs import NAMES, RTOL, STOPPED, example, run_of
 
 import hybond as hb
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-NAMES = sorted(p.stem for p in EXAMPLES.glob("*.toml"))
-ENDS_WITHOUT_A_MODE = {
-    "bouncing_ball_no_mode",
-    "diode_inductor_no_mode",
-    "falling_rod_threshold",
-}
-QUICK = {
+REPEATED = [
     "buck",
     "capacitors_joined",
     "clutch",
     "elevator_actuators",
     "newtons_cradle",
     "woodpecker",
-}
-"""Examples that are run twice each time the tests are."""
+]
+"""Examples that are run twice."""
 every_example = pytest.mark.parametrize("name", NAMES)
-
-
-@functools.cache
-def run_of(name: str) -> hb.Result:
-    return hb.simulate(hb.load(EXAMPLES / f"{name}.toml"), rtol=1e-11, on_error="return")
 
 
 def one_ports(run: hb.Result):
@@ -84,7 +72,7 @@ def storage_names(run: hb.Result) -> list[str]:
 @every_example
 def test_ends_as_expected(name):
     run = run_of(name)
-    if name in ENDS_WITHOUT_A_MODE:
+    if name in STOPPED:
         assert run.status == "error"
         assert isinstance(run.error, hb.DivergenceOfTime)
     else:
@@ -200,11 +188,9 @@ def test_the_state_before_and_after_is_that_of_the_segments(name):
             assert np.array_equal(ends[event.t].y[-1, :n], event.before)
 
 
-@pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES]
-)
+@pytest.mark.parametrize("name", REPEATED)
 def test_a_run_can_be_repeated(name):
     one = run_of(name)
-    two = hb.simulate(hb.load(EXAMPLES / f"{name}.toml"), rtol=1e-11, on_error="return")
+    two = hb.simulate(example(name), rtol=RTOL, on_error="return")
     assert [e.t for e in one.events] == [e.t for e in two.events]
     assert np.array_equal(one.segments[-1].y, two.segments[-1].y)

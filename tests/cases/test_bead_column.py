@@ -122,6 +122,7 @@ def test_two_beads_come_to_rest():
     assert landed[-1] == (pytest.approx(last, rel=1e-7), "contact1")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("n", [2, 3])
 def test_at_rest_each_contact_carries_what_is_above(n):
     run = hb.simulate(column(n, 0.5), until=3.0)

@@ -138,6 +138,7 @@ def latest(found, switched):
     return max(abs(a - b) for (a, _), (b, _) in zip(found, switched, strict=True)) / T
 
 
+@pytest.mark.slow
 def test_reference_is_well_conditioned(reference):
     assert latest(exact(PERIODS, off_by=1e-10)[0], reference[0]) < 1e-6
 

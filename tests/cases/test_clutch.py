@@ -57,6 +57,7 @@ def test_load_peak(simulate, solver):
     assert t[w.argmax()] == pytest.approx(5.3021, abs=1e-4)
 
 
+@pytest.mark.sampled(1)
 def test_against_the_exact_solution(simulate, solver):
     run = simulate("clutch", solver=solver)
     t = np.linspace(0.0, 20.0, 57)

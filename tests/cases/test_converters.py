@@ -104,6 +104,7 @@ class TestParallelResonantConverter:
 
     HALF = 0.5 / 55e3
 
+    @pytest.mark.sampled(1)
     def test_against_exact_integration(self, simulate, solver):
         halves = 22 if solver == "rk45" else 8
         run = simulate("parallel_resonant_converter", until=halves * self.HALF, solver=solver)
@@ -138,6 +139,7 @@ class TestParallelResonantConverter:
             assert found["d1.f"] - found["d3.f"] == pytest.approx(found["Lr.f"], abs=1e-12)
         assert all_on >= 3
 
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("d", ["d1", "d2", "d3", "d4"])
     def test_complementarity(self, simulate, d):
         run = simulate("parallel_resonant_converter", until="0.1 ms")

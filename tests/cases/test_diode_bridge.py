@@ -50,6 +50,7 @@ def bridge(*, ground: bool, turned: tuple[bool, ...] = (False,) * 4) -> hb.Model
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("ground", [True, False])
 def test_is_a_plain_oscillator(ground, solver):
     run = hb.simulate(bridge(ground=ground), until="5 ms", solver=solver)
@@ -59,6 +60,7 @@ def test_is_a_plain_oscillator(ground, solver):
     assert run["R.e"].at(t.tolist()) == pytest.approx(np.abs(exact(t)), abs=2e-6)
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("turned", list(itertools.product([False, True], repeat=4)))
 def test_direction_of_bonds_does_not_matter(turned):
     # half of the cases with a ground node, each diode turned and not turned in both halves

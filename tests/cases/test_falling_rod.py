@@ -14,6 +14,7 @@ ALL = [*SLIDES, 0.27]
 RATIO = math.sin(THETA) * math.cos(THETA) / (J + math.sin(THETA) ** 2)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("mu", ALL)
 @pytest.mark.parametrize("name", ["falling_rod", "falling_rod_threshold"])
 def test_impact_and_stuck_candidate(name, mu, simulate, solver):
@@ -34,6 +35,7 @@ def test_impact_and_stuck_candidate(name, mu, simulate, solver):
     assert pytest.approx(0.265944, abs=5e-7) == RATIO
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("mu", SLIDES)
 def test_slides_after_the_impact(mu, simulate, modes_of, solver):
     run = simulate("falling_rod", parameters={"mu": mu}, solver=solver)
@@ -47,6 +49,7 @@ def test_slides_after_the_impact(mu, simulate, modes_of, solver):
     assert run["vAx"].at(t) == pytest.approx(-1.0949642, abs=1e-6)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("mu", "t", "theta", "omega", "vx"),
     [
@@ -71,6 +74,7 @@ def test_slip_falls_to_the_threshold(mu, t, theta, omega, vx, simulate, solver):
     assert ended["vAx"].at(ended.t_end) == pytest.approx(-0.2, abs=1e-8)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("mu", "t", "theta"), [(0.26, 0.728727, 0.200143), (0.265, 0.727293, 0.204207)]
 )
@@ -83,6 +87,7 @@ def test_slip_reaches_zero_and_reverses(mu, t, theta, simulate, modes_of, solver
     assert modes_of(run, reversal) == [(("stuck",), "mythical"), (("right",), "continuous")]
 
 
+@pytest.mark.sampled(1)
 def test_sticks_and_breaks_away(simulate, modes_of, solver):
     run = simulate("falling_rod", parameters={"mu": 0.27}, solver=solver)
     assert len(run.events) == 3

@@ -20,6 +20,7 @@ from ladders import PERIOD, ladder  # noqa: E402
 pytestmark = pytest.mark.rounding  # diodes that carry nothing, all the time
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("diodes", [4, 20])
 def test_ladders_agree_to_rounding_where_steps_meet_the_peaks(diodes: int) -> None:
     """Capacitors and ideal diodes have no time of their own: a step is exact, however long."""
@@ -39,6 +40,7 @@ def test_a_missed_peak_costs_the_square_of_what_it_is_missed_by() -> None:
         assert row.states[first, -1] == pytest.approx(0.25e-4 * best, rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("diodes", [4, 20])
 def test_loaded_ladders_converge_in_the_first_order(diodes: int) -> None:
     found = agreement(loaded(diodes), PERIOD, 100, halvings=2, theta=1.0)
@@ -49,6 +51,7 @@ def test_loaded_ladders_converge_in_the_first_order(diodes: int) -> None:
     assert found.extrapolated[1] < 0.5 * found.extrapolated[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_the_arm_of_the_example_converges(theta: float) -> None:
     """No diode changes its branch within a step, so that theta = 1/2 is of order two."""
@@ -70,6 +73,7 @@ def test_the_generated_arm_is_that_of_the_example() -> None:
         assert made[f"C{k}.q"].at(t) == pytest.approx(example[f"m{k}.C.q"].at(t), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_larger_arm_converges() -> None:
     found = agreement(arm(8), 2.0e-3, 200, instants=20, halvings=1)
     assert found.orders[0] > 1.9

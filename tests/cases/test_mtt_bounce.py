@@ -29,6 +29,7 @@ def test_ball_with_air_drag_comes_to_rest(simulate):
     assert run.mode == {"floor": "touching"}
 
 
+@pytest.mark.sampled(1)
 def test_the_rod_keeps_its_energy(simulate, solver):
     run = simulate("bouncing_rod", solver=solver, rtol=1e-9)
     assert run.events[1].t == pytest.approx(1.3764358, abs=6e-8)

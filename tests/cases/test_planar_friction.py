@@ -59,6 +59,7 @@ def test_the_limit_is_a_disk_and_no_box() -> None:
             assert states(run) == [state]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("rtol", "close"), [(1e-8, 1e-7), (1e-11, 1e-9)])
 @pytest.mark.parametrize("turned", [0.0, 2.2])
 def test_the_hodograph_of_a_block_with_a_steady_side_force(
@@ -87,6 +88,7 @@ def test_the_hodograph_of_a_block_with_a_steady_side_force(
     assert y * c - x * s == pytest.approx(over(lambda a: r(a) ** 2 * math.sin(a)), abs=close)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("angle", [0.3, math.pi / 2.0])
 def test_the_friction_oscillator_in_any_direction(angle: float) -> None:
     # m = k = 1, friction 1, x(0) = 12, v(0) = 6: each half period turns round 1 nearer
@@ -130,6 +132,7 @@ def test_a_growing_push_breaks_loose_at_the_limit_itself() -> None:
         assert run["my.p"].at(2.0) == pytest.approx(0.8 * v, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_at_the_limit_the_slip_follows_a_push_that_turns() -> None:
     m = block(("3*time*1[N/s]", "4*time^2*1[N/s^2]"), limit=4)
     onset = brentq(lambda t: math.hypot(3.0 * t, 4.0 * t * t) - 4.0, 0.5, 1.0, xtol=1e-15)
@@ -165,6 +168,7 @@ def test_slip_begins_where_friction_and_acceleration_agree() -> None:
     assert angle == pytest.approx(want, abs=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("start", [2.0, -2.0])
 def test_one_direction_alone_is_friction_in_one_direction(start: float) -> None:
     push = "5*cos(2*time/1[s])*1[N]"
@@ -183,6 +187,7 @@ def test_one_direction_alone_is_friction_in_one_direction(start: float) -> None:
         assert abs(plane["my.p"].at(t)) < 1e-15
 
 
+@pytest.mark.slow
 def test_a_near_miss_of_rest_is_no_rest() -> None:
     # at the turning point the velocity across is small: friction turns quickly, and slip goes on
     m = block(("-4[N]", 0), (3.0, 1e-5), limit=1.0)
@@ -196,6 +201,7 @@ def test_a_near_miss_of_rest_is_no_rest() -> None:
     assert run["my.p"].at(2.0) == pytest.approx(found.y[1, -1], abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_time_stepping_comes_closer_with_its_step(theta: float) -> None:
     model = block((2.0, 0.0), (-1.6, 4.7), limit=3.0)
@@ -224,6 +230,7 @@ def test_time_stepping_has_the_same_disk_along_every_direction() -> None:
         assert abs(run["mx.p"].at(1.0)) < 1e-14 and abs(run["my.p"].at(1.0)) < 1e-14
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
 def test_a_contact_bears_on_the_disk(solver: str) -> None:
     # a block on the ground: the limit is half of what the ground carries, 20 N from 0.2 s on
@@ -254,6 +261,7 @@ def test_a_limit_below_zero_is_refused(pair: bool, solver: str) -> None:
     assert caught.value.code == "HB-N407" and caught.value.partial is not None
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("force", [0.5, 0.9, 0.95, 0.99])
 def test_slip_that_a_force_hardly_slows_stops_when_it_must(force: float) -> None:
     # limit 1: d/dt (|v| L + F . v) = -(L^2 - F^2), whatever the direction
@@ -279,6 +287,7 @@ def test_nothing_is_missed_while_slip_comes_to_its_end(force: float, at: float) 
     assert fired[2][0] == pytest.approx(want, rel=1e-7)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("second", [((1.2, 1.6), 1.0), ((1.2, 1.6001), 1.0), ((0.3, -0.4), 0.25)])
 def test_two_slips_that_end_together_or_nearly(second: tuple[tuple[float, float], float]) -> None:
     m = hb.Model("two", domain="translational")
@@ -295,6 +304,7 @@ def test_two_slips_that_end_together_or_nearly(second: tuple[tuple[float, float]
     assert all(run.final[f"m{k}.p"] == 0.0 for k in ("ax", "ay", "bx", "by"))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_a_body_that_holds_below_one_that_slips(solver: str, angle: float) -> None:
@@ -316,6 +326,7 @@ def test_a_body_that_holds_below_one_that_slips(solver: str, angle: float) -> No
     assert run.final["uppery.p"] == pytest.approx(2.0 * s, abs=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
 def test_a_wall_that_begins_to_push(solver: str) -> None:
     m = hb.Model("wall", domain="translational")
@@ -343,6 +354,7 @@ def test_no_solver_and_no_tolerance_lets_friction_push(solver: str, rtol: float)
     assert speed == pytest.approx(want, abs=max(0.1 * rtol, 2e-6))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])
 @pytest.mark.parametrize("angle", [0.6, 2.0])
 def test_a_slanted_swing_comes_to_rest_at_loose_tolerances(angle: float, rtol: float) -> None:
@@ -358,6 +370,7 @@ def test_a_slanted_swing_comes_to_rest_at_loose_tolerances(angle: float, rtol: f
     assert x * c + y * s == pytest.approx(0.2, abs=20.0 * rtol)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-2, 2e-3, 1e-5])
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_slip_ends_at_any_tolerance(solver: str, rtol: float) -> None:
@@ -367,6 +380,7 @@ def test_slip_ends_at_any_tolerance(solver: str, rtol: float) -> None:
     assert run.events[-1].t == pytest.approx(want, rel=rtol)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("turned", list(itertools.product((1, -1), repeat=4)))
 def test_bonds_turned_round_turn_their_own_signs_alone(turned: tuple[int, ...]) -> None:
     m = hb.Model("block", domain="translational")

@@ -23,6 +23,7 @@ def states(run: hb.Result, machine: int) -> list[str]:
     return [own.states[e.steps[-1].mode[machine]] for e in run.events]
 
 
+@pytest.mark.slow
 def test_stick_slip_on_a_belt_that_moves_obliquely() -> None:
     def belt(planar: bool) -> hb.Model:
         m = hb.Model("belt", domain="translational")
@@ -47,6 +48,7 @@ def test_stick_slip_on_a_belt_that_moves_obliquely() -> None:
         assert plane["my.p"].at(t) == pytest.approx(s * line["mx.p"].at(t), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_the_limit_follows_the_force_of_a_contact() -> None:
     # the table shakes, 4 < N < 20: along any line the block does what it does on one line
     def table(angle: float | None) -> hb.Model:
@@ -104,6 +106,7 @@ def chain(angle: float, seed: int, masses: int = 2) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_turned_axes_turn_the_motion(seed: int) -> None:
     found = []
@@ -172,6 +175,7 @@ def test_relays_of_two_capacitors_share_a_disk() -> None:
     assert run.events[-1].t == pytest.approx(5.0, rel=1e-10)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("restitution", [0.5, None])
 def test_what_is_hit_breaks_loose(restitution: float | None) -> None:
     # a ball of 1 kg at 4 m/s hits a block of 2 kg at rest: as with friction in one direction, no

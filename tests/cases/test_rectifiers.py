@@ -119,6 +119,7 @@ class TestThyristors:
         mean = np.diff(total) / (PERIOD / 2)
         assert mean == pytest.approx(2.0 * self.V / math.pi * math.cos(alpha), rel=1e-6)
 
+    @pytest.mark.sampled(1)
     @pytest.mark.rounding
     @pytest.mark.parametrize("alpha", [math.radians(100), math.radians(150)])
     def test_pulses_of_current_in_discontinuous_conduction(self, alpha, simulate, solver):
@@ -229,6 +230,7 @@ class TestSixPulses:
                 assert run["L.f"].at(t) == pytest.approx(want, rel=1e-6, abs=1e-8)
             current = want
 
+    @pytest.mark.slow
     def test_example_keeps_its_laws(self, simulate):
         run = simulate("six_pulse_rectifier")
         t = np.linspace(0.0, 0.04, 801).tolist()
@@ -284,6 +286,7 @@ def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(orde
         assert shares == pytest.approx([near, far, far, near], rel=1e-9)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.rounding
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("rate", [300, 310, 320])

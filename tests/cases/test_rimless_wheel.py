@@ -35,6 +35,7 @@ def run(simulate):
     return simulate("rimless_wheel", rtol=1e-8, until=2.1)
 
 
+@pytest.mark.slow
 def test_every_step_is_that_of_the_return_map(run):
     expected = steps(4)
     assert [e.t for e in run.events[1:]] == pytest.approx([t for t, _, _ in expected], rel=1e-7)

@@ -22,6 +22,7 @@ def reference():
     return dict(zip(NAMES, found.y, strict=True))
 
 
+@pytest.mark.sampled(1)
 def test_against_an_independent_solver(simulate, reference, solver):
     # the rope's ringing asks for a tight tolerance: 130 periods in 5 s
     run = simulate("rope_and_disc", solver=solver, rtol=1e-9)
@@ -31,6 +32,7 @@ def test_against_an_independent_solver(simulate, reference, solver):
         assert np.abs(found[name] - reference[name]).max() < 1e-5 * scale
 
 
+@pytest.mark.slow
 def test_energy_is_constant(simulate):
     run = simulate("rope_and_disc", rtol=1e-10)
     p, q, spin, angle = run.sample(T.tolist(), NAMES).values()

@@ -110,6 +110,7 @@ def test_published_levels(run):
     assert not run.sliding
 
 
+@pytest.mark.slow
 def test_published_level_that_is_not_converged(run, reference):
     """At t = 8 levels swing with the cycle: two ways without a grid differ from what is printed."""
     exactly = reference[0][8].tolist()

@@ -108,6 +108,7 @@ def second(simulate):
     return simulate("woodpecker", until=1.0)
 
 
+@pytest.mark.slow
 def test_a_second_of_it(second):
     """The steps meet impacts up to a step late, by which all that follows is late: order one."""
     h = 4e-5
@@ -144,6 +145,7 @@ def pecks(angle, h):
     return [t for k, t in enumerate(high) if k == 0 or t - high[k - 1] > 0.05]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("h", [4e-4, 3e-4])
 def test_time_stepping_of_ours(h, simulate):
     run = simulate("woodpecker", until=0.0776, solver="moreau-jean", step=h)

@@ -4,6 +4,7 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from written_graphs import derivative_flags, satisfied, written
@@ -77,6 +78,7 @@ def test_result_does_not_depend_on_arrows_or_names(build, given_graph, data) -> 
     assert [c.bonds for c in first.conflicts] == [c.bonds for c in second.conflicts]
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(written(junctions=5, leaves=2))
 def test_finds_what_exhaustive_search_finds(build, given_graph) -> None:
@@ -132,6 +134,7 @@ def equations(graph: FlatGraph, rng: np.random.Generator) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(written(tree=True, junctions=8, leaves=3, switches=0), st.integers(0, 1000))
 def test_derivative_storage_is_the_rank_deficiency(build, given_graph, seed) -> None:

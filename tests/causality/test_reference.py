@@ -53,6 +53,7 @@ def grouped(graph: FlatGraph, draw) -> FlatGraph:
     return replace(graph, machines=tuple(machines), nodes=tuple(nodes))
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(written(junctions=10, leaves=2, switches=7), st.lists(st.integers(0, 1), min_size=7))
 def test_no_mode_is_better_switch_by_switch(build, given_graph, starts) -> None:

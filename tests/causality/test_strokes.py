@@ -12,6 +12,7 @@ from hybond.causality.record import HEAD, TAIL
 from hybond.causality.strokes import Strokes
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None)
 @given(written(junctions=5, leaves=2), st.data())
 def test_each_switch_ends_where_exhaustive_search_ends(build, given_graph, data) -> None:
@@ -37,6 +38,7 @@ def test_each_switch_ends_where_exhaustive_search_ends(build, given_graph, data)
             assert strokes.dependent == least[mode]
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(written(junctions=25, leaves=2, switches=10), st.data())
 def test_switching_is_as_good_as_starting_afresh(build, given_graph, data) -> None:

@@ -200,6 +200,7 @@ def test_a_bomb_of_parameters(tmp_path):
     assert model.elements["X1_R1"].value == "2 ohm"
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_lines(tmp_path):
     count = 50_000
     rows = ["A ladder", "V1 n0 0 10"]

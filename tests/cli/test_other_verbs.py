@@ -133,6 +133,7 @@ def test_demo_shows_a_picture_and_a_plot(shell: Any, monkeypatch: pytest.MonkeyP
     assert "hybond-demo" in done.out and "t = 0 s" in done.out
 
 
+@pytest.mark.slow
 def test_demo_of_a_folder_says_what_failed(shell: Any) -> None:
     shell.file("_part.toml", "not a model")
     done = shell("demo", "--examples", ".", "--out", "out")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from docs_programs import run_program
 
 import hybond as hb
 
@@ -50,20 +48,8 @@ def files_of(page: str, folder: Path) -> None:
 @pytest.mark.parametrize(("page", "k", "body"), PROGRAMS, ids=[f"{p}-{k}" for p, k, _ in PROGRAMS])
 def test_a_python_block_of_the_pages_runs(page: str, k: int, body: str, tmp_path: Path) -> None:
     files_of(page, tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", body],
-        cwd=tmp_path,
-        capture_output=True,
-        encoding="utf-8",
-        timeout=120,
-        env={
-            **os.environ,
-            "PYTHONPATH": str(ROOT / "src"),
-            "MPLBACKEND": "Agg",
-            "PYTHONUTF8": "1",
-        },
-    )
-    assert done.returncode == 0, done.stderr
+    code, _, errors = run_program(body, tmp_path)
+    assert code == 0, errors
 
 
 @pytest.mark.parametrize(("page", "k", "body"), MODELS, ids=[f"{p}-{k}" for p, k, _ in MODELS])
@@ -86,17 +72,4 @@ def test_the_readme_shows_what_its_script_prints(tmp_path: Path) -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     parts = re.search(r"^```python\n(.*?)^```\n.*?^```text\n(.*?)^```$", text, re.M | re.S)
     assert parts is not None
-    done = subprocess.run(
-        [sys.executable, "-c", parts[1]],
-        cwd=tmp_path,
-        capture_output=True,
-        encoding="utf-8",
-        timeout=120,
-        env={
-            **os.environ,
-            "PYTHONPATH": str(ROOT / "src"),
-            "MPLBACKEND": "Agg",
-            "PYTHONUTF8": "1",
-        },
-    )
-    assert done.stdout == parts[2]
+    assert run_program(parts[1], tmp_path) == (0, parts[2], "")

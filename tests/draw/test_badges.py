@@ -31,6 +31,7 @@ def test_a_known_word_has_its_colour_and_any_pair_its_own(examples: Any) -> None
     assert about["pad"].endswith("; derivative")
 
 
+@pytest.mark.sampled(2)
 def test_badges_lie_in_their_frames_and_touch_nothing(example: Any) -> None:
     marks = {n.path: "uncontrollable" for n in example.nodes if not n.hidden}
     drawing = draw(example, marks=marks)

@@ -6,6 +6,7 @@ import itertools
 import random
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -44,6 +45,7 @@ def test_ring_of_eight_is_a_rectangle_without_crossings() -> None:
     assert all(abs(at[a][0] - at[b][0]) + abs(at[a][1] - at[b][1]) == 1 for a, b in bonds)
 
 
+@pytest.mark.slow
 def test_examples_have_straight_bonds(examples: Any) -> None:
     for name in ("ball", "diode", "motor", "rod", "masses", "bridge"):
         graph = examples[name]()
@@ -51,6 +53,7 @@ def test_examples_have_straight_bonds(examples: Any) -> None:
         assert straight(bonds, layout([n.kind for n in graph.nodes], bonds)), name
 
 
+@pytest.mark.slow
 def test_bridge_is_drawn_as_a_ring(examples: Any) -> None:
     graph = examples["bridge"]()
     board = Board([n.kind for n in graph.nodes], [(b.tail, b.head) for b in graph.bonds])
@@ -101,6 +104,7 @@ def graphs(draw: Any) -> tuple[list[str], list[tuple[int, int]]]:
     return kinds, bonds
 
 
+@pytest.mark.slow
 @given(graphs())
 @settings(max_examples=25, deadline=None)
 def test_any_graph_gets_distinct_cells_and_twice_the_same(graph: Any) -> None:
@@ -139,6 +143,7 @@ def test_large_graph_is_laid_out() -> None:
     assert len(set(at)) == 300
 
 
+@pytest.mark.slow
 def test_seed_is_an_argument() -> None:
     kinds = ["1"] * 4
     bonds = [(a, b) for a in range(4) for b in range(a)]

@@ -45,6 +45,7 @@ def variants(graph: Any, strokes: Any) -> list[Drawing]:
     ]
 
 
+@pytest.mark.sampled(3)
 def test_no_text_overlaps_text(example: Any, strokes: Any) -> None:
     for drawing in variants(example, strokes):
         # A subscript c belongs to its letter.

@@ -262,6 +262,7 @@ def test_numbers_stay_clear_of_the_crosses_of_a_conflict() -> None:
             assert extent_of(number).cut((line.points[0], line.points[1])) is None
 
 
+@pytest.mark.slow
 def test_sixty_switches_are_drawn_in_one_picture_but_not_side_by_side() -> None:
     m = hb.Model("ladder", domain="electrical")
     m.add(V=hb.Se("1 V"), rail=hb.One())

@@ -72,6 +72,7 @@ def pictures(graph: Any, strokes: Any) -> list[Any]:
     ]
 
 
+@pytest.mark.sampled(2)
 def test_the_picture_can_be_read_back(example: Any, strokes: Any) -> None:
     for drawing in pictures(example, strokes):
         tikz = drawing.tikz()

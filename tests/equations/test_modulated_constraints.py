@@ -53,6 +53,7 @@ def pendulum(inertia: float, way: int = 0, mass: float = 2.0, length: float = 1.
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("way", range(4))
 @pytest.mark.parametrize("inertia", [0.0, 0.8])
 def test_pendulum_in_cartesian_coordinates(inertia, way) -> None:
@@ -79,6 +80,7 @@ def test_pendulum_that_starts_with_a_wrong_velocity_is_projected() -> None:
     assert math.isclose(lost, 0.5 * 2.0 * 9.0 * math.sin(1.2) ** 2, rel_tol=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("inertia", [0.05, 0.5])
 def test_slider_crank(inertia) -> None:
     # the modulus passes through zero twice per turn; without losses the energy fixes the speed

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import subprocess
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from example_runs import NAMES, RTOL, STOPPED, example, integrated, integrated_run_of
 from export.programs import (
     Said,
     ask,
     compile_c,
-    compile_quickly,
     expected,
     needs_c,
     needs_java,
@@ -19,46 +18,16 @@ from export.programs import (
 )
 
 import hybond as hb
-from hybond.errors import NumericsError
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+FEW = ["bouncing_rod", "buck", "cam_follower", "falling_rod", "half_wave_rectifier", "planar_puck"]
+"""Examples that are compiled each time: between them they need most of the engine."""
 LABELS = {
     "cockcroft_walton": "which diode is called conducting while it carries nothing",
     "mmc_arm": "which diode is called conducting while it carries nothing",
 }
 """Examples whose states agree, and whose events are called by other names."""
-STOPPED = {"bouncing_ball_no_mode", "diode_inductor_no_mode", "falling_rod_threshold"}
-"""Examples that end in HB-N401, as they are meant to."""
 KEPT = {"slip_x.heading", "slip_x.slow"}
-NAMES = [p.stem for p in EXAMPLES]
-
-
-@pytest.fixture(scope="module")
-def runs() -> dict[str, Said]:
-    found = {}
-    for path in EXAMPLES:
-        model = hb.load(path)
-        # what hybond propagates exactly, an export integrates
-        method = {"solver": "rk45"} if model.experiment.get("solver") == "exact" else {}
-        try:
-            run = hb.simulate(model, **method)
-        except NumericsError as error:
-            run = error.partial
-        found[path.stem] = expected(run)
-    return found
-
-
-@pytest.fixture(scope="module")
-def printed_by_c(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    folder = tmp_path_factory.mktemp("c")
-    texts = {p.stem: hb.export(hb.load(p), to="c") for p in EXAMPLES}
-
-    def run(name: str) -> str:
-        program = compile_quickly(texts[name], folder, name)
-        return ask(program, "--events", code=3 if name in STOPPED else 0)
-
-    with ThreadPoolExecutor(2) as pool:
-        return dict(zip(texts, pool.map(run, texts)))
+EVERY = [n if n in FEW else pytest.param(n, marks=pytest.mark.slow) for n in NAMES]
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +35,9 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """All classes are compiled at once, and run in one machine."""
     folder = tmp_path_factory.mktemp("java")
     calls = []
-    for k, path in enumerate(EXAMPLES):
-        hb.export(hb.load(path), to="java", path=folder / f"Example{k}.java")
+    for k, name in enumerate(NAMES):
+        path = folder / f"Example{k}.java"
+        hb.export(example(name), to="java", path=path, rtol=RTOL, **integrated(name))
         calls.append(f'Example{k}.run(System.out, "--events"); System.out.print("\\f");')
     main = "public static void main(String[] words) { " + "\n".join(calls) + " }"
     (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
@@ -103,34 +73,27 @@ def check_impulses(said: Said, run: Said) -> None:
 
 
 @needs_c
-@pytest.mark.parametrize("name", NAMES)
-def test_an_example_as_a_c_program(
-    name: str, printed_by_c: dict[str, str], runs: dict[str, Said]
-) -> None:
-    check(name, read_events(printed_by_c[name]), runs[name])
+@pytest.mark.parametrize("name", EVERY)
+def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
+    """And a strict compiler has nothing to say of it."""
+    text = hb.export(example(name), to="c", rtol=RTOL, **integrated(name))
+    program = compile_c(text, tmp_path, name)
+    printed = ask(program, "--events", code=3 if name in STOPPED else 0)
+    check(name, read_events(printed), expected(integrated_run_of(name)))
 
 
-@needs_c
-@pytest.mark.parametrize("name", ["buck", "elevator_actuators", "falling_rod", "rimless_wheel"])
-def test_a_strict_compiler_has_nothing_to_say(name: str, tmp_path: Path) -> None:
-    text = hb.export(hb.load(next(p for p in EXAMPLES if p.stem == name)), to="c")
-    compile_c(text, tmp_path, name)
-
-
+@pytest.mark.slow
 @needs_java
 @pytest.mark.parametrize("name", NAMES)
-def test_an_example_as_a_java_class(
-    name: str, printed_by_java: dict[str, str], runs: dict[str, Said]
-) -> None:
-    check(name, read_events(printed_by_java[name]), runs[name])
+def test_an_example_as_a_java_class(name: str, printed_by_java: dict[str, str]) -> None:
+    check(name, read_events(printed_by_java[name]), expected(integrated_run_of(name)))
 
 
 @needs_c
 def test_a_program_stays_within_its_memory(tmp_path: Path) -> None:
     """Run under the sanitizers, which end a program that reads beside an array or leaks."""
-    path = next(p for p in EXAMPLES if p.stem == "buck")
     flags = ["-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    program = compile_c(hb.export(hb.load(path), to="c"), tmp_path, "buck", flags)
+    program = compile_c(hb.export(example("buck"), to="c"), tmp_path, "buck", flags)
     table = ask(program, "--points", "20").splitlines()
     assert table[0] == "time,out.e,L.f,u,ramp"
     assert len(table) > 21

@@ -102,6 +102,7 @@ def test_every_example_is_written_or_refused_with_its_reason(name: str) -> None:
     assert words <= {*known.split(), *declared}
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", sorted(AGREE))
 def test_a_modelica_tool_finds_the_same_motion(name: str) -> None:
     model = load(name)

@@ -52,6 +52,7 @@ def test_tables_in_a_c_program(tmp_path: Path) -> None:
         assert said.states[f"{name}.q"] == pytest.approx(q, rel=1e-6)
 
 
+@pytest.mark.slow
 @needs_java
 def test_tables_in_a_java_class(tmp_path: Path) -> None:
     path = tmp_path / "Repeating.java"
@@ -71,6 +72,7 @@ def test_tables_in_a_modelica_tool() -> None:
         assert found[f"{name}_q"][-1] == pytest.approx(q, rel=1e-6)
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("name", sorted(UNTIL))
 def test_a_netlist_becomes_a_c_program(name: str, tmp_path: Path) -> None:

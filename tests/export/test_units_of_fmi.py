@@ -69,39 +69,6 @@ def test_a_unit_runs_as_the_model_does(
             assert got == pytest.approx(expected, abs=close * size), (kind, state)
 
 
-EXAMPLES = sorted(Path("examples").glob("*.toml"))
-
-
-@pytest.mark.skipif(QUICK is None, reason="no quick C compiler (tcc)")
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda p: p.stem)
-def test_every_example_is_a_unit(
-    example: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("CC", str(QUICK))
-    model = hb.load(example)
-    method = {"solver": "rk45"} if model.experiment.get("solver") == "exact" else {}
-    run = hb.simulate(model, on_error="return", **method)
-    # a run that cannot go on is looked at before it stops
-    end = run.t_end * (1.0 if run.error is None else 0.99)
-    path = folder / "any.fmu"
-    hb.export(model, to="fmu", path=path, fmi=("2.0", "3.0")[len(example.stem) % 2])
-    # how slip in the plane turns is not shown
-    names = [n for n in states(model) if n not in ("slip_x.heading", "slip_x.slow")]
-    found = fmpy.simulate_fmu(
-        str(path),
-        fmi_type="CoSimulation",
-        stop_time=end,
-        output_interval=end / 20,
-        relative_tolerance=model.experiment.get("rtol", 1e-8),
-        output=names,
-    )
-    t = float(found["time"][-2])
-    largest = np.max([np.abs(np.asarray(s.y)).max(axis=0) for s in run.trace.segments], axis=0)
-    for state in names:
-        size = max(float(largest[states(model).index(state)]), 1e-300)
-        assert float(found[state][-2]) == pytest.approx(run[state].at(t), abs=1e-5 * size), state
-
-
 @pytest.fixture(scope="module")
 def driven(folder: Path) -> Path:
     path = folder / "motor.fmu"
@@ -129,6 +96,7 @@ def motor(volts: hb.Input) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_inputs_of_a_unit_are_set_from_outside(driven: Path) -> None:
     from fmpy import simulate_fmu
 
@@ -161,6 +129,7 @@ def test_a_unit_says_what_it_shows(driven: Path) -> None:
         assert "sources/motor.c" in archive.namelist()
 
 
+@pytest.mark.slow
 def test_the_same_model_gives_the_same_description(driven: Path) -> None:
     from hybond.export.fmu.package import to_fmu
 

@@ -179,6 +179,7 @@ def test_files_round_trip_exactly(data: dict[str, Any], suffix: str) -> None:
         assert path.read_bytes() == before
 
 
+@pytest.mark.slow
 @few
 @given(files(), files())
 def test_one_model_saved_over_another_keeps_the_comments_it_can(

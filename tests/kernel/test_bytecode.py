@@ -153,6 +153,7 @@ def paired(kernel, tree, given):
     return result
 
 
+@pytest.mark.slow
 @given(
     guards(),
     THREE,

@@ -2,14 +2,14 @@
 
 import re
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
+from engines import assert_same_events, assert_same_states
+from example_runs import example
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from switched_models import converter
-from test_march import IDLE, assert_same_events, assert_same_states
 from test_random import SEEDS, apart, some, told
 
 import hybond as hb
@@ -17,16 +17,6 @@ from hybond.kernel import flow, marcher
 from hybond.kernel.build import SOURCES
 from hybond.solvers import dopri, exact, propagation
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-LONG = {
-    *("automatic_gearbox", "boost", "elevator_actuators", "ratchet", "rectifier_dc_machine"),
-    *("rimless_wheel", "three_tanks"),
-}
-"""Examples that take seconds; their own cases are run by both engines as well."""
-FILES = [
-    pytest.param(f.stem, marks=pytest.mark.slow) if f.stem in LONG else f.stem
-    for f in sorted(EXAMPLES.glob("*.toml"))
-]
 TEXT = (SOURCES / "exact.c").read_text()
 
 
@@ -74,16 +64,6 @@ def test_constants_are_the_same():
         assert table(name) == pytest.approx(known.ravel(), rel=1e-11, abs=1e-13)
     listed = re.search(r"METHODS\[\] = \{(.*?)\}", (SOURCES / "method.c").read_text()).group(1)
     assert listed.replace("dopri", "rk45") == ", ".join(f"&hb_{m}" for m in marcher.METHODS)
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_examples_are_the_same_with_and_without_the_kernel(kernel, name):
-    a, b = both(hb.load(EXAMPLES / f"{name}.toml"), rtol=1e-10)
-    assert (a.status, a.t_end) == (b.status, pytest.approx(b.t_end, rel=1e-9))
-    if name not in IDLE:
-        assert_same_events(a, b)
-        assert b.stats["steps"] == pytest.approx(a.stats["steps"], rel=0.02, abs=2)
-    assert_same_states(a, b, 1e-10)
 
 
 @given(seed=SEEDS)
@@ -149,7 +129,7 @@ def test_an_oscillator_keeps_its_energy_over_a_thousand_periods(kernel):
     "options", [{"progress": lambda t, n: None}, {"max_step": 0.01}, {"atol": 1e-9}]
 )
 def test_options_are_those_of_the_reference(kernel, options):
-    m = hb.load(EXAMPLES / "rlcd.toml")
+    m = example("rlcd")
     a, b = both(m, **options)
     assert a.stats["steps"] == b.stats["steps"]
     assert_same_states(a, b, 1e-11)
@@ -187,6 +167,7 @@ def test_sources_that_compare_time_are_left_to_the_reference(kernel):
     assert run.final["c1.q"] == pytest.approx(true.final["c1.q"], rel=1e-11)
 
 
+@pytest.mark.slow
 def test_modes_of_both_kinds_in_one_passage(kernel):
     """A resistor whose law depends on the state of a machine: rk45 where it is a cubic."""
     m = hb.Model("mixed", domain="electrical")

@@ -1,39 +1,13 @@
 """Runs with the kernel are those of the reference."""
 
-from pathlib import Path
-
 import pytest
 from engines import assert_same_events, assert_same_states
 
 import hybond as hb
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-LONG = {
-    *("automatic_gearbox", "boost", "elevator_actuators", "ratchet", "rectifier_dc_machine"),
-    *("rimless_wheel", "three_tanks"),
-}
-"""Examples that take seconds; their own cases are run by both engines as well."""
-FILES = [
-    pytest.param(f.stem, marks=pytest.mark.slow) if f.stem in LONG else f.stem
-    for f in sorted(EXAMPLES.glob("*.toml"))
-]
-IDLE = ("cockcroft_walton", "mmc_arm", "parallel_resonant_converter")
-"""Where rounding says which diode is called conducting while it carries nothing: the states are the
-same, events that change nothing else are not."""
-
 
 def both(model, **options):
     return [hb.simulate(model, kernel=k, on_error="return", **options) for k in (False, True)]
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_examples_are_the_same_with_and_without_the_kernel(kernel, name):
-    a, b = both(hb.load(EXAMPLES / f"{name}.toml"), rtol=1e-11)
-    assert (a.status, a.t_end) == (b.status, pytest.approx(b.t_end, rel=1e-9))
-    assert b.kernel and a.kernel == "not used: the reference was asked for"
-    if name not in IDLE:
-        assert_same_events(a, b)
-    assert_same_states(a, b, 1e-9)
 
 
 def test_refused_trial_points_are_counted_among_all_steps(kernel):

@@ -101,6 +101,7 @@ def test_sources_of_constraints_read_signals_of_the_same_instant(kernel):
     assert b["c.q"].at(0.5) == pytest.approx(1.0 + b["A"].at(0.5), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_more_modes_than_are_kept_ready(kernel):
     m = hb.Model("many")
     m.add(c=hb.C(1, q=1.0), n=hb.Zero(), g=hb.G(0.1))

@@ -82,12 +82,14 @@ def assert_alike(model, until):
     return b
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(40)
 def test_converters(kernel, seed):
     assert_alike(converter(seed), 2.0)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(12)
 def test_striking_masses(kernel, seed):

@@ -197,6 +197,7 @@ def dq(speed: float, v_d: float, v_q: float) -> tuple[np.ndarray, np.ndarray]:
     return a, np.array([v_d, v_q - speed * psi]) / l
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("start", [0.0, 0.3])
 def test_a_driven_synchronous_motor_has_parks_currents(start: float) -> None:
     # driven at 100 rad/s from angle `start`, on voltages that are v_d = -3 V, v_q = 30 V

@@ -435,6 +435,7 @@ def test_a_locked_cylinder_is_a_spring():
             )
 
 
+@pytest.mark.slow
 def test_speeds_of_a_cylinder_are_in_the_ratio_of_its_areas_and_end_at_the_stops():
     """A flow drives it out, then in."""
     flow = "if time < 2 [s] then 0.1 [L/s] else -0.1 [L/s]"
@@ -467,6 +468,7 @@ def test_speeds_of_a_cylinder_are_in_the_ratio_of_its_areas_and_end_at_the_stops
             assert run[f"cylinder.pressure_{into}"].at(1.99) == pytest.approx(1e7, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_stop_gives_back_what_its_restitution_says():
     for restitution in (0.0, 0.5):
         m = bodied(part("cylinder", x_0="0.29 m", restitution=restitution), 5.0)
@@ -505,6 +507,7 @@ def test_a_directional_valve_turns_the_flow_round(spool):
         assert run.graph.mode_names(run.events[-1].steps[-1].mode)["valve.valve"] == state
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("command", [0.5, -0.25, 3.0])
 def test_a_servo_valve_opens_in_proportion(command):
     """``"hydraulic.servo_valve"``: the spool is a lag, the flow that of two orifices in a row."""
@@ -528,6 +531,7 @@ def test_a_servo_valve_opens_in_proportion(command):
         assert run["valve.flow_p"].at(t) == pytest.approx(run["valve.flow_t"].at(t))
 
 
+@pytest.mark.slow
 def test_a_press_of_many_parts_moves_at_the_speed_of_its_pump_and_ends_on_its_relief_valve():
     """Pump, check valve, accumulator line, directional valve, cylinder: joined as on a machine."""
     D, speed, leak, p_set, R, load = 10e-6 / (2 * math.pi), 150.0, 2e-13, 15e6, 1e9, 5e3

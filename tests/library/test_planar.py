@@ -22,6 +22,7 @@ def floor(height: str, **values: object) -> hb.Submodel:
     return hb.Submodel("planar.floor", inputs={"height": height}, **values)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("l", "start"), [(1.0, 60.0), (0.4, 120.0)])
 def test_a_rod_on_a_pin_is_a_pendulum(l: float, start: float) -> None:
     # hanging is -90 deg; J about the end is m l^2/3
@@ -110,6 +111,7 @@ DOUBLE = "r.ax - f.vx, r.ay - f.vy, r.bx - j.ax, r.by - j.ay, r.turn - j.aw, "
 DOUBLE += "s.ax - j.bx, s.ay - j.by, s.turn - j.bw"
 
 
+@pytest.mark.slow
 def test_a_double_pendulum_keeps_its_energy_and_holds_together() -> None:
     m = hb.Model("double pendulum", domain="translational")
     m.add(**double_pendulum(0.0, {}))
@@ -146,6 +148,7 @@ def test_a_double_pendulum_begins_with_the_accelerations_of_lagrange() -> None:
         assert run["j.force_x"].at(0) == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_spring_at_a_pin_turns_two_rods_against_each_other() -> None:
     pin = {"c": hb.Submodel("rotational.torsion_spring", k=3.0, twist0=0.4)}
     parts = double_pendulum(0.0, {**pin, "wall": hb.Submodel("rotational.frame")})
@@ -168,6 +171,7 @@ def test_a_spring_at_a_pin_turns_two_rods_against_each_other() -> None:
         assert run[turning].at(0.5) == pytest.approx(0, abs=1e-6)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("start", [60.0, 85.0])
 def test_a_rod_falls_on_a_smooth_floor(start: float) -> None:
     parts = {
@@ -236,6 +240,7 @@ def test_a_tip_sticks_in_an_impact_if_friction_is_enough(mu: float, sticks: bool
             assert abs(given[0]) == pytest.approx(mu * given[1])
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("J", [0.5, 0.4, 1.0])
 @pytest.mark.parametrize(("v", "w"), [(3.0, 0.0), (0.0, -10.0), (2.0, 30.0)])
 def test_a_wheel_that_slips_begins_to_roll(J: float, v: float, w: float) -> None:
@@ -260,6 +265,7 @@ def test_a_wheel_that_slips_begins_to_roll(J: float, v: float, w: float) -> None
         assert run["w.slip"].at(0) == pytest.approx(slip)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("torque", "rolling"), [(2.0, True), (9.0, False)])
 def test_a_driven_wheel_rolls_up_to_the_limit_of_friction(torque: float, rolling: bool) -> None:
     m, r, mu = 2.0, 0.3, 0.5

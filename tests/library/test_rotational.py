@@ -190,6 +190,7 @@ def test_a_motor_holds_a_pendulum_level() -> None:
         assert run["p.height"].at(1) == pytest.approx(0.5)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("r", "l"), [(0.1, 0.3), (0.2, 0.25)])
 def test_a_crank_moves_its_slider_as_its_geometry_says(r: float, l: float) -> None:
     parts = {
@@ -206,6 +207,7 @@ def test_a_crank_moves_its_slider_as_its_geometry_says(r: float, l: float) -> No
         assert run["m.position"].at(t) == pytest.approx(place - place[0], abs=1e-7)
 
 
+@pytest.mark.slow
 def test_a_crank_keeps_energy_through_its_dead_centres() -> None:
     parts = {
         "J": inertia(0.02, w="20 rad/s"),

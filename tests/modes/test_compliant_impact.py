@@ -148,6 +148,7 @@ def bistiff(row: Row, u: list[float], e: list[float], m: float) -> Array:
     return run.y[n:, -1]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "e"),
@@ -181,6 +182,7 @@ def test_a_mirrored_impact_is_the_mirrored_impact() -> None:
     assert after[3] > after[2] > 0
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "k", "of"),

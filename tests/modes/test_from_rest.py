@@ -17,6 +17,7 @@ def pushed(power: int) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("power", [3, 4, 8])
@@ -26,6 +27,7 @@ def test_a_power_of_time(power, solver, kernel):
     assert run.stats["steps"] < 5000
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_a_power_of_time_in_a_program(solver, tmp_path: Path):

@@ -155,6 +155,7 @@ def test_a_plastic_impact_is_the_projection(n: int, seed: int) -> None:
         assert done.after == pytest.approx(projection(W, v), abs=1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", IMPACT_LAWS)
 @pytest.mark.parametrize("masses", [(1, 1, 1), (1, 5, 2), (3, 1, 1, 4)])
 def test_plastic_bodies_in_a_row_go_on_together_by_all_laws(

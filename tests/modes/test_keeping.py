@@ -127,6 +127,7 @@ def test_what_cannot_be_kept_is_refused(options, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_events():
     done = subprocess.run(
         [sys.executable, "-c", LONG], capture_output=True, text=True, check=True, timeout=300

@@ -52,6 +52,7 @@ PUBLISHED_BALL = (
 )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("floor_below", [True, False])
 def test_the_bouncing_ball_has_the_published_digits(floor_below: bool) -> None:
     run = step_run(ball(floor_below=floor_below), 10.0, 0.005)
@@ -95,6 +96,7 @@ def rlcd(*, turned: bool = False) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_the_diode_circuit_has_the_published_digits_and_converges() -> None:
     run = step_run(rlcd(), 0.005, 1e-5)
     assert float(run["c.e"].at(4.98e-3)) == pytest.approx(2.5143, abs=5e-5)
@@ -136,6 +138,7 @@ def bridge() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_the_rectifier_bridge_has_the_published_digits() -> None:
     run = step_run(bridge(), 0.005, 1e-6)
     for t, v in (
@@ -161,6 +164,7 @@ def peak_detector(source: str, r: float = 0.0) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(17)
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("source", ["10", "10*sin(2*time)", "3*time"])
@@ -182,6 +186,7 @@ def test_it_never_overshoots_behind_a_resistor(h: float, theta: float) -> None:
     assert v == pytest.approx(10.0 * (1.0 - (1.0 + h / 0.1) ** -np.arange(len(v))), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_dry_friction_turns_where_the_closed_form_does() -> None:
     m = hb.Model("oscillator", domain="translational")
     m.add(mass=hb.I("1 kg", f="6 m/s"), k=hb.C("1 m/N", q="12 m"))
@@ -215,6 +220,7 @@ def block(limit: str, vx: float, vy: float, height: float) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_friction_under_a_contact_force_brakes_and_holds() -> None:
     run = step_run(block("0.3*contact.e", 3.0, 0.0, 0.0), 2.0, 1e-3)
     stop = 3.0 / (0.3 * 9.81)
@@ -268,6 +274,7 @@ def test_three_balls_in_one_problem_share_the_blow() -> None:
     assert [run.final[f"m{k}.f"] for k in (1, 2, 3)] == pytest.approx([-1 / 3, 2 / 3, 2 / 3])
 
 
+@pytest.mark.slow
 def test_a_thyristor_waits_for_its_gate() -> None:
     m = hb.Model("gate", domain="electrical")
     m.add(u=hb.Se("10*sin(1*time)"), r=hb.R(2.0), th=hb.One(law="thyristor", gate="time >= 1"))
@@ -351,6 +358,7 @@ def test_the_implicit_scheme_never_creates_energy(model: hb.Model, h: float) -> 
     assert run.audit().created <= 1e-12
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(ladders())
 def test_the_middle_scheme_creates_no_more_than_its_switching_steps_explain(
@@ -367,6 +375,7 @@ def test_the_middle_scheme_creates_no_more_than_its_switching_steps_explain(
     assert finer_rise <= 0.4 * rise + 1e-12 * top
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(ladders())
 def test_steps_and_located_events_agree(model: hb.Model) -> None:
@@ -386,6 +395,7 @@ def test_steps_and_located_events_agree(model: hb.Model) -> None:
 # -- the smooth part
 
 
+@pytest.mark.slow
 def test_without_switching_the_order_is_two_or_one() -> None:
     m = hb.Model("pendulum", domain="translational")
     m.add(mass=hb.I(1.0), pull=hb.Se("-9.81*sin(angle/(1 m))"), v=hb.One(), rub=hb.R(0.3))
@@ -537,6 +547,7 @@ def test_sources_against_each_other_through_a_diode_have_no_step() -> None:
 # -- machines written by hand
 
 
+@pytest.mark.slow
 def test_a_ball_with_a_machine_of_its_own_bounces_at_step_ends() -> None:
     model = hb.load(EXAMPLES / "bouncing_ball_newton.toml")
     located = hb.simulate(model, 3.0)
@@ -547,6 +558,7 @@ def test_a_ball_with_a_machine_of_its_own_bounces_at_step_ends() -> None:
         assert [s.kind for s in a.steps] == [s.kind for s in b.steps]
 
 
+@pytest.mark.slow
 def test_it_says_that_such_a_machine_cannot_rest() -> None:
     run = step_run(hb.load(EXAMPLES / "bouncing_ball_newton.toml"), 20.0, 0.01)
     assert run.status == "ok" and any("at the end of every step" in w for w in run.warnings)
@@ -581,6 +593,7 @@ def woodpecker(*, bent: bool) -> hb.Model:
     return hb.loads(text)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("bent", "h"), [(False, 7e-4), (False, 4e-4), (True, 1e-3)])
 def test_contacts_with_friction_converge_at_any_step(bent: bool, h: float) -> None:
     # rounding of what carries nothing is no reason to go on

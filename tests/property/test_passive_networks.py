@@ -93,6 +93,7 @@ def test_located_events_keep_every_condition(seed: int, sources: bool) -> None:
                 assert step.energy.lost >= -1e-10 * max(1.0, step.energy.before)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS, sources=st.booleans(), h=st.sampled_from((0.3, 0.03, 0.003)))
 @some(20)
 def test_steps_keep_every_condition_at_their_ends(seed: int, sources: bool, h: float) -> None:
@@ -125,6 +126,7 @@ def test_two_starts_never_part(seed: int, sources: bool) -> None:
     assert growth(np.array(apart)) < 1e-7
 
 
+@pytest.mark.slow
 @given(seed=SEEDS, sources=st.booleans())
 @some(12)
 def test_engines_agree_as_the_step_is_halved(seed: int, sources: bool) -> None:
@@ -138,6 +140,7 @@ def no_two_at_once(run: hb.Result, apart: float) -> bool:
     return bool((np.diff(times) > apart).all()) and not run.accumulations
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(15)
 def test_equal_elastic_masses_pass_their_flights_on(seed: int) -> None:
@@ -184,6 +187,7 @@ def test_free_masses_keep_their_momentum_and_never_pass(seed: int) -> None:
         assert gap.min() > -1e-9
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(6)
 def test_rows_with_springs_agree_in_both_engines(seed: int) -> None:

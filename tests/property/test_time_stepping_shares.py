@@ -82,6 +82,7 @@ def parallel(count: int, source: str = "5*sin(2*time)") -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("count", [2, 3])
 def test_diodes_in_parallel_share_alike_as_they_do_between_located_events(count: int) -> None:
     run = stepped(parallel(count), 7.0, 0.01, theta=1.0)
@@ -215,6 +216,7 @@ rules = [
 """
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("h", [0.02, 0.01, 0.005])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_a_diode_between_coils_that_decide_without_it_is_no_problem(h: float, theta: float) -> None:
@@ -302,6 +304,7 @@ def smoothed() -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("theta", [0.5, 0.6, 1.0])
 @pytest.mark.parametrize("make", [relay, smoothed])
 def test_first_order_is_no_imbalance(make, theta: float) -> None:

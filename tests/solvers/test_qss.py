@@ -72,6 +72,7 @@ def test_linear_systems_stay_within_kofmans_bound_at_all_times(name, matrix):
     assert worst.max() > 1e-2 * tol
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_events_grow_with_the_root_of_the_quantum_that_the_order_says(name):
     order = METHODS[name].order
@@ -404,6 +405,7 @@ def test_a_placed_quantised_state_is_touched_in_time_and_never_far(x, u, a, quan
 CASES = ["bouncing_ball_newton", "diode_inductor", "clutch", "coulomb_friction", "half_bridge"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("example", CASES)
 @pytest.mark.parametrize(("name", "rtol"), [("qss3", 1e-5), ("liqss2", 1e-4)])
 def test_examples_agree_with_runge_kutta(example, name, rtol):

@@ -58,6 +58,7 @@ def test_prothero_robinson_at_any_stiffness():
         assert len(steps) < 60
 
 
+@pytest.mark.slow
 def test_van_der_pol_against_scipy():
     from scipy.integrate import solve_ivp
 
@@ -267,6 +268,7 @@ def test_the_dense_output_follows_a_slow_solution_over_stiff_steps():
         assert np.abs(step.interpolant(t)[0] - solution(t)).max() < 1e-3
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("t_end", [0.3, 40.0, 1e6])
 def test_robertson_against_scipy_at_tight_tolerance(t_end):
     from scipy.integrate import solve_ivp
@@ -287,6 +289,7 @@ def test_robertson_against_scipy_at_tight_tolerance(t_end):
     assert steps[-1].y1 == pytest.approx(reference.y[:, -1], rel=2e-7)
 
 
+@pytest.mark.slow
 def test_the_error_is_proportional_to_the_tolerance():
     # Van der Pol's equation, through the fast transitions, against scipy at 1e-12.
     from scipy.integrate import solve_ivp

@@ -110,6 +110,7 @@ def test_rows_and_columns_are_the_same_sets() -> None:
     assert a.sets["r"] == (1000.0, "500 ohm")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("workers", [2, 3])
 def test_what_comes_out_does_not_depend_on_the_processes(workers: int) -> None:
     # member 4 weighs nothing, and has no meaning

@@ -39,6 +39,7 @@ FILES = [
 ]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", FILES)
 def test_examples_with_laws_run_as_the_reference_does(name, monkeypatch):
     model = hb.load(EXAMPLES / f"{name}.toml")
@@ -77,6 +78,7 @@ def test_friction_whose_limit_follows_a_force(limit, monkeypatch):
     assert_the_same(m, monkeypatch, until=5)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("push", [(0.5, 0.0), (2.0, 1.5), (3.0, 2.5)])
 def test_a_block_in_the_plane_slips_stops_and_holds(push, monkeypatch):
     """Friction of 2.5 N: a block that is pushed too weakly, just so, and enough to slip on."""
