@@ -179,7 +179,8 @@ class Formulas:
         name = self.tables.setdefault(points, f"POINTS_{len(self.tables)}")
         function = "slope_of_table" if node.slope else "read_table"
         goes_on = Value(node.extrapolate == "linear", BOOL)
-        return self._called(function, (Value(len(node.x), INT), Global(name, FLOATS), goes_on, at))
+        begin = Value(len(node.x), INT), Global(name, FLOATS), Value(0, INT)
+        return self._called(function, (*begin, goes_on, at))
 
     # on pairs
 

@@ -24,7 +24,7 @@ FLOOR: Final = 13
 CEIL: Final = 14
 ATAN2: Final = 15
 MOD: Final = 16
-MOST: Final = 709.0
+MOST: Final = 709.78
 """exp() of more is infinite."""
 
 
@@ -39,16 +39,19 @@ def power(a: float, b: float) -> float:
         return 1.0
     if a != a or b != b:
         return math.nan
-    if a < 0.0 and math.floor(b) != b:
+    if a < 0.0 and math.isfinite(b) and math.floor(b) != b:
         return math.nan
-    whole = a < 0.0 and math.fmod(b, 2.0) != 0.0
+    odd = a < 0.0 or (a == 0.0 and math.copysign(1.0, a) < 0.0)
+    odd = odd and math.isfinite(b) and math.fabs(math.fmod(b, 2.0)) == 1.0
     size = math.fabs(a)
     if size == 0.0:
-        return (-0.0 if whole else 0.0) if b > 0.0 else math.inf
+        if b > 0.0:
+            return -0.0 if odd else 0.0
+        return -math.inf if odd else math.inf
     if not math.isfinite(size) or not math.isfinite(b) or b * math.log(size) > MOST:
         grows = (size > 1.0) == (b > 0.0)
         huge = (math.inf if size != 1.0 else 1.0) if grows else 0.0
-        return -huge if whole else huge
+        return -huge if odd else huge
     return math.pow(a, b)
 
 

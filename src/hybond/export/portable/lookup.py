@@ -20,36 +20,36 @@ def greatest_of(a: float, b: float) -> float:
     return b if b > a or b != b else a
 
 
-def segment(n: int, points: Floats, x: float) -> int:
-    """Return the segment of a table of n points that x lies in, or the one next to it."""
+def segment(n: int, points: Floats, first: int, x: float) -> int:
+    """Return the segment of a table of n points that x lies in, or the one next to it.
+
+    `points` are all arguments, from `first` on, then all values.
+    """
     low = 0
     high = n
     while low < high:
         middle = (low + high) // 2
-        if x < points[middle]:
+        if x < points[first + middle]:
             high = middle
         else:
             low = middle + 1
     return max(0, min(low - 1, n - 2))
 
 
-def slope_of_table(n: int, points: Floats, goes_on: bool, x: float) -> float:
+def slope_of_table(n: int, points: Floats, first: int, goes_on: bool, x: float) -> float:
     """Return the slope of the segment at x: at a point, of the segment to its right."""
-    if x != x or (not goes_on and not (points[0] <= x and x <= points[n - 1])):
+    if x != x or (not goes_on and not (points[first] <= x and x <= points[first + n - 1])):
         return math.nan
-    k = segment(n, points, x)
+    k = first + segment(n, points, first, x)
     return (points[n + k + 1] - points[n + k]) / (points[k + 1] - points[k])
 
 
-def read_table(n: int, points: Floats, goes_on: bool, x: float) -> float:
-    """Read a table of n points at x: straight lines between them, and outside if it goes on.
-
-    `points` are all arguments, then all values.
-    """
-    slope = slope_of_table(n, points, goes_on, x)
+def read_table(n: int, points: Floats, first: int, goes_on: bool, x: float) -> float:
+    """Read a table of n points at x: straight lines between them, and outside if it goes on."""
+    slope = slope_of_table(n, points, first, goes_on, x)
     if slope != slope:
         return slope
-    k = segment(n, points, x)
+    k = first + segment(n, points, first, x)
     return points[n + k] + slope * (x - points[k])
 
 
