@@ -239,8 +239,8 @@ def test_a_class_with_other_parameters(tmp_path: Path) -> None:
 def test_parameters_have_names_in_print() -> None:
     text = str(hb.export(circuits(), to="c"))
     assert re.search(r"^    R = \d+, // R, ohm$", text, re.M)
-    assert "parameter[D] = checked(2.0 * parameter[C]);" in text
-    assert "static double POINTS_0[8] = {" in text
+    assert "m->parameter[D] = checked(2.0 * m->parameter[C], &all_finite);" in text
+    assert "double points_0[8]; // arguments, then values" in text
 
 
 @pytest.mark.slow

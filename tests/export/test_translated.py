@@ -22,6 +22,26 @@ SAMPLES = sorted((Path(__file__).parent / "samples").glob("*.py"))
 PORTABLE = Path(hybond.export.portable.__file__).parent
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 
+MAIN = """
+static int run(Arena *arena)
+{
+    if (setjmp(arena->spent) != 0) {
+        return 3;
+    }
+    report(@GIVEN@);
+    return 0;
+}
+
+int main(void)
+{
+    Arena arena;
+    arena.last = NULL;
+    const int code = run(&arena);
+    release(&arena);
+    return code;
+}
+"""
+
 needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
 needs_java = pytest.mark.skipif(shutil.which("javac") is None, reason="no Java compiler (javac)")
 
@@ -45,11 +65,12 @@ def said_by_python(path: Path) -> str:
 def as_c(program: Program) -> str:
     printer = CPrinter(program, ["report"])
     lines = [f"#include <{h}>" for h in HEADERS]
-    lines += [*c_words(printer.reached.words), *printer.typedefs()]
+    lines += [*c_words(printer.reached.words, finding=printer.finds_arena), *printer.typedefs()]
     for module in program.modules:
         if printer.needed(module):
             lines += printer.chapter(module)
-    lines += ["int main(void)", "{", "    report();", "    release();", "    return 0;", "}"]
+    given = "arena" if "report" in printer.effects.makers else ""
+    lines += [MAIN.replace("@GIVEN@", given)]
     return "\n".join(lines) + "\n"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybond._version import __version__
-from hybond.export.c_parameters import declared, putting, setting, table_name
+from hybond.export.c_parameters import held, places, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before
 from hybond.export.story import noted, story, title_of
 from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
@@ -52,7 +52,7 @@ def main_of(found: Exported) -> str:
     own = found.parameters
     main = MAIN.replace("@TITLE@", c_text(title_of(found.graph))[1:-1])
     if not own.settable and not own.fixed:
-        for text in (SET_USAGE, SET_OPTION, SET_HELP, SET_TAKEN):
+        for text in (SET_USAGE, SET_NONE, SET_OPTION, SET_HELP, SET_TAKEN):
             main = main.replace(text, "")
         return main.replace("@SET@", "")
     main = main.replace("@SET@", " [--set NAME=VALUE]")
@@ -68,6 +68,12 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
     printer.known = printed_before("c")
+    beside = held(found)
+    written = found.parameters.tables
+    tables = found.tables.floats
+    printer.held = {name: max(len(tables[name]), 1) for name in written if name in tables}
+    printer.beside = [row.field for row in beside]
+    printer.placed = {row.constant: f"m->{row.name}" for row in beside}
     printer.given = {
         **{name: _names(printer, found, name) for name in NAMES},
         "evaluate_pair": _pairs(printer, found),
@@ -82,15 +88,17 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
         "",
         "/* Names of the values that the expressions of the model read. */",
         *_slots(found),
-        *declared(found.parameters),
+        *places(found.parameters),
     ]
-    written = found.parameters.tables
     for name, points in found.points.items():
-        table = c_table(name, points)
-        if name in written:
-            table[0] = table[0].replace("static const ", "static ", 1)
-        lines += ["", *table]
-    lines += ["", *c_words(printer.reached.words), "", *printer.typedefs()]
+        if name not in written:
+            lines += ["", *c_table(name, points)]
+    lines += [
+        "",
+        *c_words(printer.reached.words, finding=printer.finds_arena),
+        "",
+        *printer.typedefs(),
+    ]
     modules = {m.name: m for m in found.runs.program.modules}
     order = [m.name for m in found.runs.program.modules]
     first = [n for n in LEAVES if n in modules]
@@ -188,17 +196,11 @@ def _pairs(printer: CPrinter, found: Exported) -> list[str]:
 def _model(printer: CPrinter, found: Exported) -> list[str]:
     """Return the tables of the model as one record."""
     t = found.tables
-    written = found.parameters.tables
-    members = printer.members(found.runs.program.records["Model"])
-    lines = []
-    for m in members:
-        if m.name in written:
+    lines = ["static const Model MODEL = {"]
+    for m in printer.members(found.runs.program.records["Model"]):
+        if m.name in printer.held:
             numbers = ", ".join(c_number(x) for x in t.floats[m.name])
-            lines += wrapped(f"static double {table_name(m.name)}[] = {{{numbers}}};", 0)
-    lines += ["", "static const Model MODEL = {"] if lines else ["static const Model MODEL = {"]
-    for m in members:
-        if m.name in written:
-            lines.append(f"    .{m.name} = {table_name(m.name)},")
+            lines += wrapped(f".{m.name} = {{{numbers}}},", 4)
             continue
         match m.type.kind:
             case "int":
@@ -211,15 +213,21 @@ def _model(printer: CPrinter, found: Exported) -> list[str]:
             case _:
                 numbers = ", ".join(c_number(x) for x in t.floats[m.name]) or "0.0"
                 lines += wrapped(f".{m.name} = (const double[]){{{numbers}}},", 4)
+    for row in held(found):
+        numbers = ", ".join(map(c_number, row.values))
+        lines += wrapped(f".{row.name} = {{{numbers}}},", 4)
     return [*lines, "};"]
 
 
 SET_USAGE = """\
     "  --set NAME=VALUE gives a parameter another value, in SI; there may be several\\n"
 """
+SET_NONE = """\
+    bool set[PARAMETERS + 1] = {false};
+"""
 SET_OPTION = """\
         if (strcmp(argv[k], "--set") == 0 && k + 1 < argc) {
-            set_parameter(argv[++k]);
+            set_parameter(&model, set, argv[++k]);
             continue;
         }
 """
@@ -227,7 +235,7 @@ SET_HELP = """\
             list_parameters(asked ? stdout : stderr);
 """
 SET_TAKEN = """\
-    take_parameters(argc, argv);
+    take_parameters(&model, set, argc, argv);
 """
 MAIN = f"""\
 /* The program. */
@@ -249,11 +257,24 @@ static double number_after(int argc, char **argv, int k)
     return x;
 }}
 
+/* Run, and print; return the exit code. Where memory ends, take() leads back to here. */
+static int run_model(Arena *arena, const Model *model, bool events)
+{{
+    if (setjmp(arena->spent) != 0) {{
+        fputs("out of memory\\n", stderr);
+        return 3;
+    }}
+    Engine *e = make_engine(arena, model);
+    Report *report = make_report(e);
+    report->events = events;
+    return run_program(e, report);
+}}
+
 int main(int argc, char **argv)
 {{
     Model model = MODEL;
     bool events = false;
-    for (int k = 1; k < argc; k++) {{
+{SET_NONE}    for (int k = 1; k < argc; k++) {{
 {SET_OPTION}        if (strcmp(argv[k], "--events") == 0) {{
             events = true;
         }} else if (strcmp(argv[k], "--until") == 0) {{
@@ -271,11 +292,10 @@ int main(int argc, char **argv)
 {SET_HELP}            return asked ? 0 : 1;
         }}
     }}
-{SET_TAKEN}    Engine *e = make_engine(&model);
-    Report *report = make_report(e);
-    report->events = events;
-    const int code = run_program(e, report);
-    release();
+{SET_TAKEN}    Arena arena;
+    arena.last = NULL;
+    const int code = run_model(&arena, &model, events);
+    release(&arena);
     return code;
 }}
 """

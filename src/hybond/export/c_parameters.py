@@ -1,37 +1,71 @@
-"""Parameters in printed C: the array, what puts in all that follows from it, and ``--set``."""
+"""Parameters in printed C: the array, what puts in all that follows from it, and ``--set``.
+
+The array, and all tables in which numbers follow from parameters, are held by the record of the
+model: each copy of that has parameters of its own.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 
 from hybond.export.formulas import ARRAY
 from hybond.export.parameters import Parameters
+from hybond.export.program import Exported
 from hybond.export.translate.c_printer import CPrinter, c_number, c_text
 from hybond.export.translate.lines import plain, wrapped
+from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import Expr
 
 
-def table_name(member: str) -> str:
-    """Return what a table of the model is called that is written to."""
-    return f"MODEL_{member.upper()}"
+@dataclass(frozen=True, slots=True)
+class Held:
+    """An array that the record of the model holds beside its tables.
+
+    Parameters
+    ----------
+    constant : str
+        What expressions call it.
+    name : str
+        The field.
+    values : tuple of float
+        As the model is written.
+    note : str
+    """
+
+    constant: str
+    name: str
+    values: tuple[float, ...]
+    note: str
+
+    @property
+    def field(self) -> str:
+        """Its declaration."""
+        return f"    double {self.name}[{len(self.values)}]; // {self.note}"
 
 
-def declared(found: Parameters) -> list[str]:
-    """Return the parameters, and the numbers that follow from them in expressions."""
-    if not found.settable and not found.fixed:
-        return []
+def held(found: Exported) -> list[Held]:
+    """Return the parameters, and the tables of expressions that follow from them."""
+    own = found.parameters
+    starts = [s.start for s in own.settable] + [n.start for n in own.numbers]
+    rows = [Held(ARRAY, ARRAY, tuple(starts), "in SI")] if starts else []
+    for name, points in found.points.items():
+        if name in own.tables:
+            rows.append(Held(name, name.lower(), points, "arguments, then values"))
+    return rows
+
+
+def places(found: Parameters) -> list[str]:
+    """Return where the parameters stand, and the numbers that follow from them in expressions."""
     lines = []
-    places = [(s.shown, s.path + _in(s.unit)) for s in found.settable]
-    places += [(n.shown, n.text) for n in found.numbers]
-    if places:
+    rows = [(s.shown, s.path + _in(s.unit)) for s in found.settable]
+    rows += [(n.shown, n.text) for n in found.numbers]
+    if rows:
         lines += ["", "/* Where parameters stand, and numbers that follow from them. */", "enum {"]
-        for k, (shown, said) in enumerate(places):
+        for k, (shown, said) in enumerate(rows):
             lines.append(f"    {shown} = {k}, // {plain(said)}"[:98])
         lines[-1] = lines[-1].replace(", //", " //", 1)
-        starts = [s.start for s in found.settable] + [n.start for n in found.numbers]
-        listed = ", ".join(map(c_number, starts))
-        lines += ["};", "", "/* In SI. */"]
-        lines += wrapped(f"static double {ARRAY}[] = {{{listed}}};", 0)
+        lines.append("};")
     return lines
 
 
@@ -40,7 +74,7 @@ def _in(unit: str) -> str:
 
 
 def putting(printer: CPrinter, found: Parameters, members: Collection[str]) -> list[str]:
-    """Return the functions that put in what follows, and say which condition is broken.
+    """Return the function that puts in what follows, and says which condition is broken.
 
     `members` are the tables of the model that are printed.
     """
@@ -48,7 +82,7 @@ def putting(printer: CPrinter, found: Parameters, members: Collection[str]) -> l
         return []
 
     def checked(place: str, value: Expr, indent: int) -> list[str]:
-        return wrapped(f"{place} = checked({printer.said(value)});", indent)
+        return wrapped(f"m->{place} = checked({printer.said(value)}, &all_finite);", indent)
 
     made = [s for s in found.settable if s.made_of is not None]
     puts = []
@@ -59,21 +93,22 @@ def putting(printer: CPrinter, found: Parameters, members: Collection[str]) -> l
     for n in found.numbers:
         puts += checked(f"{ARRAY}[{n.shown}]", n.value, 4)
     for x in found.points:
-        puts += checked(f"{x.table}[{x.index}]", x.value, 4)
+        puts += checked(f"{x.table.lower()}[{x.index}]", x.value, 4)
     for x in found.entries:
         if x.table in members:
-            puts += checked(f"{table_name(x.table)}[{x.index}]", x.value, 4)
-    lines = UNFIT.splitlines()
-    if puts:
-        lines += CHECKED.splitlines()
+            puts += checked(f"{permitted(x.table)}[{x.index}]", x.value, 4)
+    lines = [*CHECKED.splitlines(), ""] if puts else []
     lines += PUT_PARAMETERS.splitlines()
+    if not puts and not found.conditions:
+        lines.append("    (void)m;")
     if not made:
         lines.append("    (void)set;")
-    lines += ["    unfit = false;", *puts, "}", "", *BROKEN.splitlines()]
+    lines += ["    bool all_finite = true;", *puts] if puts else []
     for c in found.conditions:
         lines += wrapped(f"if (!({printer.said(c.holds)})) {{", 4)
         lines += [f"        return {c_text(c.text)};", "    }"]
-    return [*lines, '    return unfit ? "every number is finite" : NULL;', "}"]
+    said = 'all_finite ? NULL : "every number is finite"' if puts else "NULL"
+    return [*lines, f"    return {said};", "}"]
 
 
 def setting(found: Parameters) -> list[str]:
@@ -102,45 +137,34 @@ def setting(found: Parameters) -> list[str]:
         "};",
         "",
         *SETTING.replace(
-            "@PUT@", f"{ARRAY}[k] = x;" if found.settable else "(void)x;"
+            "@PUT@", f"m->{ARRAY}[k] = x;" if found.settable else "(void)x, (void)m;"
         ).splitlines(),
         *(PUT.splitlines() if found.settable else ()),
     ]
 
 
-UNFIT = """\
-/* Whether a number that follows from parameters has no value. */
-static bool unfit = false;
-"""
 CHECKED = """\
-
-static double checked(double x)
+/* Return a number that follows from parameters; note where it has no value. */
+static double checked(double x, bool *all_finite)
 {
-    unfit = unfit || !isfinite(x);
+    *all_finite = *all_finite && isfinite(x);
     return x;
 }
 """
 PUT_PARAMETERS = """\
-
-/* Put in what follows from the parameters; `set` says which of them are not to follow. */
-static void put_parameters(const bool *set)
-{
-"""
-BROKEN = """\
-/* Return what does not hold of the parameters, so that the model is made of other parts. */
-static const char *broken_condition(void)
+/* Put in what follows from the parameters; `set` says which of them are not to follow. Return what
+ * does not hold of them, so that the model is made of other parts, or NULL. */
+static const char *put_parameters(Model *m, const bool *set)
 {
 """
 SETTING = """\
-static bool parameter_set[PARAMETERS + 1];
-
 static bool is_called(const char *name, const char *text, size_t n)
 {
     return strlen(name) == n && strncmp(name, text, n) == 0;
 }
 
-/* Take "NAME=VALUE". */
-static void set_parameter(const char *text)
+/* Take "NAME=VALUE"; note in `set` which parameter it is. */
+static void set_parameter(Model *m, bool *set, const char *text)
 {
     const size_t n = strcspn(text, "=");
     char *end = NULL;
@@ -152,7 +176,7 @@ static void set_parameter(const char *text)
     for (int k = 0; k < PARAMETERS; k++) {
         if (is_called(PARAMETER[k].name, text, n)) {
             @PUT@
-            parameter_set[k] = true;
+            set[k] = true;
             return;
         }
     }
@@ -183,17 +207,16 @@ static void list_parameters(FILE *to)
 PUT = """\
 
 /* Put in what follows from the values that were set; end where the model is another one. */
-static void take_parameters(int argc, char **argv)
+static void take_parameters(Model *m, const bool *set, int argc, char **argv)
 {
     bool any = false;
     for (int k = 0; k < PARAMETERS; k++) {
-        any = any || parameter_set[k];
+        any = any || set[k];
     }
     if (!any) {
         return;
     }
-    put_parameters(parameter_set);
-    const char *broken = broken_condition();
+    const char *broken = put_parameters(m, set);
     if (broken == NULL) {
         return;
     }

@@ -1,104 +1,124 @@
-/* What a unit of either version of the standard is made of. */
+/* What a unit of either version of the standard is made of. All that an instance changes is here, or
+ * in its arena: any number of them live in a process, each in a thread of its own if wanted.
+ */
 typedef struct Unit {
-    Model model;
+    Arena arena;
+    Model model; /* with the parameters of this instance, and what follows from them */
     Engine *e;
     Run *r;
     double *rate;
     double *indicator;
     bool begun; /* whether the start is settled */
     bool failed;
+    bool spent; /* whether memory came to an end */
     bool input_set[INPUTS + 1];
+    bool parameter_set[PARAMETERS + 1];
+    bool parameters_changed;
+    const char *complaint; /* why a value was refused; NULL: if something went wrong, the engine knows */
+    char text[400];
 } Unit;
 
-/* Why a value was refused; NULL: if something went wrong, the engine has the reason. */
-static const char *complaint = NULL;
+/* What is asked of a unit, and what it answers. */
+typedef struct Ask {
+    unsigned reference;
+    bool found;
+    double t;
+    double *values;
+} Ask;
 
-#if PARAMETERS > 0
-static bool parameter_set[PARAMETERS];
-static bool parameters_changed = false;
-
-/* Take the values of the model. */
-static void forget_parameters(void)
+/* Ask a unit something; where its memory ends, take() leads back to here. */
+static bool asked(Unit *u, bool (*answer)(Unit *, Ask *), Ask *ask)
 {
-    for (int k = 0; k < PARAMETERS; k++) {
-        parameter[k] = PARAMETER_START[k];
-        parameter_set[k] = false;
+    if (u->spent) {
+        return false;
     }
-    if (parameters_changed) {
-        put_parameters(parameter_set);
-        put_inputs();
-        parameters_changed = false;
+    if (!u->failed) {
+        u->complaint = NULL;
     }
+    if (setjmp(u->arena.spent) != 0) {
+        u->spent = u->failed = true;
+        u->complaint = "out of memory";
+        return false;
+    }
+    return answer(u, ask);
 }
 
+#if PARAMETERS > 0
 /* Put in what follows from the values that were set; false where the model is another one. */
 static bool take_parameters(Unit *u)
 {
-    static char text[300];
-    if (!parameters_changed) {
+    if (!u->parameters_changed) {
         return true;
     }
-    put_parameters(parameter_set);
-    put_inputs();
+    const char *broken = put_parameters(&u->model, u->parameter_set);
+    double level[INPUTS + 1];
+    for (int k = 0; k < INPUTS; k++) {
+        level[k] = INPUT_START[k];
+    }
+    put_inputs(&u->model, level);
     for (int k = 0; k < INPUTS; k++) {
         if (!u->input_set[k]) {
-            set_input(u->e, INPUT_NUMBER[k], INPUT_START[k]);
+            set_input(u->e, INPUT_NUMBER[k], level[k]);
         }
     }
-    const char *broken = broken_condition();
     if (broken != NULL) {
-        snprintf(text, sizeof text,
+        snprintf(u->text, sizeof u->text,
                  "the model is made of other parts where not %s: export it again with these values",
                  broken);
-        complaint = text;
+        u->complaint = u->text;
     }
     return broken == NULL;
 }
 
-static double get_parameter(unsigned k)
+static double get_parameter(Unit *u, unsigned k)
 {
-    if (parameters_changed) {
-        put_parameters(parameter_set);
+    if (u->parameters_changed) {
+        put_parameters(&u->model, u->parameter_set);
     }
-    return parameter[k];
+    return u->model.parameter[k];
 }
 
 static bool set_parameter(Unit *u, unsigned k, double value)
 {
     if (u->begun || PARAMETER_FOLLOWS[k]) {
-        complaint = u->begun ? "parameters are set before the initialization ends"
-                             : "this parameter follows from others";
+        u->complaint = u->begun ? "parameters are set before the initialization ends"
+                                : "this parameter follows from others";
         return false;
     }
-    parameter[k] = value;
-    parameter_set[k] = true;
-    parameters_changed = true;
+    u->model.parameter[k] = value;
+    u->parameter_set[k] = true;
+    u->parameters_changed = true;
     return true;
 }
 #endif
 
-static Unit *make_unit(void)
+static bool answer_made(Unit *u, Ask *ask)
 {
-    complaint = NULL;
-#if PARAMETERS > 0
-    forget_parameters();
-#endif
-    Unit *u = take(1, sizeof(Unit));
-    u->model = MODEL;
-    u->e = make_engine(&u->model);
+    (void)ask;
+    u->e = make_engine(&u->arena, &u->model);
     Report *report = make_report(u->e);
     report->silent = true;
     u->r = make_run(u->e, report);
-    u->rate = floats(u->e->states);
-    u->indicator = floats(indicators_of(u->e));
+    u->rate = floats(&u->arena, u->e->states);
+    u->indicator = floats(&u->arena, indicators_of(u->e));
     for (int k = 0; k < INPUTS; k++) {
         set_input(u->e, INPUT_NUMBER[k], INPUT_START[k]);
     }
-    return u;
+    return true;
+}
+
+/* Make a unit, or make it anew: with the values of the model, and nothing of what was before. */
+static bool make_unit(Unit *u)
+{
+    release(&u->arena);
+    memset(u, 0, sizeof *u);
+    u->model = MODEL;
+    Ask ask = {0};
+    return asked(u, answer_made, &ask);
 }
 
 /* Settle the start, once its inputs are known. */
-static bool ready(Unit *u)
+static bool is_ready(Unit *u)
 {
     if (!u->begun && !u->failed) {
         u->begun = true;
@@ -110,16 +130,29 @@ static bool ready(Unit *u)
     return !u->failed;
 }
 
-/* Put the value of a variable there; false if there is no such variable, or it has no value. */
-static bool get_value(Unit *u, unsigned reference, double *value)
+static bool answer_ready(Unit *u, Ask *ask)
 {
+    (void)ask;
+    return is_ready(u);
+}
+
+static bool ready(Unit *u)
+{
+    Ask ask = {0};
+    return asked(u, answer_ready, &ask);
+}
+
+static bool answer_value(Unit *u, Ask *ask)
+{
+    const unsigned reference = ask->reference;
+    double *value = ask->values;
 #if PARAMETERS > 0
     if (reference > 0 && reference < FIRST_INPUT) {
-        *value = get_parameter(reference - 1);
+        *value = get_parameter(u, reference - 1);
         return true;
     }
 #endif
-    if (!ready(u)) {
+    if (!is_ready(u)) {
         return false;
     }
     Engine *e = u->e;
@@ -148,11 +181,21 @@ static bool get_value(Unit *u, unsigned reference, double *value)
     return true;
 }
 
+/* Put the value of a variable there; false if there is no such variable, or it has no value. */
+static bool get_value(Unit *u, unsigned reference, double *value)
+{
+    Ask ask = {.reference = reference, .values = value};
+    return asked(u, answer_value, &ask);
+}
+
 static bool set_value(Unit *u, unsigned reference, double value)
 {
-    complaint = NULL;
+    if (u->spent) {
+        return false;
+    }
+    u->complaint = NULL;
     if (reference == 0 || reference >= FIRST_OUTPUT || !isfinite(value)) {
-        complaint = "parameters and inputs are set, to finite numbers";
+        u->complaint = "parameters and inputs are set, to finite numbers";
         return false;
     }
 #if PARAMETERS > 0
@@ -165,20 +208,25 @@ static bool set_value(Unit *u, unsigned reference, double value)
     return true;
 }
 
-/* Run to a time, with the inputs that hold from now on. */
-static bool run_to(Unit *u, double t)
+static bool answer_run(Unit *u, Ask *ask)
 {
-    if (!ready(u)) {
+    if (!is_ready(u)) {
         return false;
     }
-    u->failed = take_inputs(u->e, u->r) != 0 || advance(u->e, u->r, t) != 0;
+    u->failed = take_inputs(u->e, u->r) != 0 || advance(u->e, u->r, ask->t) != 0;
     return !u->failed;
 }
 
-/* Settle an instant that the importer has found; say whether states jumped, and what comes next. */
-static bool settle_instant(Unit *u, bool *jumped, double *next)
+/* Run to a time, with the inputs that hold from now on. */
+static bool run_to(Unit *u, double t)
 {
-    if (!ready(u)) {
+    Ask ask = {.t = t};
+    return asked(u, answer_run, &ask);
+}
+
+static bool answer_instant(Unit *u, Ask *ask)
+{
+    if (!is_ready(u)) {
         return false;
     }
     Engine *e = u->e;
@@ -186,29 +234,101 @@ static bool settle_instant(Unit *u, bool *jumped, double *next)
         u->rate[k] = e->y[k];
     }
     u->failed = settle_unit(e, u->r) != 0;
-    *jumped = false;
     for (int k = 0; k < e->states; k++) {
-        *jumped = *jumped || u->rate[k] != e->y[k];
+        ask->found = ask->found || u->rate[k] != e->y[k];
     }
-    *next = e->next_break;
+    ask->t = e->next_break;
     return !u->failed;
 }
 
-/* Whether a guard holds that the importer has not found. */
-static bool stepped_over(Unit *u)
+/* Settle an instant that the importer has found; say whether states jumped, and what comes next. */
+static bool settle_instant(Unit *u, bool *jumped, double *next)
 {
-    return ready(u) && guard_holds(u->e);
+    Ask ask = {.t = HUGE_VAL};
+    const bool fine = asked(u, answer_instant, &ask);
+    *jumped = ask.found;
+    *next = ask.t;
+    return fine;
+}
+
+static bool answer_guards(Unit *u, Ask *ask)
+{
+    ask->found = is_ready(u) && guard_holds(u->e);
+    return !u->failed;
+}
+
+/* Find whether a guard holds that the importer has not found. */
+static bool look_back(Unit *u, bool *stepped_over)
+{
+    Ask ask = {0};
+    const bool fine = asked(u, answer_guards, &ask);
+    *stepped_over = ask.found;
+    return fine;
+}
+
+static bool set_unit_time(Unit *u, double t)
+{
+    if (!u->spent) {
+        u->e->t = t;
+    }
+    return !u->spent;
+}
+
+static bool set_unit_states(Unit *u, const double *x, size_t n)
+{
+    for (size_t k = 0; k < n && !u->spent; k++) {
+        u->e->y[k] = x[k];
+    }
+    return !u->spent;
+}
+
+static bool get_unit_states(Unit *u, double *x, size_t n)
+{
+    const bool fine = ready(u);
+    for (size_t k = 0; k < n && fine; k++) {
+        x[k] = u->e->y[k];
+    }
+    return fine;
+}
+
+static bool answer_rates(Unit *u, Ask *ask)
+{
+    return rates_now(u->e, ask->values) == 0;
+}
+
+static bool get_rates(Unit *u, double *rate)
+{
+    Ask ask = {.values = rate};
+    return asked(u, answer_rates, &ask);
+}
+
+static bool answer_indicators(Unit *u, Ask *ask)
+{
+    return indicators_now(u->e, ask->values) == 0;
+}
+
+static bool get_indicators(Unit *u, double *z)
+{
+    Ask ask = {.values = z};
+    return asked(u, answer_indicators, &ask);
+}
+
+static bool get_nominals(Unit *u, double *x, size_t n)
+{
+    const bool fine = ready(u);
+    for (size_t k = 0; k < n && fine; k++) {
+        x[k] = nominal_now(u->e, (int)k);
+    }
+    return fine;
 }
 
 static const char *fault_text(Unit *u)
 {
-    static char text[400];
-    if (complaint != NULL) {
-        snprintf(text, sizeof text, "%s", complaint);
-        return text;
+    if (u->complaint != NULL) {
+        return u->complaint;
     }
     const Fault *fault = u->e->fault;
-    snprintf(text, sizeof text, "%s at t = %.9g s: %s", fault->code != NULL ? fault->code : "",
+    snprintf(u->text, sizeof u->text, "%s at t = %.9g s: %s", fault->code != NULL ? fault->code : "",
              fault->t, fault->why != NULL ? fault->why : "");
-    return text;
+    return u->text;
 }

@@ -31,14 +31,14 @@ def _two(own: Interface) -> str:
         root,
         "ModelExchange",
         modelIdentifier=own.identifier,
-        canBeInstantiatedOnlyOncePerProcess="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
     )
     ElementTree.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=own.identifier,
         canHandleVariableCommunicationStepSize="true",
-        canBeInstantiatedOnlyOncePerProcess="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
     )
     _units(root, own)
     _experiment(root, own)
@@ -92,14 +92,14 @@ def _three(own: Interface) -> str:
         root,
         "ModelExchange",
         modelIdentifier=own.identifier,
-        canBeInstantiatedOnlyOncePerProcess="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
     )
     ElementTree.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=own.identifier,
         canHandleVariableCommunicationStepSize="true",
-        canBeInstantiatedOnlyOncePerProcess="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
     )
     _units(root, own)
     _experiment(root, own)

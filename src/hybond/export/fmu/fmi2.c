@@ -28,9 +28,9 @@ typedef struct {
     fmi2Real nextEventTime;
 } fmi2EventInfo;
 typedef struct {
-    Unit *unit;
+    Unit unit;
     fmi2CallbackFunctions callbacks;
-    const char *name;
+    char name[];
 } Instance;
 
 static fmi2Status told(Instance *i, bool fine)
@@ -40,7 +40,7 @@ static fmi2Status told(Instance *i, bool fine)
     }
     if (i->callbacks.logger != NULL) {
         i->callbacks.logger(i->callbacks.componentEnvironment, i->name, fmi2Error, "error", "%s",
-                            fault_text(i->unit));
+                            fault_text(&i->unit));
     }
     return fmi2Error;
 }
@@ -55,6 +55,15 @@ EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
     return fmi2OK;
 }
 
+EXPORT void fmi2FreeInstance(fmi2Component c)
+{
+    Instance *i = c;
+    if (i != NULL) {
+        release(&i->unit.arena);
+        free(i);
+    }
+}
+
 EXPORT fmi2Component fmi2Instantiate(fmi2String name, int kind, fmi2String guid, fmi2String folder,
                                      const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
                                      fmi2Boolean logging)
@@ -63,20 +72,23 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, int kind, fmi2String guid,
     if (guid == NULL || strcmp(guid, TOKEN) != 0) {
         return NULL;
     }
-    Instance *i = take(1, sizeof(Instance));
-    i->name = name;
+    const size_t length = name != NULL ? strlen(name) : 0;
+    Instance *i = calloc(1, sizeof(Instance) + length + 1);
+    if (i == NULL) {
+        return NULL;
+    }
+    if (name != NULL) {
+        memcpy(i->name, name, length);
+    }
     if (callbacks != NULL) {
         i->callbacks = *callbacks;
     }
-    i->unit = make_unit();
-    return i;
-}
-
-EXPORT void fmi2FreeInstance(fmi2Component c)
-{
-    if (c != NULL) {
-        release();
+    if (!make_unit(&i->unit)) {
+        told(i, false);
+        fmi2FreeInstance(i);
+        return NULL;
     }
+    return i;
 }
 
 EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
@@ -84,10 +96,10 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance
 {
     Instance *i = c;
     if (has_tolerance && tolerance > 0.0) {
-        i->unit->model.rtol = tolerance;
+        i->unit.model.rtol = tolerance;
     }
     if (has_stop && stop > 0.0) {
-        i->unit->model.until = stop;
+        i->unit.model.until = stop;
     }
     return start == 0.0 ? fmi2OK : fmi2Error; /* time begins at zero */
 }
@@ -101,7 +113,7 @@ EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
     Instance *i = c;
-    return told(i, ready(i->unit));
+    return told(i, ready(&i->unit));
 }
 
 EXPORT fmi2Status fmi2Terminate(fmi2Component c)
@@ -112,8 +124,8 @@ EXPORT fmi2Status fmi2Terminate(fmi2Component c)
 
 EXPORT fmi2Status fmi2Reset(fmi2Component c)
 {
-    ((Instance *)c)->unit = make_unit();
-    return fmi2OK;
+    Instance *i = c;
+    return told(i, make_unit(&i->unit));
 }
 
 EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
@@ -121,7 +133,7 @@ EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], si
 {
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
-        if (!get_value(i->unit, vr[k], &value[k])) {
+        if (!get_value(&i->unit, vr[k], &value[k])) {
             return told(i, false);
         }
     }
@@ -133,7 +145,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], si
 {
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
-        if (!set_value(i->unit, vr[k], value[k])) {
+        if (!set_value(&i->unit, vr[k], value[k])) {
             return told(i, false);
         }
     }
@@ -179,7 +191,7 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolea
 {
     (void)no_set;
     Instance *i = c;
-    return told(i, run_to(i->unit, t + h));
+    return told(i, run_to(&i->unit, t + h));
 }
 
 /* Model exchange. */
@@ -194,7 +206,7 @@ EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
     Instance *i = c;
     bool jumped = false;
     double next = HUGE_VAL;
-    const bool fine = settle_instant(i->unit, &jumped, &next);
+    const bool fine = settle_instant(&i->unit, &jumped, &next);
     memset(info, 0, sizeof *info);
     info->valuesOfContinuousStatesChanged = jumped;
     info->nextEventTimeDefined = next < HUGE_VAL;
@@ -213,60 +225,47 @@ EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_se
 {
     Instance *i = c;
     (void)no_set;
-    *enter_event_mode = stepped_over(i->unit);
+    bool stepped_over = false;
+    const bool fine = look_back(&i->unit, &stepped_over);
+    *enter_event_mode = stepped_over;
     *terminate = 0;
-    return fmi2OK;
+    return told(i, fine);
 }
 
 EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t)
 {
-    ((Instance *)c)->unit->e->t = t;
-    return fmi2OK;
+    Instance *i = c;
+    return told(i, set_unit_time(&i->unit, t));
 }
 
 EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n)
 {
-    Engine *e = ((Instance *)c)->unit->e;
-    for (size_t k = 0; k < n; k++) {
-        e->y[k] = x[k];
-    }
-    return fmi2OK;
+    Instance *i = c;
+    return told(i, set_unit_states(&i->unit, x, n));
 }
 
 EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
 {
     Instance *i = c;
-    if (!ready(i->unit)) {
-        return told(i, false);
-    }
-    for (size_t k = 0; k < n; k++) {
-        x[k] = i->unit->e->y[k];
-    }
-    return fmi2OK;
+    return told(i, get_unit_states(&i->unit, x, n));
 }
 
 EXPORT fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real rate[], size_t n)
 {
     (void)n;
     Instance *i = c;
-    return told(i, rates_now(i->unit->e, rate) == 0);
+    return told(i, get_rates(&i->unit, rate));
 }
 
 EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n)
 {
     (void)n;
     Instance *i = c;
-    return told(i, indicators_now(i->unit->e, z) == 0);
+    return told(i, get_indicators(&i->unit, z));
 }
 
 EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
 {
     Instance *i = c;
-    if (!ready(i->unit)) {
-        return told(i, false);
-    }
-    for (size_t k = 0; k < n; k++) {
-        x[k] = nominal_now(i->unit->e, (int)k);
-    }
-    return fmi2OK;
+    return told(i, get_nominals(&i->unit, x, n));
 }

@@ -14,7 +14,7 @@ typedef const char *fmi3String;
 typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Status;
 typedef void (*fmi3LogMessageCallback)(void *, fmi3Status, fmi3String, fmi3String);
 typedef struct {
-    Unit *unit;
+    Unit unit;
     fmi3LogMessageCallback log;
     void *environment;
 } Instance;
@@ -22,9 +22,18 @@ typedef struct {
 static fmi3Status told(Instance *i, bool fine)
 {
     if (!fine && i->log != NULL) {
-        i->log(i->environment, fmi3Error, "error", fault_text(i->unit));
+        i->log(i->environment, fmi3Error, "error", fault_text(&i->unit));
     }
     return fine ? fmi3OK : fmi3Error;
+}
+
+EXPORT void fmi3FreeInstance(fmi3Instance c)
+{
+    Instance *i = c;
+    if (i != NULL) {
+        release(&i->unit.arena);
+        free(i);
+    }
 }
 
 static Instance *make_instance(fmi3String token, void *environment, fmi3LogMessageCallback log)
@@ -32,10 +41,17 @@ static Instance *make_instance(fmi3String token, void *environment, fmi3LogMessa
     if (token == NULL || strcmp(token, TOKEN) != 0) {
         return NULL;
     }
-    Instance *i = take(1, sizeof(Instance));
+    Instance *i = calloc(1, sizeof(Instance));
+    if (i == NULL) {
+        return NULL;
+    }
     i->log = log;
     i->environment = environment;
-    i->unit = make_unit();
+    if (!make_unit(&i->unit)) {
+        told(i, false);
+        fmi3FreeInstance(i);
+        return NULL;
+    }
     return i;
 }
 
@@ -69,23 +85,16 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
 
 EXPORT fmi3Instance fmi3InstantiateScheduledExecution(void) { return NULL; }
 
-EXPORT void fmi3FreeInstance(fmi3Instance c)
-{
-    if (c != NULL) {
-        release();
-    }
-}
-
 EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,
                                               fmi3Float64 tolerance, fmi3Float64 start,
                                               fmi3Boolean has_stop, fmi3Float64 stop)
 {
     Instance *i = c;
     if (has_tolerance && tolerance > 0.0) {
-        i->unit->model.rtol = tolerance;
+        i->unit.model.rtol = tolerance;
     }
     if (has_stop && stop > 0.0) {
-        i->unit->model.until = stop;
+        i->unit.model.until = stop;
     }
     return start == 0.0 ? fmi3OK : fmi3Error; /* time begins at zero */
 }
@@ -93,7 +102,7 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_to
 EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
     Instance *i = c;
-    return told(i, ready(i->unit));
+    return told(i, ready(&i->unit));
 }
 
 #define FINE(name)                                                                                 \
@@ -109,8 +118,8 @@ FINE(fmi3Terminate)
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance c)
 {
-    ((Instance *)c)->unit = make_unit();
-    return fmi3OK;
+    Instance *i = c;
+    return told(i, make_unit(&i->unit));
 }
 
 EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
@@ -119,7 +128,7 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
     (void)values;
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
-        if (!get_value(i->unit, vr[k], &value[k])) {
+        if (!get_value(&i->unit, vr[k], &value[k])) {
             return told(i, false);
         }
     }
@@ -132,7 +141,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference vr[], 
     (void)values;
     Instance *i = c;
     for (size_t k = 0; k < n; k++) {
-        if (!set_value(i->unit, vr[k], value[k])) {
+        if (!set_value(&i->unit, vr[k], value[k])) {
             return told(i, false);
         }
     }
@@ -197,8 +206,8 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3B
     (void)no_set;
     Instance *i = c;
     *event_needed = *terminate = *early = false;
-    const bool fine = run_to(i->unit, t + h);
-    *last = i->unit->e->t;
+    const bool fine = run_to(&i->unit, t + h);
+    *last = i->unit.e != NULL ? i->unit.e->t : t;
     return told(i, fine);
 }
 
@@ -211,7 +220,7 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again,
     Instance *i = c;
     bool jumped = false;
     double following = HUGE_VAL;
-    const bool fine = settle_instant(i->unit, &jumped, &following);
+    const bool fine = settle_instant(&i->unit, &jumped, &following);
     *again = *terminate = *nominals = false;
     *values = jumped;
     *has_next = following < HUGE_VAL;
@@ -224,62 +233,49 @@ EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean no_set
 {
     Instance *i = c;
     (void)no_set;
-    *enter_event_mode = stepped_over(i->unit);
+    bool stepped_over = false;
+    const bool fine = look_back(&i->unit, &stepped_over);
+    *enter_event_mode = stepped_over;
     *terminate = false;
-    return fmi3OK;
+    return told(i, fine);
 }
 
 EXPORT fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 t)
 {
-    ((Instance *)c)->unit->e->t = t;
-    return fmi3OK;
+    Instance *i = c;
+    return told(i, set_unit_time(&i->unit, t));
 }
 
 EXPORT fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t n)
 {
-    Engine *e = ((Instance *)c)->unit->e;
-    for (size_t k = 0; k < n; k++) {
-        e->y[k] = x[k];
-    }
-    return fmi3OK;
+    Instance *i = c;
+    return told(i, set_unit_states(&i->unit, x, n));
 }
 
 EXPORT fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     Instance *i = c;
-    if (!ready(i->unit)) {
-        return told(i, false);
-    }
-    for (size_t k = 0; k < n; k++) {
-        x[k] = i->unit->e->y[k];
-    }
-    return fmi3OK;
+    return told(i, get_unit_states(&i->unit, x, n));
 }
 
 EXPORT fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 rate[], size_t n)
 {
     (void)n;
     Instance *i = c;
-    return told(i, rates_now(i->unit->e, rate) == 0);
+    return told(i, get_rates(&i->unit, rate));
 }
 
 EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 z[], size_t n)
 {
     (void)n;
     Instance *i = c;
-    return told(i, indicators_now(i->unit->e, z) == 0);
+    return told(i, get_indicators(&i->unit, z));
 }
 
 EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     Instance *i = c;
-    if (!ready(i->unit)) {
-        return told(i, false);
-    }
-    for (size_t k = 0; k < n; k++) {
-        x[k] = nominal_now(i->unit->e, (int)k);
-    }
-    return fmi3OK;
+    return told(i, get_nominals(&i->unit, x, n));
 }
 
 EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n)

@@ -18,10 +18,10 @@ from pathlib import Path
 
 from hybond.errors import UsageError
 from hybond.export.c import c_file
-from hybond.export.c_parameters import table_name
 from hybond.export.fmu.describing import describe
 from hybond.export.fmu.interface import Interface, Shown, free_inputs, interface_of
 from hybond.export.program import DRIVEN, Exported, exported
+from hybond.export.translate.reserved import permitted
 from hybond.kernel.build import compiler
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -119,7 +119,7 @@ def unit_source(model: Model, found: Exported, own: Interface, fmi: str) -> str:
         f"    INPUTS = {len(inputs)}",
         "};",
         f"static const int INPUT_NUMBER[] = {{{numbers}}};",
-        f"static double INPUT_START[] = {{{levels}}};",
+        f"static const double INPUT_START[] = {{{levels}}};",
         "",
         *_parameters(found, own, inputs),
         (HOME / "common.c").read_text(encoding="utf-8"),
@@ -129,24 +129,24 @@ def unit_source(model: Model, found: Exported, own: Interface, fmi: str) -> str:
 
 
 def _parameters(found: Exported, own: Interface, inputs: Sequence[int]) -> list[str]:
-    """Return what is known of parameters, and what puts in the inputs that follow from them."""
+    """Return what is known of parameters, and what finds the inputs that follow from them."""
     if not own.parameters:
         return []
-    starts = ", ".join(repr(v.start) for v in own.parameters)
     follows = ", ".join("true" if v.follows else "false" for v in own.parameters)
     first = found.tables.ints["input_first"]
     place = {first[number]: k for k, number in enumerate(inputs)}
+    puts = [
+        f"    level[{place[x.index]}] = m->{permitted(x.table)}[{x.index}];"
+        for x in found.parameters.entries
+        if x.table == "input_number" and x.index in place
+    ]
     return [
-        f"static const double PARAMETER_START[] = {{{starts}}};",
         f"static const bool PARAMETER_FOLLOWS[] = {{{follows}}};",
         "",
-        "static void put_inputs(void)",
+        "/* Put the levels there at which inputs begin that follow from parameters. */",
+        "static void put_inputs(const Model *m, double *level)",
         "{",
-        *(
-            f"    INPUT_START[{place[x.index]}] = {table_name(x.table)}[{x.index}];"
-            for x in found.parameters.entries
-            if x.table == "input_number" and x.index in place
-        ),
+        *(puts or ["    (void)m, (void)level;"]),
         "}",
         "",
     ]

@@ -101,6 +101,10 @@ class Braces:
         """Return how a function is called."""
         return name
 
+    def passed(self, _name: str) -> list[str]:
+        """Return what a function is given before its arguments."""
+        return []
+
     def word(self, e: Word, args: list[str]) -> Text:
         """Return the call of what every language has."""
         raise NotImplementedError
@@ -143,7 +147,8 @@ class Braces:
                 texts = (self.inside(x, CHOICE + 1) for x in (cond, then))
                 return f"{' ? '.join(texts)} : {self.inside(orelse, CHOICE)}", CHOICE
             case Call(function, args):
-                return f"{self.called(function)}({', '.join(self.said(a) for a in args)})", ATOM
+                passed = [*self.passed(function), *(self.said(a) for a in args)]
+                return f"{self.called(function)}({', '.join(passed)})", ATOM
             case Word():
                 return self.word(e, [self.said(a) for a in e.args])
 

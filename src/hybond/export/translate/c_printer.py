@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
 from hybond.export.translate.braces import ATOM, UNARY, Text
 from hybond.export.translate.chapters import Chapters
 from hybond.export.translate.lines import block_comment, line_comments, prose, wrapped
+from hybond.export.translate.memory import TAKING, at_hand
 from hybond.export.translate.reserved import permitted
 from hybond.export.translate.tree import (
     FLOAT,
@@ -36,6 +38,13 @@ _TYPES = {
 class CPrinter(Chapters):
     """A printer of C99."""
 
+    held: Mapping[str, int] = {}
+    """Tables that the model's record holds itself, and their sizes; others it points to."""
+    beside: Sequence[str] = ()
+    """Declarations of what the model's record holds beside its tables."""
+    placed: Mapping[str, str] = {}
+    """Constants that stand in that record, and how they are read."""
+
     def type_name(self, t: Type) -> str:
         """Return a type, ready to stand before a name."""
         if t.kind in ("record", "Records"):
@@ -59,6 +68,7 @@ class CPrinter(Chapters):
         given = [
             self._typed(name, t, ("local", f.name, name)) for name, t in f.signature.parameters
         ]
+        given = ["Arena *arena", *given] if f.name in self.effects.makers else given
         result = self._typed(f.name, f.signature.result, ("result", f.name, ""))
         return f"static {result}({', '.join(given) or 'void'})"
 
@@ -73,7 +83,28 @@ class CPrinter(Chapters):
     def named(self, name: str, t: Type) -> str:
         """Return how a constant is called."""
         special = {"math.inf": "HUGE_VAL", "math.nan": "(double)NAN", "math.pi": c_number(math.pi)}
-        return special.get(name, name)
+        return special.get(name) or self.placed.get(name, name)
+
+    def passed(self, name: str) -> list[str]:
+        """Return the arena, for a function that is to take memory from it."""
+        return [self.arena()] if name in self.effects.makers else []
+
+    @property
+    def finds_arena(self) -> bool:
+        """Whether a function that is printed asks a record for its arena."""
+        made = self.effects.makers
+        for name in self.reached.functions - made:
+            uses = self.uses[name]
+            if uses.words & TAKING or made.intersection(uses.calls):
+                return True
+        return False
+
+    def arena(self) -> str:
+        """Return the arena, where a function is printed."""
+        if self.function in self.effects.makers:
+            return "arena"
+        name = at_hand(self.program.functions[self.function], self.program)
+        return f"arena_of({permitted(name)})"
 
     def word(self, e: Word, args: list[str]) -> Text:
         """Return a call of the C library, of a helper, or an operator."""
@@ -85,9 +116,11 @@ class CPrinter(Chapters):
             case "quotient":
                 return self.expression(Binary("/", e.args[0], e.args[1], FLOAT))
             case "record":
-                return f"take(1, sizeof({e.type.record}))", ATOM
+                return f"take({self.arena()}, 1, sizeof({e.type.record}))", ATOM
             case "records":
-                return f"take({listed}, sizeof({e.type.record} *))", ATOM
+                return f"take({self.arena()}, {listed}, sizeof({e.type.record} *))", ATOM
+            case "floats" | "ints":
+                return f"{e.word}({self.arena()}, {listed})", ATOM
             case "abs":
                 return f"{'abs' if e.type.kind == 'int' else 'fabs'}({listed})", ATOM
             case "min" | "max":
@@ -191,10 +224,15 @@ class CPrinter(Chapters):
         """Return a record."""
         lines = block_comment(prose(record.doc)) if record.doc else []
         lines.append(f"struct {record.name} {{")
-        return [*lines, *(self.fields(record) or ["    int nothing;"]), "};"]
+        fields = self.fields(record)
+        if record.given and self.beside:
+            fields += ["", *self.beside]
+        return [*lines, *(fields or ["    int nothing;"]), "};"]
 
     def field(self, record: Record, m: Member) -> str:
         """Return the declaration of a field."""
+        if record.given and m.name in self.held:
+            return f"double {permitted(m.name)}[{self.held[m.name]}]"
         return self._typed(m.name, m.type, ("field", record.name, m.name))
 
     def definition(self, f: Function) -> list[str]:
@@ -203,8 +241,11 @@ class CPrinter(Chapters):
         assert f.body is not None
         read = {e.name for e in every(f.body) if isinstance(e, Local)}
         unread = [permitted(name) for name, _ in f.signature.parameters if name not in read]
+        body = self.body(f)
+        if f.name in self.effects.makers and not any("arena" in line for line in body):
+            unread = ["arena", *unread]
         unused = [f"    (void){name};" for name in unread]
-        return [*self.documented(f.doc, f.above), *head, "{", *unused, *self.body(f), "}"]
+        return [*self.documented(f.doc, f.above), *head, "{", *unused, *body, "}"]
 
 
 def helper_of(word: str, t: Type) -> str:

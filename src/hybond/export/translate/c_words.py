@@ -4,54 +4,66 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-HEADERS = ["math.h", "stdbool.h", "stdio.h", "stdlib.h", "string.h"]
+HEADERS = ["math.h", "setjmp.h", "stdbool.h", "stdio.h", "stdlib.h", "string.h"]
 
 TAKE = """\
-/* Memory: zeroed, taken while the program begins and when a mode is first entered, given back at
- * the end by release(). A program that cannot have it ends here.
+/* Memory, zeroed: an arena for each engine, so that any number of them live beside each other.
+ * Where there is no more, take() goes back to where setjmp() stands in what calls the engine: the
+ * engine is of no use then, but release() gives all its memory back.
  */
 typedef struct Taken Taken;
+typedef struct Arena {
+    Taken *last;
+    jmp_buf spent;
+} Arena;
 struct Taken {
     Taken *next;
+    Arena *arena;
     double start;
 };
-static Taken *last_taken = NULL;
 
-static void *take(int count, size_t size)
+static void *take(Arena *arena, int count, size_t size)
 {
     const size_t total = (size_t)(count > 0 ? count : 1) * size;
     Taken *block = calloc(1, sizeof(Taken) + total);
     if (block == NULL) {
-        fputs("out of memory\\n", stderr);
-        exit(3);
+        longjmp(arena->spent, 1);
     }
-    block->next = last_taken;
-    last_taken = block;
+    block->arena = arena;
+    block->next = arena->last;
+    arena->last = block;
     return block + 1;
 }
 
-static void release(void)
+static void release(Arena *arena)
 {
-    while (last_taken != NULL) {
-        Taken *next = last_taken->next;
-        free(last_taken);
-        last_taken = next;
+    while (arena->last != NULL) {
+        Taken *next = arena->last->next;
+        free(arena->last);
+        arena->last = next;
     }
 }
 """
 """`start` makes what follows a block as strictly aligned as a double."""
+ARENA_OF = """\
+/* The arena in which something was made. */
+static Arena *arena_of(const void *made)
+{
+    return ((const Taken *)made - 1)->arena;
+}
+"""
 
 _HELPERS: Mapping[str, str] = {
     "floats": """\
-static double *floats(int n)
+static double *floats(Arena *arena, int n)
 {
-    return take(n, sizeof(double));
+    return take(arena, n, sizeof(double));
 }
 """,
     "ints": """\
-static int *ints(int n)
+static int *ints(Arena *arena, int n)
 {
-    return take(n, sizeof(int));
+    return take(arena, n, sizeof(int));
 }
 """,
     "min float": """\
@@ -123,9 +135,9 @@ static void put_line(void)
 }
 
 
-def c_words(words: frozenset[str]) -> list[str]:
-    """Return the helpers that the printed text calls."""
-    found = TAKE.splitlines()
+def c_words(words: frozenset[str], *, finding: bool) -> list[str]:
+    """Return the helpers that the printed text calls; `finding` says whether an arena is found."""
+    found = [*TAKE.splitlines(), *(["", *ARENA_OF.splitlines()] if finding else [])]
     for word, text in _HELPERS.items():
         if word in words:
             found += ["", *text.splitlines()]

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from hybond.export.translate.errors import PortableError
+from hybond.export.translate.memory import makers
 from hybond.export.translate.modules import Program
 from hybond.export.translate.tree import (
     Assign,
@@ -44,10 +45,13 @@ class Effects:
     changes : dict of str to frozenset of str
         Of each function: the fields, ``Mode.stored``, and the kinds of arrays, ``Floats``, that a
         call of it may change; ``put`` if it writes text.
+    makers : frozenset of str
+        Functions that are given the arena that they take memory from; see `memory`.
     """
 
     written: set[Holder] = field(default_factory=set)
     changes: dict[str, frozenset[str]] = field(default_factory=dict)
+    makers: frozenset[str] = frozenset()
 
     def of(self, e: Expr) -> frozenset[str]:
         """Return what the evaluation of an expression changes."""
@@ -85,7 +89,7 @@ def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = T
     PortableError
         HB-E601 where the order of evaluation would matter, or a table of the model is changed.
     """
-    found = Effects()
+    found = Effects(makers=makers(program))
     found.written.update(("result", name, "") for name in roots)
     _close_changes(found, program)
     _close_written(found, program)

@@ -26,7 +26,7 @@ JAVA_WORDS = _names(
 TYPES = _names(
     """
     String Math StrictMath System Double Integer Boolean Object Character Arrays Locale List
-    BigDecimal MathContext FILE
+    BigDecimal MathContext FILE Arena Taken
     """
 )
 C_LIBRARY = _names(
@@ -36,18 +36,18 @@ C_LIBRARY = _names(
     exit exp exp2 expm1 fabs fclose fdim feof ferror fflush fgetc fgets floor fma fmax fmin fmod
     fopen fpclassify fprintf fputc fputs fread free freopen frexp fscanf fseek ftell fwrite getc
     getchar getenv gets gmtime hypot ilogb index isfinite isinf isnan isnormal isalpha isdigit
-    isspace j0 j1 jn labs ldexp ldiv lgamma llabs llrint llround localtime log log10 log1p log2
-    logb lrint lround main malloc max memchr memcmp memcpy memmove memset min mktime modf nan
-    nearbyint nextafter nexttoward perror pow printf putc putchar puts qsort rand realloc remove
-    remainder remquo rename rewind rindex rint round scalbln scalbn scanf setbuf setvbuf signal
-    signbit sin sinh sprintf sqrt srand sscanf stderr stdin stdout strcat strchr strcmp strcpy
-    strlen strncmp strstr strtod strtol strtoul strftime system tan tanh tgamma time tmpfile
-    tolower toupper trunc ungetc vprintf y0 y1 yn
+    isspace j0 j1 jn jmp_buf labs ldexp ldiv lgamma llabs llrint llround localtime log log10
+    log1p log2 logb longjmp lrint lround main malloc max memchr memcmp memcpy memmove memset min
+    mktime modf nan nearbyint nextafter nexttoward perror pow printf putc putchar puts qsort
+    rand realloc remove remainder remquo rename rewind rindex rint round scalbln scalbn scanf
+    setbuf setjmp setvbuf signal signbit sin sinh sprintf sqrt srand sscanf stderr stdin stdout
+    strcat strchr strcmp strcpy strlen strncmp strstr strtod strtol strtoul strftime system tan
+    tanh tgamma time tmpfile tolower toupper trunc ungetc vprintf y0 y1 yn
     """
 )
 """Functions of the headers that the printed C includes, and their neighbours."""
 
-LOCALS = C_WORDS | JAVA_WORDS
+LOCALS = C_WORDS | JAVA_WORDS | {"arena"}
 """What no variable or field is called in print."""
 GLOBALS = LOCALS | TYPES | C_LIBRARY
 """What no constant, record or function is called in print."""
