@@ -69,6 +69,8 @@ BEYOND: Final = 50.0
 this many at once."""
 STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
+PAUSED: Final = 7
+"""Likewise: a run in slices has had the steps of this one."""
 ACCUMULATES: Final = 3
 
 
@@ -85,6 +87,13 @@ class Run:
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
+    begun: bool
+    flowing: bool
+    """Whether time passes in a mode: a run in slices was paused there."""
+    beyond: float
+    """How many of the last steps have touched a place where a law has no value."""
+    slice: int
+    """Steps and instants that this slice of the run still has; -1: as many as it takes."""
 
 
 def make_run(e: Engine, report: Report) -> Run:
@@ -96,6 +105,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.report = report
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
+    r.slice = -1
     return r
 
 
@@ -114,22 +124,28 @@ def begin(e: Engine) -> None:
 
 
 def run_to_end(e: Engine, r: Run) -> int:
-    """Run from the start to the end: OK, REFUSED with a fault, or ACCUMULATES."""
-    begin(e)
-    e.samples_end = e.until
-    interval_after(e, 0.0)
-    status = settle_now(e, r, START)
-    if status == OK:
-        status = rest_now(e, r)
-    while status == OK and e.t < e.until:
+    """Run to the end: OK, REFUSED with a fault, ACCUMULATES, or PAUSED where a slice ends."""
+    status = OK
+    if not r.begun:
+        r.begun = True
+        begin(e)
+        e.samples_end = e.until
+        interval_after(e, 0.0)
+        status = settle_now(e, r, START)
+        if status == OK:
+            status = rest_now(e, r)
+    while status == OK and (e.t < e.until or r.flowing):
         cause = flow(e, r)
         if cause < 0:
             return REFUSED
+        if cause == PAUSED:
+            return PAUSED
         status = settle_now(e, r, cause)
         if status == OK:
             status = rest_now(e, r)
         if status == OK and stuck(e):
             status = ACCUMULATES
+        r.slice = r.slice - 1 if r.slice > 0 else r.slice
     if status != REFUSED:
         report_end(e, r.report)
     return status
@@ -194,29 +210,22 @@ def flow(e: Engine, r: Run) -> int:
     """
     m = e.model
     g = r.locator
-    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+    if not r.flowing and begin_flow(e, r) != OK:
         return -1
+    r.flowing = False
     end = min(e.next_break, e.stop)
     instant = m.event_tol * max(e.until, math.fabs(e.t))
-    watch(e, g, e.state)
-    if limits_vary(m) and look_at_limits(e) != OK:
-        return -1
-    begin_field(e, e.mode)
-    if m.disks > 0:
-        begin_slips(e, e.t, e.y)
-        begin_field(e, e.mode)
-    if e.slide.k == 0:
-        start_scale(e, e.mode)
-    if start(e, e.t, e.y, end, True) != OK:
-        return -1
-    beyond = 0.0
     while True:
+        if r.slice == 0:
+            r.flowing = True
+            return PAUSED
+        r.slice = r.slice - 1 if r.slice > 0 else r.slice
         if step(e, end) != OK:
             return -1
         if m.disks > 0 and follow(e) != OK:
             return -1
-        beyond = beyond + 1.0 if e.refusal else max(beyond - 0.1, 0.0)
-        if e.refusal and beyond > BEYOND:
+        r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
+        if e.refusal and r.beyond > BEYOND:
             return -1
         if locate(e, g) != OK:
             return -1
@@ -246,6 +255,24 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         timed = e.t >= end and e.next_break <= end
         return timed_cause(e) if timed else GUARD
+
+
+def begin_flow(e: Engine, r: Run) -> int:
+    """Make ready for time to pass in the mode."""
+    m = e.model
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    watch(e, r.locator, e.state)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
+    begin_field(e, e.mode)
+    if m.disks > 0:
+        begin_slips(e, e.t, e.y)
+        begin_field(e, e.mode)
+    if e.slide.k == 0:
+        start_scale(e, e.mode)
+    r.beyond = 0.0
+    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 
 def follow(e: Engine) -> int:

@@ -1,0 +1,134 @@
+"""The engine printed as one library: nothing of any model in it, which is data."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import lru_cache
+from pathlib import Path
+
+from hybond.export.translate.c_printer import CPrinter
+from hybond.export.translate.c_words import HEADERS, c_words
+from hybond.export.translate.effects import effects_of
+from hybond.export.translate.lines import block_comment, prose
+from hybond.export.translate.modules import Program, load, load_texts
+
+HERE = Path(__file__).parent
+PORTABLE = HERE.parent / "export" / "portable"
+ROOTS = (
+    *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows"),
+    *("run_code", "run_pair_code"),
+)
+"""What `library.c` calls, and what evaluates expressions."""
+LOG = "log"
+"""The module that stands where printed programs have `report`."""
+COLUMNS = """\
+    const int *code;
+    const int *value_begins;
+    const int *pair_begins;
+    const double *code_number;
+    const char *const *node_names;
+    const char *const *bond_names;
+    const char *const *rule_texts;
+    const char *const *machine_names;
+    const char *const *state_names;
+    const char *const *stored_names;
+    const char *const *output_names;
+"""
+"""Columns of a model that the functions below read, behind those of the record."""
+GIVEN = {
+    "value": """\
+static double value(const Model *m, int k, const double *v)
+{
+    double stack[DEEPEST];
+    return run_code(m->code, m->value_begins[k], m->code_number, v, stack);
+}
+""",
+    "evaluate_pair": """\
+static void evaluate_pair(const Model *m, int k, Stack *s)
+{
+    run_pair_code(m->code, m->pair_begins[k], m->code_number, s);
+}
+""",
+}
+NAMES = {
+    "machine_name": "machine_names",
+    "state_name": "state_names",
+    "stored_name": "stored_names",
+    "output_name": "output_names",
+    "node_name": "node_names",
+    "bond_name": "bond_names",
+    "rule_text": "rule_texts",
+}
+
+
+def program() -> Program:
+    """Return the engine as a program: what prints is replaced by what logs."""
+    found = load([PORTABLE / "motion.py", PORTABLE / "code.py"])
+    names = [m.name for m in found.modules if m.name != "report"]
+    texts = {name: (PORTABLE / f"{name}.py").read_text(encoding="utf-8") for name in names}
+    texts["report"] = (PORTABLE / f"{LOG}.py").read_text(encoding="utf-8")
+    return load_texts(texts)
+
+
+@lru_cache(maxsize=1)
+def digest() -> str:
+    """Return what tells the sources of the library from others."""
+    translate = HERE.parent / "export" / "translate"
+    paths = [*PORTABLE.glob("*.py"), *translate.glob("*.py"), HERE / "library.c", Path(__file__)]
+    text = b"".join(
+        p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in sorted(paths)
+    )
+    return hashlib.sha256(text).hexdigest()[:16]
+
+
+def model_members() -> list[tuple[str, str]]:
+    """Return the columns of a model in the library, in order: name and type.
+
+    Types are ``"int"``, ``"float"``, ``"Ints"``, ``"Floats"`` and ``"Texts"``.
+    """
+    printer = _printer(program())
+    members = printer.members(printer.program.records["Model"])
+    kinds = {"const int *": "Ints", "const double *": "Floats", "const char *const *": "Texts"}
+    own = [line.strip().rstrip(";") for line in COLUMNS.splitlines()]
+    found = [(m.name, m.type.kind) for m in members]
+    for line in own:
+        kind, _, name = line.rpartition("*")
+        found.append((name, kinds[f"{kind}*"]))
+    return found
+
+
+def library_text() -> str:
+    """Return the library as one file of C99."""
+    found = program()
+    printer = _printer(found)
+    words = c_words(printer.reached.words, finding=printer.finds_arena)
+    lines = block_comment(["The engine of hybond, for models that are data."])
+    lines += ["#if defined(__clang__) || !defined(__GNUC__)", "#pragma STDC FP_CONTRACT OFF"]
+    lines += ["#endif", "", *(f"#include <{h}>" for h in HEADERS), "", *words, ""]
+    lines += printer.typedefs()
+    modules = {m.name: m for m in found.modules}
+    first = ["functions", "lookup", "pairs", "code", "model"]
+    for name in [*first, *(n for n in modules if n not in first)]:
+        if printer.needed(modules[name]):
+            head = prose(modules[name].doc)
+            lines += ["", *block_comment([f"Chapter: {name}. {head[0]}", *head[1:]])]
+            lines += printer.chapter(modules[name])
+    mark = f'#define HYBOND_SOURCE "{digest()}"'
+    return "\n".join([*lines, "", mark, (HERE / "library.c").read_text(encoding="utf-8")])
+
+
+def _printer(found: Program) -> CPrinter:
+    printer = CPrinter(found, ROOTS, effects=effects_of(found, ROOTS))
+    names = {f: _name_text(f, column) for f, column in NAMES.items()}
+    printer.given = {name: text.splitlines() for name, text in {**GIVEN, **names}.items()}
+    printer.beside = COLUMNS.splitlines()
+    return printer
+
+
+def _name_text(function: str, column: str) -> str:
+    return f"""\
+static const char *{function}(const Model *m, int k)
+{{
+    return m->{column}[k];
+}}
+"""
