@@ -168,7 +168,7 @@ def _compiled(source: str, name: str) -> bytes:
             "a functional mock-up unit holds a compiled library, and there is no C compiler",
             code="HB-E605",
             where="fmu",
-            hint="install one (CC names it), or export to C",
+            hint="install one (CC names it; pip install ziglang will do), or export to C",
         )
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder, f"{name}.c")
