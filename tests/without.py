@@ -7,6 +7,7 @@ The command finds programs through links to all the others.
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -29,7 +30,13 @@ def links(folder: Path, lacking: list[str]) -> None:
         for program in sorted(Path(place).glob("*")):
             names = (program.name, program.resolve().name)
             link = folder / program.name
-            if not link.is_symlink() and not any(hidden.fullmatch(name) for name in names):
+            if os.path.lexists(link) or any(hidden.fullmatch(name) for name in names):
+                continue
+            if program.name.startswith("python"):
+                # a virtual environment remembers where its Python lies: not among these links
+                link.write_text(f'#!/bin/sh\nexec {shlex.quote(str(program.absolute()))} "$@"\n')
+                link.chmod(0o755)
+            else:
                 link.symlink_to(program.absolute())
     # where tcc is the only compiler, Debian calls it cc, too
     if not (folder / "cc").exists() and (folder / "tcc").exists():
@@ -37,10 +44,8 @@ def links(folder: Path, lacking: list[str]) -> None:
 
 
 def main() -> int:
-    lacking, dashes, command = sys.argv[1:], "--", []
-    if dashes in lacking:
-        at = lacking.index(dashes)
-        lacking, command = lacking[:at], lacking[at + 1 :]
+    at = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    lacking, command = sys.argv[1:at], sys.argv[at + 1 :]
     if not (lacking and command and PROGRAMS.keys() >= set(lacking)):
         sys.exit(f"usage: without.py {{{'|'.join(PROGRAMS)}}}... -- COMMAND")
     with tempfile.TemporaryDirectory() as folder:

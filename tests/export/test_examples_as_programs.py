@@ -6,6 +6,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import needs
 import pytest
 from export.programs import (
     Said,
@@ -110,11 +111,13 @@ def test_an_example_as_a_c_program(
     check(name, read_events(printed_by_c[name]), runs[name])
 
 
-@needs_c
+@pytest.mark.parametrize(
+    "compiler", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in ("gcc", "clang")]
+)
 @pytest.mark.parametrize("name", ["buck", "elevator_actuators", "falling_rod", "rimless_wheel"])
-def test_a_strict_compiler_has_nothing_to_say(name: str, tmp_path: Path) -> None:
+def test_a_strict_compiler_has_nothing_to_say(name: str, compiler: str, tmp_path: Path) -> None:
     text = hb.export(hb.load(next(p for p in EXAMPLES if p.stem == name)), to="c")
-    compile_c(text, tmp_path, name)
+    compile_c(text, tmp_path, name, compiler=needs.COMPILERS[compiler])
 
 
 @needs_java
@@ -125,7 +128,7 @@ def test_an_example_as_a_java_class(
     check(name, read_events(printed_by_java[name]), runs[name])
 
 
-@needs_c
+@pytest.mark.strict
 def test_a_program_stays_within_its_memory(tmp_path: Path) -> None:
     """Run under the sanitizers, which end a program that reads beside an array or leaks."""
     path = next(p for p in EXAMPLES if p.stem == "buck")

@@ -32,10 +32,10 @@ def digest() -> str:
 def compiler() -> list[str] | None:
     """Return the command of a C compiler, or None.
 
-    ``CC`` names one; ``HYBOND_NO_COMPILER`` says to do without. The command ``cc`` comes after those
-    that optimise, because it may be tcc. That one is used where it is the only one: it ignores the
-    flags that it does not know, never fuses products with sums, and what it makes is right; a
-    kernel of its making takes up to twice as long as one of gcc, and many times less than none.
+    ``CC`` names one; ``HYBOND_NO_COMPILER`` says to do without. The command ``cc`` comes after
+    those that optimise, because it may be tcc. Where there is no other, tcc does: it ignores the
+    flags that it does not know, never fuses products with sums, and nothing has to be fetched. Its
+    kernel takes up to twice as long as that of gcc, many times less than the reference.
     """
     if os.environ.get("HYBOND_NO_COMPILER"):
         return None
