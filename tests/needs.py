@@ -6,12 +6,17 @@ has the mark. `without.py` runs tests as on a machine that has less.
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import os
 import shlex
 import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
+
+import pytest
 
 
 def found(name: str) -> list[str] | None:
@@ -60,3 +65,21 @@ MISSING = {
     if not there
 }
 """Why tests with a mark are skipped here."""
+
+
+@functools.cache
+def sanitizers() -> list[str]:
+    """Return the flags that end a program at its first error; skip a test if `STRICT` has none.
+
+    Their libraries are packages of their own in places: clang comes without.
+    """
+    assert STRICT is not None, "the test lacks the mark `strict`"
+    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "empty.c")
+        source.write_text("int main(void) { return 0; }\n", encoding="utf-8")
+        command = [*STRICT, *flags, "-o", str(source.with_suffix("")), str(source)]
+        done = subprocess.run(command, capture_output=True, check=False)
+    if done.returncode:
+        pytest.skip(f"no sanitizers of {Path(STRICT[0]).name}")
+    return flags

@@ -132,7 +132,7 @@ def test_an_example_as_a_java_class(
 def test_a_program_stays_within_its_memory(tmp_path: Path) -> None:
     """Run under the sanitizers, which end a program that reads beside an array or leaks."""
     path = next(p for p in EXAMPLES if p.stem == "buck")
-    flags = ["-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags = ["-O0", *needs.sanitizers()]
     program = compile_c(hb.export(hb.load(path), to="c"), tmp_path, "buck", flags)
     table = ask(program, "--points", "20").splitlines()
     assert table[0] == "time,out.e,L.f,u,ramp"

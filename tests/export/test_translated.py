@@ -66,8 +66,7 @@ def as_java(program: Program, name: str) -> str:
 def test_c_says_the_same(path: Path, tmp_path: Path) -> None:
     source = tmp_path / "sample.c"
     source.write_text(as_c(program_of(path)), encoding="utf-8")
-    sanitized = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    for k, flags in enumerate([["-O2"], sanitized]):
+    for k, flags in enumerate([["-O2"], needs.sanitizers()]):
         command = [
             *needs.STRICT,
             *STRICT,
