@@ -1,4 +1,4 @@
-"""Everything a developer runs: `python3 dev.py demo`, `test` or `bench`.
+"""Everything a developer runs: `python3 dev.py demo`, `test`, `test --all` or `bench`.
 
 Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and installs there.
 """
@@ -83,7 +83,10 @@ def test():
     codes = {name: run(PYTHON, "-m", *args) for name, args in {**checks, "mypy": ["mypy"]}.items()}
     for name, code in codes.items():
         print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
-    options = sys.argv[2:] or ["-n", "auto", "--dist", "loadscope"]
+    options = [word for word in sys.argv[2:] if word != "--all"]
+    options = options or ["-n", "auto", "--dist", "loadscope"]
+    if "--all" in sys.argv:
+        options += ["-m", ""]  # also those marked slow
     return max(*codes.values(), run(PYTHON, "-m", "pytest", *options), key=abs)
 
 
@@ -92,7 +95,7 @@ def main():
         sys.exit("hybond needs Python 3.11 or newer; this is " + sys.version.split()[0])
     task = sys.argv[1] if len(sys.argv) > 1 else ""
     if task not in ("demo", "test", "bench"):
-        sys.exit("usage: python3 dev.py demo | test [pytest options] | bench")
+        sys.exit("usage: python3 dev.py demo | test [--all] [pytest options] | bench")
     make_environment("dev" if task == "test" else "")
     if task == "demo":
         return run(PYTHON, "-m", "hybond", "demo", "--examples", "examples", "--out", "out")

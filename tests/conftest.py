@@ -1,8 +1,12 @@
-"""Which tests run, on which worker, and with which random examples."""
+"""Which tests run, on which worker, and with which random examples.
+
+Tests that need what the machine lacks are skipped, and the end of a run counts what was, by reason.
+"""
 
 import os
-from collections import defaultdict
+from collections import Counter, defaultdict
 
+import needs
 import pytest
 from example_runs import SHARE_RUNS
 from hypothesis import settings
@@ -14,6 +18,14 @@ settings.load_profile("new" if os.environ.get("HYBOND_FUZZ") else "same")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        for mark, reason in needs.MISSING.items():
+            if item.get_closest_marker(mark):
+                item.add_marker(pytest.mark.skip(reason=reason))
+    sample(items)
+
+
+def sample(items: list[pytest.Item]) -> None:
     """Of a test marked ``sampled(n)`` keep n cases, spread over all of them; the rest are slow."""
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -39,3 +51,18 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
             return "examples" if path.endswith(SHARE_RUNS) else super()._split_scope(nodeid)
 
     return Scheduling(config, log)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    reports = terminalreporter.stats.get("skipped", [])
+    tests, files = Counter[str](), Counter[str]()
+    for report in reports:
+        # the reason is the last of file, line and "Skipped: reason"
+        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longreprtext
+        count = tests if isinstance(report, pytest.TestReport) else files
+        count[reason.removeprefix("Skipped: ")] += 1
+    if reports:
+        terminalreporter.section("skipped, and why")
+    for count, unit in ((tests, "test"), (files, "whole file")):
+        for reason, n in sorted(count.items()):
+            terminalreporter.line(f"{reason}: {n} {unit}{'s' * (n > 1)}")

@@ -6,11 +6,11 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import needs
 import pytest
 
 import hybond as hb
 
-CC = shutil.which("cc") or shutil.which("gcc")
 XML2 = """<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="gain" guid="{1}">
 <CoSimulation modelIdentifier="gain"/>
@@ -44,12 +44,10 @@ def unit(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Path]:
         with zipfile.ZipFile(path, "w") as archive:
             archive.writestr("modelDescription.xml", xml or {2: XML2, 3: XML3}[version])
             if xml is None:
-                if CC is None:
-                    pytest.skip("no C compiler")
                 library = folder / "gain.so"
                 source = Path(__file__).with_name("gain.c")
                 flags = ["-shared", "-fPIC", f"-DFMI={version}"]
-                subprocess.run([CC, *flags, source, "-o", library], check=True)
+                subprocess.run([*needs.QUICK, *flags, source, "-o", library], check=True)
                 place = "linux64" if version == 2 else "x86_64-linux"
                 archive.write(library, f"binaries/{place}/gain.so")
         return path
@@ -64,6 +62,7 @@ def plant() -> hb.Model:
     return m
 
 
+@pytest.mark.c
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_unit_is_its_difference_equation(unit: Callable[[int], Path], version: int) -> None:
     pytest.importorskip("fmpy")
@@ -79,6 +78,7 @@ def test_a_unit_is_its_difference_equation(unit: Callable[[int], Path], version:
     assert run["lag.u"].unit == ("1/s" if version == 2 else "")
 
 
+@pytest.mark.c
 def test_a_file_names_a_unit_and_keeps_it(unit: Callable[[int], Path], tmp_path: Path) -> None:
     shutil.copy(unit(2), tmp_path / "gain.fmu")
     text = hb.dumps(plant()) + (
@@ -91,6 +91,7 @@ def test_a_file_names_a_unit_and_keeps_it(unit: Callable[[int], Path], tmp_path:
     assert hb.simulate(model, until="50 ms", fmus=True)["lag.u"].at(0.05) > 0
 
 
+@pytest.mark.c
 def test_nothing_runs_without_consent(unit: Callable[[int], Path]) -> None:
     m = plant()
     m.block(lag=hb.FMU(unit(2), every="10 ms"))
@@ -100,6 +101,7 @@ def test_nothing_runs_without_consent(unit: Callable[[int], Path]) -> None:
     assert caught.value.code == "HB-S117"
 
 
+@pytest.mark.c
 def test_a_unit_that_fails_ends_the_run_and_keeps_it(unit: Callable[[int], Path]) -> None:
     pytest.importorskip("fmpy")
     m = plant()

@@ -12,9 +12,9 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
 from netlists import CASES, DECKS, compare  # noqa: E402
-from ngspice import NGSPICE, run  # noqa: E402
+from ngspice import run  # noqa: E402
 
-pytestmark = pytest.mark.skipif(NGSPICE is None, reason="needs ngspice (apt-get install ngspice)")
+pytestmark = pytest.mark.ngspice
 
 
 SWITCHED = [case for case in CASES if case.diodes]

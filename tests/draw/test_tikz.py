@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -177,7 +176,7 @@ def test_save_writes_it(examples: Any, tmp_path: Path) -> None:
     assert drawing.save(tmp_path / "ball.tex").read_text(encoding="utf-8") == drawing.tikz()
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+@pytest.mark.latex
 def test_latex_compiles_it_without_a_word(build: Any, strokes: Any, tmp_path: Path) -> None:
     letters = "".join(map(chr, [*range(0x391, 0x3A2), *range(0x3A3, 0x3CA)]))
     names = {

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 
-needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
-needs_java = pytest.mark.skipif(shutil.which("javac") is None, reason="no Java compiler (javac)")
+needs_c = pytest.mark.c
+needs_java = pytest.mark.java
 
 
 @dataclass
@@ -80,22 +80,30 @@ def expected(run) -> Said:
     return said
 
 
-def compile_c(text: str, folder: Path, name: str, flags: Sequence[str] = ("-O0",)) -> Path:
-    """Compile a program without a warning; return it."""
+def compile_c(
+    text: str,
+    folder: Path,
+    name: str,
+    flags: Sequence[str] = ("-O0",),
+    compiler: Sequence[str] | None = None,
+) -> Path:
+    """Compile a program without a warning, with gcc or clang; return it."""
+    command = compiler or needs.STRICT
+    assert command is not None, "the test lacks the mark `strict`"
     source, program = folder / f"{name}.c", folder / name
     source.write_text(text, encoding="utf-8")
-    subprocess.run(["cc", *STRICT, *flags, "-o", program, source, "-lm"], check=True)
+    subprocess.run([*command, *STRICT, *flags, "-o", program, source, "-lm"], check=True)
     return program
 
 
 def compile_quickly(text: str, folder: Path, name: str) -> Path:
     """Compile a program with the compiler that takes least time; return it."""
-    quick = shutil.which("tcc")
-    if quick is None:
+    assert needs.QUICK is not None, "the test lacks the mark `c`"
+    if needs.QUICK == needs.STRICT:
         return compile_c(text, folder, name)
     source, program = folder / f"{name}.c", folder / name
     source.write_text(text, encoding="utf-8")
-    subprocess.run([quick, "-o", program, source, "-lm"], check=True)
+    subprocess.run([*needs.QUICK, "-o", program, source, "-lm"], check=True)
     return program
 
 

@@ -1,15 +1,15 @@
 """Parameters of functional mock-up units, set by FMPy, against hybond with these parameters."""
 
-import shutil
+import shlex
 from pathlib import Path
 
+import needs
 import pytest
 
 import hybond as hb
-from hybond.kernel.build import compiler
 
 fmpy = pytest.importorskip("fmpy")
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = pytest.mark.c
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASES = [
     ("bouncing_ball_newton", {"g": 7.0, "eps": 0.7}),
@@ -19,9 +19,7 @@ CASES = [
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = shutil.which("tcc")
-    if found is not None:
-        monkeypatch.setenv("CC", found)
+    monkeypatch.setenv("CC", shlex.join(needs.QUICK))
 
 
 def driven() -> hb.Model:

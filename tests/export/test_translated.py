@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import io
-import shutil
 import subprocess
 from pathlib import Path
 
+import needs
 import pytest
 
 import hybond.export.portable
@@ -41,9 +41,6 @@ int main(void)
     return code;
 }
 """
-
-needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
-needs_java = pytest.mark.skipif(shutil.which("javac") is None, reason="no Java compiler (javac)")
 
 
 def program_of(path: Path) -> Program:
@@ -85,14 +82,21 @@ def as_java(program: Program, name: str) -> str:
     return "\n".join([*lines, "}"]) + "\n"
 
 
-@needs_c
+@pytest.mark.strict
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda p: p.stem)
 def test_c_says_the_same(path: Path, tmp_path: Path) -> None:
     source = tmp_path / "sample.c"
     source.write_text(as_c(program_of(path)), encoding="utf-8")
-    sanitized = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    for k, flags in enumerate([["-O2"], sanitized]):
-        command = ["cc", *STRICT, *flags, "-o", str(tmp_path / f"p{k}"), str(source), "-lm"]
+    for k, flags in enumerate([["-O2"], needs.sanitizers()]):
+        command = [
+            *needs.STRICT,
+            *STRICT,
+            *flags,
+            "-o",
+            str(tmp_path / f"p{k}"),
+            str(source),
+            "-lm",
+        ]
         subprocess.run(command, check=True)
         done = subprocess.run([tmp_path / f"p{k}"], capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
@@ -121,7 +125,7 @@ def said_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return dict(zip([p.stem for p in SAMPLES], done.stdout.split("\f")[1:]))
 
 
-@needs_java
+@pytest.mark.java
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda p: p.stem)
 def test_java_says_the_same(path: Path, said_by_java: dict[str, str]) -> None:
     assert said_by_java[path.stem] == said_by_python(path)

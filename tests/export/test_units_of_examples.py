@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
+import shlex
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from example_runs import NAMES, example, integrated_run_of
@@ -12,16 +13,15 @@ from example_runs import NAMES, example, integrated_run_of
 import hybond as hb
 
 fmpy = pytest.importorskip("fmpy")
-QUICK = shutil.which("tcc")
-pytestmark = pytest.mark.skipif(QUICK is None, reason="no quick C compiler (tcc)")
 
 
+@pytest.mark.tcc
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_example_is_a_unit(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("CC", str(QUICK))
+    monkeypatch.setenv("CC", shlex.join(needs.QUICK))
     model, run = example(name), integrated_run_of(name)
     # a run that cannot go on is looked at before it stops
     end = run.t_end * (1.0 if run.error is None else 0.99)

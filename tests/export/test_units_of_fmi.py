@@ -1,17 +1,17 @@
 """Functional mock-up units, run by FMPy, against hybond."""
 
-import shutil
+import shlex
 import zipfile
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.kernel.build import compiler
 
 fmpy = pytest.importorskip("fmpy")
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = pytest.mark.c
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,6 @@ def states(model: hb.Model) -> list[str]:
     return [s.path for s in graph.storages] + [i.path for i in graph.integrals]
 
 
-QUICK = shutil.which("tcc")
 CASES = [
     ("diode_inductor", "2.0", None),  # impulses and mythical modes
     ("half_bridge", "3.0", None),  # timed events, modulated
@@ -40,8 +39,7 @@ CASES = [
 def test_a_unit_runs_as_the_model_does(
     folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, fmi: str, until: str | None
 ) -> None:
-    if QUICK is not None:
-        monkeypatch.setenv("CC", str(QUICK))
+    monkeypatch.setenv("CC", shlex.join(needs.QUICK))
     model = hb.load(f"examples/{name}.toml")
     path = folder / f"{name}.fmu"
     hb.export(model, to="fmu", path=path, fmi=fmi)
@@ -67,6 +65,24 @@ def test_a_unit_runs_as_the_model_does(
             got = [float(found[state][k]) for k in chosen]
             size = max(float(np.abs(found[state]).max()), 1e-300)
             assert got == pytest.approx(expected, abs=close * size), (kind, state)
+
+
+@pytest.mark.parametrize(
+    "made_by", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in needs.COMPILERS]
+)
+def test_any_compiler_makes_a_unit_that_runs(
+    made_by: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", shlex.join(needs.COMPILERS[made_by]))
+    model = hb.load("examples/diode_inductor.toml")
+    path = folder / f"{made_by}.fmu"
+    hb.export(model, to="fmu", path=path)
+    run = hb.simulate(model)
+    found = fmpy.simulate_fmu(str(path), stop_time=run.t_end, output=["L.p"])
+    size = float(np.abs(found["L.p"]).max())
+    for k in (len(found) // 5, len(found) // 2):
+        expected = float(run["L.p"].at(float(found["time"][k])))
+        assert float(found["L.p"][k]) == pytest.approx(expected, abs=1e-6 * size)
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,12 @@
 """The kernel builds, is clean, and is not needed."""
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 
 import hybond as hb
@@ -44,8 +46,6 @@ def python(code: str, *, env: dict[str, str]) -> subprocess.CompletedProcess[str
 def checked(tmp_path_factory) -> tuple[Path, str]:
     """Return the kernel with its sanitizers, and the runtime library of the address sanitizer."""
     command = build.compiler()
-    if command is None:
-        pytest.skip("there is no C compiler")
     target = tmp_path_factory.mktemp("kernel") / build.NAME
     flags = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     why = build.compile_kernel(target, flags=flags)
@@ -60,13 +60,38 @@ def checked(tmp_path_factory) -> tuple[Path, str]:
     return target, runtime
 
 
-@pytest.mark.skipif(build.compiler() is None, reason="there is no C compiler")
-def test_the_kernel_compiles_without_a_warning(tmp_path):
+@pytest.mark.parametrize(
+    "compiler", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in ("gcc", "clang")]
+)
+def test_the_kernel_compiles_without_a_warning(compiler, monkeypatch, tmp_path):
+    monkeypatch.setenv("CC", shlex.join(needs.COMPILERS[compiler]))
     flags = ("-Wall", "-Wextra", "-Werror")
     assert build.compile_kernel(tmp_path / build.NAME, flags=flags) == ""
 
 
+@pytest.mark.parametrize(
+    "compiler", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in needs.COMPILERS]
+)
+def test_any_compiler_makes_a_kernel_that_runs(compiler, monkeypatch, tmp_path):
+    monkeypatch.setenv("CC", shlex.join(needs.COMPILERS[compiler]))
+    target = tmp_path / build.NAME
+    assert build.compile_kernel(target) == ""
+    code = """
+import hybond as hb, sys
+run = hb.simulate(hb.load(sys.argv[1] + "/half_bridge.toml"), solver="rk45")
+print(run.stats["steps"], run.stats["marched"], run.final["L.p"])
+"""
+    done = python(code, env={"HYBOND_KERNEL": str(target)})
+    assert done.returncode == 0, done.stderr
+    steps, marched, flux = done.stdout.split()
+    assert float(steps) == float(marched) > 100  # all of them in the kernel
+    model = hb.load(ROOT / "examples" / "half_bridge.toml")
+    reference = hb.simulate(model, solver="rk45", kernel=False)
+    assert float(flux) == pytest.approx(reference.final["L.p"], rel=1e-12)
+
+
 @pytest.mark.slow
+@pytest.mark.strict
 def test_runs_are_clean_under_sanitizers(checked):
     target, runtime = checked
     env = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0", "HYBOND_KERNEL": str(target)}
@@ -78,6 +103,7 @@ def test_runs_are_clean_under_sanitizers(checked):
 
 
 @pytest.mark.slow
+@pytest.mark.strict
 def test_the_sanitizers_would_have_seen_a_wrong_index(checked, tmp_path):
     # what cannot fail proves nothing
     target, runtime = checked
@@ -97,6 +123,7 @@ def test_without_a_kernel_the_reference_runs_and_says_so():
     assert done.stdout.splitlines()[0] == "rope_and_disc not used: HYBOND_KERNEL is off"
 
 
+@pytest.mark.c
 def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
     old = tmp_path / build.NAME
     flags = ("-O0", "-UHYBOND_SOURCE", '-DHYBOND_SOURCE="old"')

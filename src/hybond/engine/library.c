@@ -61,6 +61,17 @@ SHOWN int hybond_model_size(void)
     return (int)sizeof(Model);
 }
 
+static bool is_made(HybondRun *run)
+{
+    if (setjmp(run->arena.spent) != 0) {
+        return false;
+    }
+    run->e = make_engine(&run->arena, run->model);
+    run->log = make_report(run->e);
+    run->r = make_run(run->e, run->log);
+    return true;
+}
+
 /* Make ready for a run; NULL where there is no memory for it. */
 SHOWN HybondRun *hybond_begin(const Model *model)
 {
@@ -69,14 +80,11 @@ SHOWN HybondRun *hybond_begin(const Model *model)
         return NULL;
     }
     run->model = model;
-    if (setjmp(run->arena.spent) != 0) {
+    if (!is_made(run)) {
         release(&run->arena);
         free(run);
         return NULL;
     }
-    run->e = make_engine(&run->arena, model);
-    run->log = make_report(run->e);
-    run->r = make_run(run->e, run->log);
     return run;
 }
 

@@ -6,6 +6,7 @@ import hashlib
 from functools import lru_cache
 from pathlib import Path
 
+from hybond.export.portable.code import DEEPEST
 from hybond.export.translate.c_printer import CPrinter
 from hybond.export.translate.c_words import HEADERS, c_words
 from hybond.export.translate.effects import effects_of
@@ -19,8 +20,6 @@ ROOTS = (
     *("run_code", "run_pair_code"),
 )
 """What `library.c` calls, and what evaluates expressions."""
-LOG = "log"
-"""The module that stands where printed programs have `report`."""
 COLUMNS = """\
     const int *code;
     const int *value_begins;
@@ -39,7 +38,7 @@ GIVEN = {
     "value": """\
 static double value(const Model *m, int k, const double *v)
 {
-    double stack[DEEPEST];
+    double stack[@DEEPEST@];
     return run_code(m->code, m->value_begins[k], m->code_number, v, stack);
 }
 """,
@@ -66,7 +65,7 @@ def program() -> Program:
     found = load([PORTABLE / "motion.py", PORTABLE / "code.py"])
     names = [m.name for m in found.modules if m.name != "report"]
     texts = {name: (PORTABLE / f"{name}.py").read_text(encoding="utf-8") for name in names}
-    texts["report"] = (PORTABLE / f"{LOG}.py").read_text(encoding="utf-8")
+    texts["report"] = (HERE / "log.py").read_text(encoding="utf-8")
     return load_texts(texts)
 
 
@@ -75,9 +74,7 @@ def digest() -> str:
     """Return what tells the sources of the library from others."""
     translate = HERE.parent / "export" / "translate"
     paths = [*PORTABLE.glob("*.py"), *translate.glob("*.py"), HERE / "library.c", Path(__file__)]
-    text = b"".join(
-        p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in sorted(paths)
-    )
+    text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in sorted(paths))
     return hashlib.sha256(text).hexdigest()[:16]
 
 
@@ -120,7 +117,9 @@ def library_text() -> str:
 def _printer(found: Program) -> CPrinter:
     printer = CPrinter(found, ROOTS, effects=effects_of(found, ROOTS))
     names = {f: _name_text(f, column) for f, column in NAMES.items()}
-    printer.given = {name: text.splitlines() for name, text in {**GIVEN, **names}.items()}
+    texts = {n: t.replace("@DEEPEST@", str(DEEPEST)) for n, t in {**GIVEN, **names}.items()}
+    reached = printer.reached.functions
+    printer.given = {name: text.splitlines() for name, text in texts.items() if name in reached}
     printer.beside = COLUMNS.splitlines()
     return printer
 

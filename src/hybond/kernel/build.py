@@ -1,4 +1,4 @@
-"""Compiling the kernel: with the system's C compiler, else with the zig of the package `ziglang`.
+"""Compiling the kernel: with a C compiler of the system, else with the zig of package `ziglang`.
 
 Run where hybond is built; nothing of hybond is imported here, because it is not installed yet.
 """
@@ -32,17 +32,21 @@ def digest() -> str:
 def compiler() -> list[str] | None:
     """Return the command of a C compiler, or None.
 
-    ``CC`` names one; ``HYBOND_NO_COMPILER`` says to do without.
+    ``CC`` names one; ``HYBOND_NO_COMPILER`` says to do without. The command ``cc`` comes after
+    those that optimise, because it may be tcc. Where there is no other, tcc does: it ignores the
+    flags that it does not know, never fuses products with sums, and nothing has to be fetched. Its
+    kernel takes up to twice as long as that of gcc, many times less than the reference.
     """
     if os.environ.get("HYBOND_NO_COMPILER"):
         return None
     if os.environ.get("CC"):
         return shlex.split(os.environ["CC"])
-    for name in ("cc", "gcc", "clang"):
+    for name in ("gcc", "clang", "cc", "tcc"):
         if shutil.which(name):
             return [name]
     if importlib.util.find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc"]
+        # zig compiles for the very machine it runs on unless told not to: libraries go elsewhere
+        return [sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline"]
     return None
 
 
@@ -57,9 +61,6 @@ def compile_kernel(target: Path, *, flags: tuple[str, ...] = ()) -> str:
     if command is None:
         return "there is no C compiler"
     pic: tuple[str, ...] = () if sys.platform == "win32" else ("-fPIC",)
-    if "ziglang" in command:
-        # zig compiles for the very machine it runs on unless told not to: a wheel goes elsewhere
-        pic += ("-mcpu=baseline",)
     files = [str(f) for f in sorted(SOURCES.glob("*.c"))]
     mark = f'-DHYBOND_SOURCE="{digest()}"'
     libraries = () if sys.platform == "win32" else ("-lm",)

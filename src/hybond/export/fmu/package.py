@@ -63,6 +63,25 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     ModelError
         What the exported runtime does not have.
     """
+    own, source = unit_of(model, fmi=fmi, **options)
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
+
+        def add(name: str, data: str | bytes) -> None:
+            entry = zipfile.ZipInfo(name, _WHEN)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            files.writestr(entry, data)
+
+        add("modelDescription.xml", describe(own, fmi))
+        add(f"sources/{own.identifier}.c", source)
+        library = _compiled(source, own.identifier)
+        add(f"binaries/{_PLACES[fmi]}/{own.identifier}{_SUFFIX}", library)
+    return archive.getvalue()
+
+
+def unit_of(model: Model, *, fmi: str, **options: object) -> tuple[Interface, str]:
+    """Return what the unit of a model shows, and its C; raises as `to_fmu` does."""
     if fmi not in VERSIONS:
         raise UsageError(
             f"FMI {fmi} is not written", code="HB-E604", where="fmi", hint="fmi = '3.0' or '2.0'"
@@ -82,21 +101,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
         until=float(tables.numbers["until"]),
         rtol=float(tables.numbers["rtol"]),
     )
-    source = unit_source(model, found, own, fmi)
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
-
-        def add(name: str, data: str | bytes) -> None:
-            entry = zipfile.ZipInfo(name, _WHEN)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o644 << 16
-            files.writestr(entry, data)
-
-        add("modelDescription.xml", describe(own, fmi))
-        add(f"sources/{own.identifier}.c", source)
-        library = _compiled(source, own.identifier)
-        add(f"binaries/{_PLACES[fmi]}/{own.identifier}{_SUFFIX}", library)
-    return archive.getvalue()
+    return own, unit_source(model, found, own, fmi)
 
 
 def unit_source(model: Model, found: Exported, own: Interface, fmi: str) -> str:
@@ -168,7 +173,7 @@ def _compiled(source: str, name: str) -> bytes:
             "a functional mock-up unit holds a compiled library, and there is no C compiler",
             code="HB-E605",
             where="fmu",
-            hint="install one (CC names it), or export to C",
+            hint="install one (CC names it; pip install ziglang will do), or export to C",
         )
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder, f"{name}.c")

@@ -1,0 +1,38 @@
+"""The compiled library: made of the printed engine, by the compiler that the kernel takes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from hybond.engine.printing import library_text
+from hybond.kernel.build import FLAGS, TIMEOUT, compiler, zig_flags
+
+NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
+
+
+def compile_library(target: Path, *, flags: tuple[str, ...] = ()) -> str:
+    """Print and compile the engine into the file `target`; return why not, empty if it is there."""
+    command = compiler()
+    if command is None:
+        return "there is no C compiler"
+    hidden = () if sys.platform == "win32" else ("-fPIC", "-fvisibility=hidden")
+    libraries = () if sys.platform == "win32" else ("-lm",)
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "engine.c")
+        source.write_text(library_text(), encoding="utf-8")
+        whole = [*command, *FLAGS, *hidden, *zig_flags(command), *flags]
+        try:
+            done = subprocess.run(
+                [*whole, "-o", str(target), str(source), *libraries],
+                capture_output=True,
+                text=True,
+                timeout=TIMEOUT,
+                check=False,
+                errors="replace",
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return f"{command[0]}: {error}"
+    return "" if done.returncode == 0 else f"{command[0]}: {done.stderr.strip()[-2000:]}"
