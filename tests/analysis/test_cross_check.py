@@ -52,6 +52,7 @@ def balls(apart: float = 0.0) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_the_diode_circuit_agrees_with_order_one() -> None:
     found = hb.cross_check(rlcd(), "3 ms", step="5 us")
     assert found.engines == ("rk45", "moreau-jean")
@@ -82,6 +83,7 @@ def test_what_a_law_adds_up_to_is_the_charge_that_went_through() -> None:
         assert abs(q) < 1e-5
 
 
+@pytest.mark.slow
 def test_the_bridge_agrees_though_its_shares_do_not_count() -> None:
     found = hb.cross_check(hb.load(EXAMPLES / "diode_bridge.toml"), "1 ms", step="5 us")
     assert found.verdict == "agree"
@@ -113,6 +115,7 @@ def test_a_bouncing_ball_agrees() -> None:
     assert not found.reasons
 
 
+@pytest.mark.slow
 def test_balls_that_touch_differ_legitimately() -> None:
     found = hb.cross_check(balls(), 0.3, step="1 ms")
     assert found.verdict == "differ legitimately"
@@ -156,6 +159,7 @@ def test_an_engine_that_is_wrong_is_found(model: object, monkeypatch: pytest.Mon
     assert min(d.since for d in found.differences if d.since) >= 0.195 * end
 
 
+@pytest.mark.slow
 def test_an_impact_law_that_is_wrong_is_not_excused_by_a_later_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -237,6 +241,7 @@ def test_what_cannot_be_compared_is_refused(options: dict, code: str) -> None:
     assert refused.value.code == code
 
 
+@pytest.mark.slow
 def test_data_and_text_say_the_same() -> None:
     found = hb.cross_check(ball(), 1.0, step="2 ms")
     data = found.to_data()

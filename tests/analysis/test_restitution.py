@@ -164,6 +164,7 @@ def test_symbols_are_those_of_the_model():
 # -- closed forms
 
 
+@pytest.mark.slow
 @given(st.floats(1e-3, 30.0), st.floats(0.01, 100.0), st.floats(1e-6, 1.0))
 @example(1.0, 1.0, 0.9375)  # critical, but for rounding
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ def same(mine: np.ndarray, theirs: np.ndarray) -> bool:
     return a.shape == b.shape and np.allclose(a, b, rtol=0, atol=1e-7 * np.abs(b).max())
 
 
+@pytest.mark.slow
 @MANY
 @given(st.integers(0, 100_000), st.integers(1, 7), st.integers(0, 2), st.integers(0, 100))
 def test_each_row_agrees_with_the_pencil_of_everything(

@@ -42,6 +42,7 @@ def collisions(n, until):
         found.append((t, f"contact{who}"))
 
 
+@pytest.mark.slow
 def test_ten_beads(simulate):
     until = 1.1
     run = simulate("bead_column", until=until)

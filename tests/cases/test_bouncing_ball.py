@@ -49,6 +49,7 @@ def pieces():
     return reference(3.0)
 
 
+@pytest.mark.sampled(1)
 def test_against_the_exact_solution(simulate, pieces, solver):
     run = simulate("bouncing_ball", solver=solver)
     assert run.status == "ok"

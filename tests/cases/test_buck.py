@@ -143,6 +143,7 @@ def test_reference_is_well_conditioned(reference):
     assert latest(exact(PERIODS, off_by=1e-10)[0], reference[0]) < 1e-6
 
 
+@pytest.mark.slow
 def test_every_switching(run, reference):
     switched, states = reference
     assert len(switched) == 467

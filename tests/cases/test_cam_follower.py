@@ -84,6 +84,7 @@ def reference(until):
     return found
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-8, 1e-11])
 def test_lift_off_and_impacts(rtol, simulate):
     run = simulate("cam_follower", rtol=rtol, until=0.34)

@@ -180,6 +180,7 @@ class TestSubmodules:
             found.append((two, x))
         return found
 
+    @pytest.mark.sampled(1)
     def test_commanded_arm(self, simulate, solver):
         run = simulate("mmc_arm", until=self.BLOCK, solver=solver)
         signals = ["i.f", "m1.C.e", "m2.C.e", "m3.C.e", "m4.C.e"]

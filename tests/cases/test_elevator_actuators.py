@@ -57,6 +57,7 @@ def run(simulate):
     return simulate("elevator_actuators", rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_every_sample_is_that_of_the_second_computation(run):
     states, found = flown()
     t = T * np.arange(len(states))

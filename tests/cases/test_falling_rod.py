@@ -107,6 +107,7 @@ def test_sticks_and_breaks_away(simulate, modes_of, solver):
     assert modes_of(run, breakaway) == [(("onset",), "mythical"), (("right",), "continuous")]
 
 
+@pytest.mark.sampled(1)
 def test_breakaway_has_no_mode_under_the_published_rule(simulate, modes_of, solver):
     with pytest.raises(hb.DivergenceOfTime) as caught:
         simulate("falling_rod_threshold", parameters={"mu": 0.27}, solver=solver)
@@ -117,6 +118,7 @@ def test_breakaway_has_no_mode_under_the_published_rule(simulate, modes_of, solv
     assert modes_of(run, run.events[1]) == [(("stuck",), "continuous")]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("inertia", "sticks"), [(1.272, False), (1.3066, False), (4 / 3, True), (1 / 3, False)]
 )

@@ -104,6 +104,7 @@ def sampled(run: hb.Result, n: int, points: int = 500) -> dict[str, np.ndarray]:
 SIZES = [(4, 6.0), (10, 3.0), (20, 3.0)]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("n", "periods"), SIZES)
 def test_each_diode_conducts_or_blocks(n, periods):
     run = run_of(n, periods)
@@ -178,6 +179,7 @@ def test_without_load_the_output_climbs_to_its_closed_form(diodes):
     assert run["C1.e"].at(run.t_end) == pytest.approx(V, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_load_takes_its_charge_from_the_ladder():
     """With a load the output ripples, and droops as a small-step method finds it."""
     resistance, periods, steps = 1e5, 4, 4000

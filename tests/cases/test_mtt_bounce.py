@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 
+@pytest.mark.sampled(1)
 def test_ball_with_air_drag(simulate, solver):
     run = simulate("bouncing_ball_air", solver=solver)
     times = [e.t for e in run.events[1:5]]
@@ -40,6 +41,7 @@ def test_the_rod_keeps_its_energy(simulate, solver):
     assert energy == pytest.approx(98.1, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_rod_against_another_integrator(simulate):
     """While a tip is below ground its spring is as long as it is deep."""
     run = simulate("bouncing_rod", rtol=1e-10)

@@ -122,6 +122,7 @@ def test_check_valve(simulate, solver):
     assert run["q.f"].at(np.linspace(0.0, 2.0, 500)).min() >= -1e-14
 
 
+@pytest.mark.slow
 def test_ratchet(simulate):
     """The drum never turns back; the drive is felt in one direction only; what is lifted stays."""
     run = simulate("ratchet")

@@ -88,7 +88,7 @@ def test_the_hodograph_of_a_block_with_a_steady_side_force(
     assert y * c - x * s == pytest.approx(over(lambda a: r(a) ** 2 * math.sin(a)), abs=close)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.3, math.pi / 2.0])
 def test_the_friction_oscillator_in_any_direction(angle: float) -> None:
     # m = k = 1, friction 1, x(0) = 12, v(0) = 6: each half period turns round 1 nearer
@@ -245,6 +245,7 @@ def test_a_contact_bears_on_the_disk(solver: str) -> None:
     assert states(run)[-1] == "sticks"
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("pair", [False, True])
 @pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
 def test_a_limit_below_zero_is_refused(pair: bool, solver: str) -> None:
@@ -271,6 +272,7 @@ def test_slip_that_a_force_hardly_slows_stops_when_it_must(force: float) -> None
     assert run.events[-1].t == pytest.approx(want, rel=1e-7)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("force", "at"), [(0.5, 1.5919), (0.9, 6.9155)])
 def test_nothing_is_missed_while_slip_comes_to_its_end(force: float, at: float) -> None:
     m = block((0.0, force), (1.0, 0.3), limit=1.0)
@@ -287,7 +289,7 @@ def test_nothing_is_missed_while_slip_comes_to_its_end(force: float, at: float) 
     assert fired[2][0] == pytest.approx(want, rel=1e-7)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("second", [((1.2, 1.6), 1.0), ((1.2, 1.6001), 1.0), ((0.3, -0.4), 0.25)])
 def test_two_slips_that_end_together_or_nearly(second: tuple[tuple[float, float], float]) -> None:
     m = hb.Model("two", domain="translational")
@@ -341,6 +343,7 @@ def test_a_wall_that_begins_to_push(solver: str) -> None:
     assert abs(run.final["my.p"]) < 1e-12
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_no_solver_and_no_tolerance_lets_friction_push(solver: str, rtol: float) -> None:
@@ -354,7 +357,7 @@ def test_no_solver_and_no_tolerance_lets_friction_push(solver: str, rtol: float)
     assert speed == pytest.approx(want, abs=max(0.1 * rtol, 2e-6))
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])
 @pytest.mark.parametrize("angle", [0.6, 2.0])
 def test_a_slanted_swing_comes_to_rest_at_loose_tolerances(angle: float, rtol: float) -> None:

@@ -286,7 +286,7 @@ def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(orde
         assert shares == pytest.approx([near, far, far, near], rel=1e-9)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.rounding
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("rate", [300, 310, 320])

@@ -56,6 +56,7 @@ def switchings(until, start):
             found.append((t, z[:4].copy()))
 
 
+@pytest.mark.slow
 def test_half_a_cycle_is_a_map_onto_its_mirror_image():
     found, x = switchings(HALF_PERIOD + 1e-3, ON_CYCLE)
     assert len(found) == SWITCHINGS
@@ -69,6 +70,7 @@ def test_half_a_cycle_is_a_map_onto_its_mirror_image():
     assert min(abs(x[1]) for _, x in found) > 5e-6
 
 
+@pytest.mark.slow
 def test_a_half_cycle_switching_by_switching(tmp_path):
     text = FILE.read_text(encoding="utf-8")
     for old, new in zip(START, ON_CYCLE, strict=True):

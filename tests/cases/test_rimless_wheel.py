@@ -50,6 +50,7 @@ def test_every_step_is_that_of_the_return_map(run):
         assert run["x"].at(t) == pytest.approx((k + 0.5) * side, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_impulse_of_a_step_goes_along_the_new_leg(run):
     """What it loses is the momentum along that leg, m*l*w*sin(2*alpha)."""
     for event, (_, before, after) in zip(run.events[1:], steps(4), strict=True):

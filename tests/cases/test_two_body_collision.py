@@ -35,6 +35,7 @@ def test_published_values(values, after, simulate, modes_of, solver):
     assert hit.steps[0].energy.source == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(MASS, MASS, st.floats(-3.0, 3.0), st.floats(0.2, 5.0), st.floats(0.0, 1.0))
 def test_newtons_law(simulate, m1, m2, v2, closing, e):

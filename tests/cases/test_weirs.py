@@ -104,6 +104,7 @@ def transitions(run):
     return found
 
 
+@pytest.mark.slow
 def test_published_levels(run):
     for t, expected in PRINTED.items():
         assert levels(run, t) == pytest.approx(expected, abs=1e-3)
@@ -120,6 +121,7 @@ def test_published_level_that_is_not_converged(run, reference):
     assert exactly != pytest.approx(PRINTED_WHILE_IT_CYCLES, abs=3e-3)
 
 
+@pytest.mark.slow
 def test_every_switching(run, reference):
     expected, switchings = reference
     found = transitions(run)

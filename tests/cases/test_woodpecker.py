@@ -65,6 +65,7 @@ LOCKED_AND_FALLING = (0.02, 0.04, 0.06, 0.072, 0.0776)
 PECKED = (0.08, 0.084, 0.088, 0.096)
 
 
+@pytest.mark.slow
 def test_against_stepping(simulate):
     """The steps come closer with their square before the first impact, with themselves after."""
     run = simulate("woodpecker", rtol=1e-9)
@@ -75,6 +76,7 @@ def test_against_stepping(simulate):
         assert difference(run, points, h, PECKED) < 100.0 * h
 
 
+@pytest.mark.slow
 def test_what_happens(simulate):
     """The sleeve lets go, its upper edge strikes, the beak pecks, the upper edge strikes again."""
     run = simulate("woodpecker")
@@ -119,6 +121,7 @@ def test_a_second_of_it(second):
     assert second.audit().created < 1e-12
 
 
+@pytest.mark.slow
 def test_cycles_of_one_period(second):
     """Each cycle frees the upper edge, pecks, and locks again; cycles settle to one period."""
     ours = [t for t, contact in strikes(second) if contact == "hit1"]

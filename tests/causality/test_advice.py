@@ -231,6 +231,7 @@ def random_model(seed: int) -> hb.Model:
     return circuit(parts, bonds, {f"m_{name}": [name] for name in switches})
 
 
+@pytest.mark.slow
 def test_following_advice_on_random_models_leaves_no_dynamic_stroke_outside() -> None:
     followed_count = 0
     for seed in range(400):

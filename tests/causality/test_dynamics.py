@@ -1,5 +1,6 @@
 """What is said of all modes, against all modes."""
 
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from written_graphs import legal, modes, written
@@ -72,6 +73,7 @@ def test_invariant_bonds_do_not_depend_on_the_order_of_elements(build, given_gra
     assert {bond for bond, _ in named[0]} == {bond for bond, _ in named[1]}
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(written(junctions=10, leaves=2), st.data())
 def test_causality_of_a_mode_does_not_depend_on_the_way_there(build, given_graph, data) -> None:

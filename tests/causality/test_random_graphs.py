@@ -17,6 +17,7 @@ def rule_nodes(graph: FlatGraph, off: frozenset[int], strokes: tuple[int, ...]) 
     return {n.index for n in graph.nodes if not satisfied(graph, off, strokes, n.index)}
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(written())
 def test_rules_hold_wherever_no_conflict_is_reported(build, given_graph) -> None:

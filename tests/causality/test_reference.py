@@ -70,6 +70,7 @@ def test_no_mode_is_better_switch_by_switch(build, given_graph, starts) -> None:
         assert not found.causality.conflicts
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(written(junctions=14, leaves=2, switches=0), st.randoms(use_true_random=False))
 def test_no_mode_of_ten_switches_is_better(build, given_graph, random) -> None:
@@ -81,6 +82,7 @@ def test_no_mode_of_ten_switches_is_better(build, given_graph, random) -> None:
     assert most is None or score(graph, mode) == most
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(written(junctions=10, leaves=2, switches=6), st.data())
 def test_no_mode_is_better_where_machines_switch_several(build, given_graph, data) -> None:
@@ -95,6 +97,7 @@ def test_no_mode_is_better_where_machines_switch_several(build, given_graph, dat
         assert found.integral == most[0]
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(written(junctions=8, leaves=2, switches=5), st.randoms(use_true_random=False))
 def test_mode_does_not_depend_on_the_order_of_elements(build, given_graph, random) -> None:

@@ -65,6 +65,7 @@ def test_switching_is_as_good_as_starting_afresh(build, given_graph, data) -> No
             assert strokes.dependent == fresh.dependent
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(written(junctions=8, leaves=2), st.data())
 def test_record_accounts_for_the_strokes_it_has(build, given_graph, data) -> None:

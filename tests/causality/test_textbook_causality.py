@@ -311,6 +311,7 @@ def test_mesh_of_capacitors_has_as_many_free_as_nodes(build) -> None:
     assert len(graph.storages) - len(causality.derivative) == 49
 
 
+@pytest.mark.slow
 def test_long_chain_and_large_mesh_are_quick(build) -> None:
     kinds: dict[str, str] = {"J": "Sf"}
     bonds = []

@@ -18,6 +18,7 @@ def circuit(shell: Any) -> Any:
     return shell
 
 
+@pytest.mark.slow
 def test_two_engines_agree(circuit: Any) -> None:
     done = circuit("check", "--cross", "rlcd.toml", "--until", "2 ms", "--step", "5 us")
     assert (done.code, done.err) == (0, "")

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import pytest
+
 import hybond as hb
 
 
@@ -39,6 +41,7 @@ def test_an_unknown_part_and_a_file_of_no_part_are_refused(shell: Any) -> None:
     assert shell("library", "--file").code == 1
 
 
+@pytest.mark.slow
 def test_a_word_finds_parts_by_name_and_title(shell: Any) -> None:
     lines = shell("library", "Diode").out.splitlines()
     found = [line.split()[0] for line in lines]

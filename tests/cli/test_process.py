@@ -32,6 +32,7 @@ def start(folder: Path, *words: str) -> "subprocess.Popen[str]":
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
 def test_ctrl_c_in_mid_run_keeps_what_there_is(shell: Any) -> None:
     words = ["--until", "1e7", "--at", "0.1,9e6", "--signals", "cap.e"]

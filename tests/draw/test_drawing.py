@@ -54,6 +54,7 @@ def test_no_text_overlaps_text(example: Any, strokes: Any) -> None:
             assert not box_a.overlaps(box_b), (a, b)
 
 
+@pytest.mark.sampled(2)
 def test_no_text_is_crossed_by_a_line(example: Any, strokes: Any) -> None:
     for drawing in variants(example, strokes):
         lines = [m for g in drawing.scene.groups for m in g.marks if isinstance(m, Line)]
@@ -223,6 +224,7 @@ def test_svg_is_well_formed_and_carries_class_names(example: Any, strokes: Any) 
         assert "prefers-color-scheme" in (root.findtext(f"{SVG}style") or "")
 
 
+@pytest.mark.slow
 def test_same_picture_in_every_process(tmp_path: Path) -> None:
     script, conftest = tmp_path / "one.py", str(Path(__file__).parent / "conftest.py")
     script.write_text(

@@ -87,6 +87,7 @@ def test_the_picture_can_be_read_back(example: Any, strokes: Any) -> None:
                 assert 0 <= x <= wide and 0 <= y <= high
 
 
+@pytest.mark.sampled(3)
 def test_it_has_the_same_marks_as_the_svg(example: Any, strokes: Any) -> None:
     for drawing in pictures(example, strokes):
         found = read(drawing.tikz())

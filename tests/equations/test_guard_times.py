@@ -143,6 +143,7 @@ def test_time_event_and_guard_at_once_are_settled_once() -> None:
     assert {f.machine for s in event.steps for f in s.fired} == {"g", "t"}
 
 
+@pytest.mark.sampled(1)
 def test_pwm_edges_are_exact() -> None:
     m = base()
     m.input(gate=hb.Input(pwm={"period": 0.1, "duty": 0.3}))

@@ -53,7 +53,7 @@ def pendulum(inertia: float, way: int = 0, mass: float = 2.0, length: float = 1.
     return m
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("way", range(4))
 @pytest.mark.parametrize("inertia", [0.0, 0.8])
 def test_pendulum_in_cartesian_coordinates(inertia, way) -> None:
@@ -80,7 +80,7 @@ def test_pendulum_that_starts_with_a_wrong_velocity_is_projected() -> None:
     assert math.isclose(lost, 0.5 * 2.0 * 9.0 * math.sin(1.2) ** 2, rel_tol=1e-9)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("inertia", [0.05, 0.5])
 def test_slider_crank(inertia) -> None:
     # the modulus passes through zero twice per turn; without losses the energy fixes the speed
@@ -112,6 +112,7 @@ def test_slider_crank(inertia) -> None:
     assert energy_drift(run) < 1e-8
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("flip", [False, True])
 def test_time_modulated_transformer_between_capacitors(flip) -> None:
     # e1 = m e2 and f2 = m f1 with m = 2 + sin t: q1 is proportional to m / sqrt(m^2 + C2/C1)
@@ -131,6 +132,7 @@ def test_time_modulated_transformer_between_capacitors(flip) -> None:
     assert energy_drift(run) < 1e-8
 
 
+@pytest.mark.slow
 def test_time_modulated_transformer_through_zero() -> None:
     m = hb.Model("tf")
     m.add(a=hb.I(1.0, f=1.0), b=hb.I(2.0), t=hb.TF("cos(1*time)"), v=hb.One(), w=hb.One())

@@ -321,6 +321,7 @@ def test_inverse_of_a_general_matrix_is_cofactors_over_the_determinant() -> None
             assert not {f"m{k}{i}" for k in range(n)} & x.numerator.atoms()
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None)
 @given(st.lists(st.sampled_from([*ATOMS, "0", "1", "-2", "a*b", "1/a"]), min_size=16, max_size=16))
 def test_inverse_of_a_random_matrix_is_that_of_sympy(entries: list[str]) -> None:

@@ -28,6 +28,7 @@ def test_every_example_is_rebuilt_to_the_same_graph(file: Path, tmp_path: Path) 
     assert hb.dumps(again, inline=True) == hb.dumps(model, inline=True)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["falling_rod", "mmc_arm", "end_stops"])
 def test_the_run_of_the_script_has_the_same_bits(name: str, tmp_path: Path) -> None:
     model = hb.load(next(f for f in EXAMPLES if f.stem == name))

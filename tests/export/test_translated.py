@@ -82,6 +82,7 @@ def as_java(program: Program, name: str) -> str:
     return "\n".join([*lines, "}"]) + "\n"
 
 
+@pytest.mark.slow
 @pytest.mark.strict
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda p: p.stem)
 def test_c_says_the_same(path: Path, tmp_path: Path) -> None:
@@ -125,12 +126,14 @@ def said_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return dict(zip([p.stem for p in SAMPLES], done.stdout.split("\f")[1:]))
 
 
+@pytest.mark.slow
 @pytest.mark.java
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda p: p.stem)
 def test_java_says_the_same(path: Path, said_by_java: dict[str, str]) -> None:
     assert said_by_java[path.stem] == said_by_python(path)
 
 
+@pytest.mark.slow
 def test_comments_are_carried_over() -> None:
     text = as_c(program_of(next(p for p in SAMPLES if p.stem == "flow")))
     assert "n++; // does not lengthen the loop" in text or "// does not lengthen the loop" in text
@@ -140,6 +143,7 @@ def test_comments_are_carried_over() -> None:
     assert ">>>" not in text
 
 
+@pytest.mark.slow
 def test_what_is_only_read_is_const() -> None:
     text = as_c(program_of(next(p for p in SAMPLES if p.stem == "flow")))
     assert "static int search(const int *v, int n, int wanted)" in text

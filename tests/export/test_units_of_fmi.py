@@ -35,6 +35,7 @@ CASES = [
 ]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("name", "fmi", "until"), CASES)
 def test_a_unit_runs_as_the_model_does(
     folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, fmi: str, until: str | None

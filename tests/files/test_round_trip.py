@@ -154,6 +154,7 @@ def files(draw: Any) -> dict[str, Any]:
 few = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
+@pytest.mark.slow
 @few
 @given(files())
 def test_data_round_trips_exactly(data: dict[str, Any]) -> None:

@@ -60,6 +60,7 @@ def checked(tmp_path_factory) -> tuple[Path, str]:
     return target, runtime
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "compiler", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in ("gcc", "clang")]
 )
@@ -123,6 +124,7 @@ def test_without_a_kernel_the_reference_runs_and_says_so():
     assert done.stdout.splitlines()[0] == "rope_and_disc not used: HYBOND_KERNEL is off"
 
 
+@pytest.mark.slow
 @pytest.mark.c
 def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
     old = tmp_path / build.NAME

@@ -74,6 +74,7 @@ def trees():
     return st.recursive(leaf, grow, max_leaves=14)
 
 
+@pytest.mark.slow
 @given(trees(), st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6))
 @settings(max_examples=500, deadline=None)
 def test_the_kernel_gives_what_the_reference_gives(kernel, tree, v):
@@ -173,6 +174,7 @@ def test_guards_hold_as_settling_asks_them(kernel, tree, now, before, impulse, m
     assert (None if got is None else got.finite != 0.0) == want
 
 
+@pytest.mark.slow
 @given(
     quantities(), THREE, THREE, st.lists(st.sampled_from([0.0, 1.0, -2.0]), min_size=3, max_size=3)
 )

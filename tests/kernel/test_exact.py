@@ -66,6 +66,7 @@ def test_constants_are_the_same():
     assert listed.replace("dopri", "rk45") == ", ".join(f"&hb_{m}" for m in marcher.METHODS)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(10)
 def test_random_networks(kernel, seed):

@@ -10,6 +10,7 @@ def both(model, **options):
     return [hb.simulate(model, kernel=k, on_error="return", **options) for k in (False, True)]
 
 
+@pytest.mark.slow
 def test_refused_trial_points_are_counted_among_all_steps(kernel):
     """One step in ten may touch a place where a law has no value, whoever makes the others."""
     m = hb.Model("edge", domain="hydraulic")

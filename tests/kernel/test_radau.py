@@ -183,6 +183,7 @@ def test_a_linear_network_against_its_exponentials(kernel):
     assert run.stats["steps"] == run.stats["marched"] < 2000
 
 
+@pytest.mark.slow
 def test_energies_balance(kernel):
     for name in ("network", "dependent", "relaxation"):
         make, until = MODELS[name]

@@ -96,6 +96,7 @@ def test_striking_masses(kernel, seed):
     assert_alike(striking(seed), 6.0)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS, sources=st.booleans())
 @some(30)
 def test_networks_of_diodes(kernel, seed, sources):

@@ -276,6 +276,7 @@ def test_an_accumulator_that_is_empty_gives_nothing_more():
         assert run["feed.flow"].at(5) == pytest.approx(1e-4)
 
 
+@pytest.mark.slow
 def test_an_accumulator_below_its_precharge_is_empty():
     """The line is filled through a resistance, and takes no notice of it up to the precharge."""
     for m in line(
@@ -337,6 +338,7 @@ def test_a_weir_passes_by_poleni_what_is_fed():
         assert run["upper.volume"].at(600) + run["lower.volume"].at(600) == pytest.approx(5.5)
 
 
+@pytest.mark.slow
 def test_an_overflow_pipe_overshoots_and_loses_its_momentum():
     """``"hydraulic.overflow_pipe"``: between opening and closing it is a linear system."""
     area, L, R, edge, feed = 0.5, 1e6, 2.5e5, 0.8, 8e-3
@@ -416,6 +418,7 @@ def bodied(cylinder: hb.Submodel, mass: float, **parts: object) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_a_locked_cylinder_is_a_spring():
     """``"hydraulic.cylinder"``: both ports closed, a small push; the field keeps its energy."""
     E, Aa, Ab, mass = 1.4e9, 1e-3, 6e-4, 50.0

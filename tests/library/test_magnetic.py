@@ -197,6 +197,7 @@ def test_a_coil_that_is_shorted_keeps_its_flux_and_pulls_with_a_constant_force()
         assert [run[n].unit for n in ("gap.gap", "gap.force", "gap.flux")] == ["m", "N", "V*s"]
 
 
+@pytest.mark.slow
 def test_what_a_source_of_current_gives_goes_half_into_the_field_and_half_into_the_armature():
     m = lifted(hb.Sf("0.5 A", domain="electrical"))
     for way in every_way(m, "node - coil.plus", "coil.north - gap.north", "armature - gap.mover"):

@@ -22,7 +22,7 @@ def floor(height: str, **values: object) -> hb.Submodel:
     return hb.Submodel("planar.floor", inputs={"height": height}, **values)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("l", "start"), [(1.0, 60.0), (0.4, 120.0)])
 def test_a_rod_on_a_pin_is_a_pendulum(l: float, start: float) -> None:
     # hanging is -90 deg; J about the end is m l^2/3
@@ -50,6 +50,7 @@ def test_a_rod_on_a_pin_is_a_pendulum(l: float, start: float) -> None:
         assert energy == pytest.approx(2 * G * l / 2 * math.sin(angle), abs=1e-6)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("a", "b"), [(0.0, 0.5), (-0.3, 0.4)])
 def test_a_body_on_a_pin_through_a_point_has_steiners_inertia(a: float, b: float) -> None:
     parts = {
@@ -127,6 +128,7 @@ def test_a_double_pendulum_keeps_its_energy_and_holds_together() -> None:
         assert run["r.angle"].at(1) < -1.5 and abs(run["s.angle"].at(t)).max() > 1.5
 
 
+@pytest.mark.slow
 def test_a_double_pendulum_begins_with_the_accelerations_of_lagrange() -> None:
     # level and at rest: angles q1, q2, inertia matrix and torques of gravity
     l1, l2, m1, m2 = 1.0, 0.6, 2.0, 1.0
@@ -171,7 +173,7 @@ def test_a_spring_at_a_pin_turns_two_rods_against_each_other() -> None:
         assert run[turning].at(0.5) == pytest.approx(0, abs=1e-6)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [60.0, 85.0])
 def test_a_rod_falls_on_a_smooth_floor(start: float) -> None:
     parts = {
@@ -216,6 +218,7 @@ def test_the_tip_of_a_rod_strikes_a_smooth_floor(eps: float) -> None:
         assert run["f.friction"].at(hit + 0.01) == pytest.approx(0, abs=1e-15)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("mu", "sticks"), [(0.7, True), (0.1, False)])
 def test_a_tip_sticks_in_an_impact_if_friction_is_enough(mu: float, sticks: bool) -> None:
     # the ratio of tangential to normal impulse of a sticking impact, MB's formula
@@ -297,6 +300,7 @@ def test_a_wheel_bounces_off_the_floor(eps: float) -> None:
         assert lost(run) == pytest.approx((1 - eps**2) * G)
 
 
+@pytest.mark.slow
 def test_a_spring_in_the_plane_keeps_energy_and_angular_momentum() -> None:
     parts = {
         "b": hb.Submodel("planar.rigid_body", g=0, m=0.5, x0=0.6, y0=0.8, vx0=1, vy0=2),

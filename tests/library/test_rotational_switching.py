@@ -233,6 +233,7 @@ def test_dry_friction_stops_a_shaft_and_holds_it(w: float) -> None:
         assert abs(run["J.speed"].at(2)) == pytest.approx(((4 - 2.25) - 2 * 0.5) / 0.5)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("d", [0.0, 2.0])
 def test_a_bearing_with_stribeck_friction(d: float) -> None:
     bearing = hb.Submodel("rotational.stribeck_friction", M=1, M_rest=2.5, w_s=0.1, d=d)

@@ -215,6 +215,7 @@ def test_any_tokens_parse_or_are_refused(tokens):
     assert parse(to_text(tree)) == tree
 
 
+@pytest.mark.slow
 def test_deep_trees_are_walked_without_recursion():
     for op in "+-*/":
         tree = parse(op.join(["x"] * 200))
@@ -275,6 +276,7 @@ def test_values(text, at, expected, algebra):
 REALS = st.floats(-10, 10) | st.sampled_from([0.0, -0.0, 1.0, math.inf, math.nan, 1e300])
 
 
+@pytest.mark.slow
 @given(numeric_trees(), st.lists(st.tuples(*[REALS] * 14), min_size=1, max_size=3))
 @settings(max_examples=150, deadline=None)
 def test_floats_and_arrays_agree(tree, rows):

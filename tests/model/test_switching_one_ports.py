@@ -147,6 +147,7 @@ def test_its_causality_is_static_where_that_of_a_controlled_junction_is_not() ->
     assert mode_dependent(ladder(4, mtf=False).flatten(), modes) != {}
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(
     st.lists(st.floats(0.2, 3.0), min_size=3, max_size=4),

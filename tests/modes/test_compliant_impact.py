@@ -213,6 +213,7 @@ def test_plastic_contacts_are_the_limit_of_vanishing_restitution(
         assert np.abs(near - plastic).max() < e
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.integers(2, 4), st.integers(0, 2**32 - 1), st.sampled_from([1.0, 1.5, 2.0]))
 def test_rows_never_gain_energy_and_keep_momentum(n: int, seed: int, exponent: float) -> None:

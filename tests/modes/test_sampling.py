@@ -36,6 +36,7 @@ def loop() -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_sampled_loop_is_its_difference_equation(solver: str) -> None:
     run = hb.simulate(loop(), until="0.1 s", rtol=1e-10, **SOLVERS[solver])
@@ -180,6 +181,7 @@ def chain() -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "reference", "radau"])
 def test_instants_that_are_one_but_for_rounding_are_one(solver: str) -> None:
     """10*0.001 and 0.001 + 9*0.001 differ in the last bit: what is read is a period old."""

@@ -161,6 +161,7 @@ def controller(disturbance: str, *, x: float = 1.0, v: float = 0.0) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_sliding_mode_control_of_a_double_integrator(solver: str) -> None:
     """On the surface v = -c x: x decays as exp(-c t), and s stays at rounding."""

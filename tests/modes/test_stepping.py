@@ -247,6 +247,7 @@ def test_friction_acts_during_an_impact() -> None:
     assert p[0] == pytest.approx(0.3 * normal, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_what_sticks_breaks_loose_at_its_breakaway_force() -> None:
     m = hb.Model("pull", domain="translational")
     m.add(mass=hb.I("1 kg"), pull=hb.Se("2*time"))
@@ -291,6 +292,7 @@ def test_a_thyristor_waits_for_its_gate() -> None:
         assert np.abs(i[t > 3.2]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_coil_whose_switch_opens_goes_on_through_its_diode() -> None:
     m = hb.Model("coil", domain="electrical")
     m.add(
@@ -409,6 +411,7 @@ def test_without_switching_the_order_is_two_or_one() -> None:
         assert math.log2(coarse / fine) == pytest.approx(order, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_nonlinear_resistor_behind_a_diode() -> None:
     m = hb.Model("valve")
     m.add(u=hb.Se("10*sin(1*time)"), d=hb.One(law="diode"), c=hb.C(1.0))

@@ -180,6 +180,7 @@ def test_discharge(engine):
     assert abs(run.audit().energy) < 1e-8
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("r", [0.0, 0.5, 4.0, 9.0])
 def test_ringing_critical_and_creeping(r, engine):
     """At r = 4 the matrix has one eigenvector only."""

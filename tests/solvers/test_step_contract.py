@@ -90,6 +90,7 @@ def test_lands_on_the_next_representable_time(name):
     assert solver.step(t_end).t1 == t_end
 
 
+@pytest.mark.sampled(10)
 def test_interpolant_is_exact_at_both_ends(name):
     for step in run(started(name, y=(1 / 3, 0.1)), 1.0):
         assert np.array_equal(step.interpolant(step.t0), step.y0)
@@ -148,6 +149,7 @@ def test_evaluations_add_up_to_the_calls_made(name):
     assert solver.retry(within).evaluations == calls - total
 
 
+@pytest.mark.sampled(10)
 def test_same_input_same_bits(name):
     one, two = (run(started(name), 1.0) for _ in range(2))
     assert [s.t1 for s in one] == [s.t1 for s in two]
@@ -209,6 +211,7 @@ def test_a_step_needs_a_start_and_a_later_end(name):
         started(name, t=1.0).step(1.0)
 
 
+@pytest.mark.sampled(9)
 def test_continuing_is_cheaper_than_a_jump(name):
     def evaluations(jumped):
         solver = started(name)

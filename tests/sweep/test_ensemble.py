@@ -173,6 +173,7 @@ def test_events_are_counted_also_where_few_are_kept() -> None:
     assert one.counts.tolist() == few.counts.tolist()
 
 
+@pytest.mark.slow
 def test_progress_is_told_and_ends_with_all() -> None:
     for workers in (1, 2):
         told: list[tuple[int, int]] = []
@@ -201,6 +202,7 @@ def test_few_members_stay_in_this_process() -> None:
     assert many.how == "2 members in this process"
 
 
+@pytest.mark.slow
 def test_members_that_take_long_go_to_other_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     # as if processes took no time to start, and there were two cores
     monkeypatch.setattr("hybond.sweep.ensemble.STARTING", 1e-9)
@@ -232,6 +234,7 @@ print(many.final["c.e"].round(6).tolist(), many.how)
 """
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_main_guard(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(SCRIPT, encoding="utf-8")
@@ -255,6 +258,7 @@ def test_members_of_a_process_that_ends_are_errors(monkeypatch: pytest.MonkeyPat
     assert many.errors[2].code == "HB-S116" and many.errors[2].where == "sets[2]"
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_members_that_are_done() -> None:
     for workers in (1, 2):
 

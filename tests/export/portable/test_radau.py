@@ -29,6 +29,7 @@ def counted(model, monkeypatch, rel=1e-9, **options):
     return a.stats["steps"], len(made), b
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "rel"), [("bouncing_ball", 1e-9), ("coulomb_friction", 1e-6), ("rlcd", 1e-9)]
 )
@@ -46,6 +47,7 @@ def stiff():
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7])
 def test_a_stiff_law_takes_the_steps_of_the_reference(rtol, monkeypatch):
     expected, made, b = counted(stiff(), monkeypatch, rel=1e-8, until=0.2, rtol=rtol)
@@ -53,6 +55,7 @@ def test_a_stiff_law_takes_the_steps_of_the_reference(rtol, monkeypatch):
     assert b.engine.radau.made < made  # Jacobians are kept
 
 
+@pytest.mark.slow
 def test_a_guard_inside_a_step_is_landed_on(monkeypatch):
     m = stiff()
     m.add(s=hb.One(), load=hb.R("1 ohm"))
