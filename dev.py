@@ -52,12 +52,15 @@ def make_environment(extra):
     """Make .venv and install hybond there, unless that is done already; extra is "" or "dev"."""
     usable = PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0
     sources = [ROOT / "pyproject.toml", ROOT / "src" / "hybond" / "_version.py"]
-    kernel = ROOT / "src" / "hybond" / "kernel"
-    sources += [
-        ROOT / "hatch_build.py",
-        kernel / "build.py",
-        *sorted((kernel / "c").glob("*.[ch]")),
-    ]
+    package = ROOT / "src" / "hybond"
+    sources += [ROOT / "hatch_build.py"]
+    for room, kinds in {
+        "kernel": ("build.py", "c/*.[ch]"),
+        "engine": ("*.py", "*.c"),
+        "export/portable": ("*.py",),
+        "export/translate": ("*.py",),
+    }.items():
+        sources += [path for kind in kinds for path in sorted((package / room).glob(kind))]
     text = b"".join(path.read_bytes() for path in sources) + str(ROOT).encode()
     digest = hashlib.sha256(text).hexdigest()
     installed = STAMP.read_text().split() if usable and STAMP.exists() else []

@@ -1,40 +1,45 @@
-"""Compiles the kernel when hybond is built; without a compiler hybond is built without it."""
+"""Compiles kernel and engine when hybond is built; without a compiler it is built without them."""
 
-import importlib.util
+import importlib
+import sys
 import sysconfig
+import types
 from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-ROOM = Path(__file__).parent / "src" / "hybond" / "kernel"
+PACKAGE = Path(__file__).parent / "src" / "hybond"
 
 
-def _build():
-    spec = importlib.util.spec_from_file_location("hybond_kernel_build", ROOM / "build.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def _room(name):
+    """Import what builds a room, and nothing that hybond needs when it runs: not installed yet."""
+    for package in ("hybond", "hybond.export", "hybond.engine", "hybond.kernel"):
+        module = types.ModuleType(package)
+        module.__path__ = [str(PACKAGE.joinpath(*package.split(".")[1:]))]
+        sys.modules[package] = module
+    return importlib.import_module(f"hybond.{name}.build")
 
 
 class KernelHook(BuildHookInterface):
-    """Puts the compiled kernel into wheels, and beside its sources for an editable install."""
+    """Puts what was compiled into wheels, and beside its sources for an editable install."""
 
     def dependencies(self):
         """Ask for the zig compiler where the system has none."""
-        return ["ziglang"] if _build().wants_zig() else []
+        return ["ziglang"] if _room("kernel").wants_zig() else []
 
     def initialize(self, version, build_data):
         """Compile, and mark the wheel as one for this platform."""
         if self.target_name != "wheel":
             return
-        build = _build()
-        target = ROOM / build.NAME
-        target.unlink(missing_ok=True)
-        why = build.compile_kernel(target)
-        if why:
-            self.app.display_warning(f"hybond is built without its kernel: {why}")
-            return
-        build_data["artifacts"].append(f"src/hybond/kernel/{build.NAME}")
-        build_data["pure_python"] = False
-        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-        build_data["tag"] = f"py3-none-{platform}"
+        for name in ("kernel", "engine"):
+            room = _room(name)
+            target = PACKAGE / name / room.NAME
+            target.unlink(missing_ok=True)
+            why = room.compile_into(target)
+            if why:
+                self.app.display_warning(f"hybond is built without its {name}: {why}")
+                continue
+            build_data["artifacts"].append(f"src/hybond/{name}/{room.NAME}")
+            build_data["pure_python"] = False
+            platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+            build_data["tag"] = f"py3-none-{platform}"

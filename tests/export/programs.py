@@ -10,11 +10,20 @@ from pathlib import Path
 import needs
 import numpy as np
 import pytest
+from example_runs import STOPPED
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 
 needs_c = pytest.mark.c
 needs_java = pytest.mark.java
+
+
+LABELS = {
+    "cockcroft_walton": "which diode is called conducting while it carries nothing",
+    "mmc_arm": "which diode is called conducting while it carries nothing",
+}
+"""Examples whose states agree, and whose events are called by other names."""
+KEPT = {"slip_x.heading", "slip_x.slow"}
 
 
 @dataclass
@@ -112,3 +121,29 @@ def ask(*command: str | Path, code: int = 0) -> str:
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (code, "")
     return done.stdout
+
+
+def check(name: str, said: Said, run: Said) -> None:
+    """Hold what a program said of an example against a run of hybond."""
+    span = run.end
+    assert said.end == pytest.approx(span, rel=1e-9)
+    assert bool(said.stopped) == (name in STOPPED)
+    if name not in LABELS:
+        assert said.transitions == run.transitions
+        assert said.times == pytest.approx(run.times, abs=1e-9 * span)
+        check_impulses(said, run)
+    # hybond keeps more of a friction in the plane: how the slip turns
+    assert set(said.states) == {path for path in run.states if path not in KEPT}
+    for path, value in said.states.items():
+        # what is smaller than its kind by 1e-4 is made of differences
+        size = max(abs(value), 1e-4 * run.sizes[path])
+        assert value == pytest.approx(run.states[path], abs=1e-9 * size), path
+
+
+def check_impulses(said: Said, run: Said) -> None:
+    """Those on storage, whose bonds are known by name; of one step in any order."""
+    bonds = {bond for _, _, bond, _ in run.impulses}
+    found = sorted(i[1:] for i in said.impulses if i[2] in bonds)
+    meant = sorted(i[1:] for i in run.impulses)
+    assert [i[:2] for i in found] == [i[:2] for i in meant]
+    assert [i[2] for i in found] == pytest.approx([i[2] for i in meant], rel=1e-8)

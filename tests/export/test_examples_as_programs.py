@@ -7,10 +7,10 @@ from pathlib import Path
 
 import needs
 import pytest
-from example_runs import NAMES, RTOL, STOPPED, example, integrated, integrated_run_of
+from example_runs import NAMES, STOPPED, example, integrated, integrated_run_of
 from export.programs import (
-    Said,
     ask,
+    check,
     compile_c,
     compile_quickly,
     expected,
@@ -32,12 +32,6 @@ STYLE = [
     )
 ]
 """Warnings of clang that are of style, and the option by which an older one knows no newer name."""
-LABELS = {
-    "cockcroft_walton": "which diode is called conducting while it carries nothing",
-    "mmc_arm": "which diode is called conducting while it carries nothing",
-}
-"""Examples whose states agree, and whose events are called by other names."""
-KEPT = {"slip_x.heading", "slip_x.slow"}
 EVERY = [n if n in FEW else pytest.param(n, marks=pytest.mark.slow) for n in NAMES]
 
 
@@ -48,7 +42,7 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     calls = []
     for k, name in enumerate(NAMES):
         path = folder / f"Example{k}.java"
-        hb.export(example(name), to="java", path=path, rtol=RTOL, **integrated(name))
+        hb.export(example(name), to="java", path=path, **integrated(name))
         calls.append(f'Example{k}.run(System.out, "--events"); System.out.print("\\f");')
     main = "public static void main(String[] words) { " + "\n".join(calls) + " }"
     (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
@@ -58,36 +52,11 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return dict(zip(NAMES, ask("java", "-cp", folder, "All").split("\f")))
 
 
-def check(name: str, said: Said, run: Said) -> None:
-    span = run.end
-    assert said.end == pytest.approx(span, rel=1e-9)
-    assert bool(said.stopped) == (name in STOPPED)
-    if name not in LABELS:
-        assert said.transitions == run.transitions
-        assert said.times == pytest.approx(run.times, abs=1e-9 * span)
-        check_impulses(said, run)
-    # hybond keeps more of a friction in the plane: how the slip turns
-    assert set(said.states) == {path for path in run.states if path not in KEPT}
-    for path, value in said.states.items():
-        # what is smaller than its kind by 1e-4 is made of differences
-        size = max(abs(value), 1e-4 * run.sizes[path])
-        assert value == pytest.approx(run.states[path], abs=1e-9 * size), path
-
-
-def check_impulses(said: Said, run: Said) -> None:
-    """Those on storage, whose bonds are known by name; of one step in any order."""
-    bonds = {bond for _, _, bond, _ in run.impulses}
-    found = sorted(i[1:] for i in said.impulses if i[2] in bonds)
-    meant = sorted(i[1:] for i in run.impulses)
-    assert [i[:2] for i in found] == [i[:2] for i in meant]
-    assert [i[2] for i in found] == pytest.approx([i[2] for i in meant], rel=1e-8)
-
-
 @needs_c
 @pytest.mark.parametrize("name", EVERY)
 def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
     """And a strict compiler has nothing to say of it."""
-    text = hb.export(example(name), to="c", rtol=RTOL, **integrated(name))
+    text = hb.export(example(name), to="c", **integrated(name))
     compiled = compile_c if needs.STRICT else compile_quickly
     printed = ask(compiled(text, tmp_path, name), "--events", code=3 if name in STOPPED else 0)
     check(name, read_events(printed), expected(integrated_run_of(name)))

@@ -48,7 +48,7 @@ def checked(tmp_path_factory) -> tuple[Path, str]:
     command = build.compiler()
     target = tmp_path_factory.mktemp("kernel") / build.NAME
     flags = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-    why = build.compile_kernel(target, flags=flags)
+    why = build.compile_into(target, flags=flags)
     if why:
         pytest.skip(f"no sanitizers: {why.splitlines()[-1]}")
     asked = subprocess.run(
@@ -67,7 +67,7 @@ def checked(tmp_path_factory) -> tuple[Path, str]:
 def test_the_kernel_compiles_without_a_warning(compiler, monkeypatch, tmp_path):
     monkeypatch.setenv("CC", shlex.join(needs.COMPILERS[compiler]))
     flags = ("-Wall", "-Wextra", "-Werror")
-    assert build.compile_kernel(tmp_path / build.NAME, flags=flags) == ""
+    assert build.compile_into(tmp_path / build.NAME, flags=flags) == ""
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_the_kernel_compiles_without_a_warning(compiler, monkeypatch, tmp_path):
 def test_any_compiler_makes_a_kernel_that_runs(compiler, monkeypatch, tmp_path):
     monkeypatch.setenv("CC", shlex.join(needs.COMPILERS[compiler]))
     target = tmp_path / build.NAME
-    assert build.compile_kernel(target) == ""
+    assert build.compile_into(target) == ""
     code = """
 import hybond as hb, sys
 run = hb.simulate(hb.load(sys.argv[1] + "/half_bridge.toml"), solver="rk45")
@@ -129,18 +129,18 @@ def test_without_a_kernel_the_reference_runs_and_says_so():
 def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
     old = tmp_path / build.NAME
     flags = ("-O0", "-UHYBOND_SOURCE", '-DHYBOND_SOURCE="old"')
-    assert build.compile_kernel(old, flags=flags) == ""
+    assert build.compile_into(old, flags=flags) == ""
     done = python(ONE_RUN, env={"HYBOND_KERNEL": str(old)})
     assert "built from other sources" in done.stdout
 
 
 def test_a_machine_without_a_compiler_builds_no_kernel(monkeypatch, tmp_path):
     monkeypatch.setenv("HYBOND_NO_COMPILER", "1")
-    assert build.compile_kernel(tmp_path / build.NAME) == "there is no C compiler"
+    assert build.compile_into(tmp_path / build.NAME) == "there is no C compiler"
     assert not build.wants_zig()
     monkeypatch.delenv("HYBOND_NO_COMPILER")
     monkeypatch.setenv("CC", "no-such-compiler")
-    assert "no-such-compiler" in build.compile_kernel(tmp_path / build.NAME)
+    assert "no-such-compiler" in build.compile_into(tmp_path / build.NAME)
     monkeypatch.delenv("CC")
     monkeypatch.setattr(build.shutil, "which", lambda name: None)
     monkeypatch.setattr(build.importlib.util, "find_spec", lambda name: None)

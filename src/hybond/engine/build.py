@@ -8,12 +8,13 @@ import tempfile
 from pathlib import Path
 
 from hybond.engine.printing import library_text
-from hybond.kernel.build import FLAGS, TIMEOUT, compiler, zig_flags
+from hybond.kernel.build import TIMEOUT, compiler
 
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
 NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
 
 
-def compile_library(target: Path, *, flags: tuple[str, ...] = ()) -> str:
+def compile_into(target: Path, *, flags: tuple[str, ...] = ()) -> str:
     """Print and compile the engine into the file `target`; return why not, empty if it is there."""
     command = compiler()
     if command is None:
@@ -23,7 +24,7 @@ def compile_library(target: Path, *, flags: tuple[str, ...] = ()) -> str:
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder, "engine.c")
         source.write_text(library_text(), encoding="utf-8")
-        whole = [*command, *FLAGS, *hidden, *zig_flags(command), *flags]
+        whole = [*command, *FLAGS, *hidden, *flags]
         try:
             done = subprocess.run(
                 [*whole, "-o", str(target), str(source), *libraries],

@@ -43,6 +43,7 @@ typedef struct HybondSeen {
 } HybondSeen;
 
 SHOWN const char *hybond_source(void);
+SHOWN const char *const *hybond_columns(void);
 SHOWN int hybond_model_size(void);
 SHOWN HybondRun *hybond_begin(const Model *model);
 SHOWN int hybond_run(HybondRun *run, int slice);
@@ -54,6 +55,12 @@ SHOWN void hybond_end(HybondRun *run);
 SHOWN const char *hybond_source(void)
 {
     return HYBOND_SOURCE;
+}
+
+/* The columns of a model, in order, each with its type before it; NULL ends them. */
+SHOWN const char *const *hybond_columns(void)
+{
+    return HYBOND_COLUMNS;
 }
 
 SHOWN int hybond_model_size(void)

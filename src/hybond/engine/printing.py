@@ -7,10 +7,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from hybond.export.portable.code import DEEPEST
-from hybond.export.translate.c_printer import CPrinter
+from hybond.export.translate.c_printer import CPrinter, c_text
 from hybond.export.translate.c_words import HEADERS, c_words
 from hybond.export.translate.effects import effects_of
-from hybond.export.translate.lines import block_comment, prose
+from hybond.export.translate.lines import block_comment, prose, wrapped
 from hybond.export.translate.modules import Program, load, load_texts
 
 HERE = Path(__file__).parent
@@ -78,19 +78,17 @@ def digest() -> str:
     return hashlib.sha256(text).hexdigest()[:16]
 
 
-def model_members() -> list[tuple[str, str]]:
-    """Return the columns of a model in the library, in order: name and type.
+def _columns(printer: CPrinter) -> list[str]:
+    """Return the columns of a model in the library, in order: type and name.
 
-    Types are ``"int"``, ``"float"``, ``"Ints"``, ``"Floats"`` and ``"Texts"``.
+    Types are ``int``, ``float``, ``Ints``, ``Floats`` and ``Texts``.
     """
-    printer = _printer(program())
-    members = printer.members(printer.program.records["Model"])
     kinds = {"const int *": "Ints", "const double *": "Floats", "const char *const *": "Texts"}
-    own = [line.strip().rstrip(";") for line in COLUMNS.splitlines()]
-    found = [(m.name, m.type.kind) for m in members]
-    for line in own:
-        kind, _, name = line.rpartition("*")
-        found.append((name, kinds[f"{kind}*"]))
+    members = printer.members(printer.program.records["Model"])
+    found = [f"{m.type.kind} {m.name}" for m in members]
+    for line in COLUMNS.splitlines():
+        kind, _, name = line.strip().rstrip(";").rpartition("*")
+        found.append(f"{kinds[f'{kind}*']} {name}")
     return found
 
 
@@ -110,8 +108,10 @@ def library_text() -> str:
             head = prose(modules[name].doc)
             lines += ["", *block_comment([f"Chapter: {name}. {head[0]}", *head[1:]])]
             lines += printer.chapter(modules[name])
-    mark = f'#define HYBOND_SOURCE "{digest()}"'
-    return "\n".join([*lines, "", mark, (HERE / "library.c").read_text(encoding="utf-8")])
+    lines += ["", f'#define HYBOND_SOURCE "{digest()}"']
+    listed = ", ".join(c_text(column) for column in _columns(printer))
+    lines += wrapped(f"static const char *const HYBOND_COLUMNS[] = {{{listed}, NULL}};", 0)
+    return "\n".join([*lines, "", (HERE / "library.c").read_text(encoding="utf-8")])
 
 
 def _printer(found: Program) -> CPrinter:

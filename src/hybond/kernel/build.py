@@ -55,7 +55,7 @@ def wants_zig() -> bool:
     return compiler() is None and not os.environ.get("HYBOND_NO_COMPILER")
 
 
-def compile_kernel(target: Path, *, flags: tuple[str, ...] = ()) -> str:
+def compile_into(target: Path, *, flags: tuple[str, ...] = ()) -> str:
     """Compile the kernel into the file `target`; return why that failed, empty if it did not."""
     command = compiler()
     if command is None:

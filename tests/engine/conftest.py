@@ -1,0 +1,16 @@
+"""The library, or the reason why these tests are skipped."""
+
+import pytest
+
+from hybond.engine.native import Unavailable, library
+from hybond.kernel.build import compiler
+
+
+@pytest.fixture(scope="session", autouse=True)
+def there() -> None:
+    try:
+        library()
+    except Unavailable as why:
+        if compiler() is not None:
+            pytest.fail(f"there is a compiler, but no library: {why}")
+        pytest.skip(str(why))

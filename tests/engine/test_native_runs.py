@@ -1,0 +1,168 @@
+"""Every example by the compiled library: the events, states and dense steps of `simulate`."""
+
+from __future__ import annotations
+
+import gc
+import threading
+
+import numpy as np
+import pytest
+from example_runs import NAMES, STOPPED, example, integrated, integrated_run_of
+from export.programs import Said, check, expected
+
+from hybond.engine.native import OK, PAUSED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.export.tables import ModelTables, tables_of
+from hybond.model.planar_friction import kept_paths
+
+CAUSES = ["start", "guard", "time", "input", "accumulation", "step", "sample"]
+KINDS = ["mythical", "pinnacle", "continuous"]
+
+
+def tables(name: str) -> ModelTables:
+    return tables_of(example(name).flatten(), **integrated(name))
+
+
+def said_by(run: NativeRun, rows: list[Rows]) -> Said:
+    """Return what a run wrote down in the words of an exported program."""
+    t = run.model.tables
+    first = t.ints["state_first"]
+    said = Said(end=run.t, stopped=run.fault[0])
+    for part in rows:
+        visit = fired = hit = 0
+        for (when, _), place in zip(part.instant_time, part.instant_place):
+            for kind, transitions, hits in part.visit[visit : visit + place[1]]:
+                for machine, source, target in part.fired[fired : fired + transitions]:
+                    states = [
+                        "sliding" if k < 0 else t.states[first[machine] + k]
+                        for k in (source, target)
+                    ]
+                    names = (CAUSES[place[0]], t.machines[machine], *states, KINDS[kind])
+                    said.transitions.append(names)
+                if not transitions:
+                    said.transitions.append((CAUSES[place[0]], "-", "-", "-", KINDS[kind]))
+                said.times += [float(when)] * max(transitions, 1)
+                for k in range(hit, hit + hits):
+                    name = t.bonds[part.hit[k]]
+                    said.impulses.append((float(when), KINDS[kind], name, float(part.hit_area[k])))
+                fired, hit = fired + transitions, hit + hits
+            visit += place[1]
+    own = kept_paths(t.graph)
+    paths = [s.path for s in (*t.graph.storages, *t.graph.integrals)]
+    said.states = {p: float(v) for p, v in zip(paths, run.y) if p not in own}
+    return said
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_runs_as_by_simulate(name: str) -> None:
+    run = NativeRun(NativeModel(tables(name)))
+    rows = list(run.slices(steps=97))
+    assert run.status == (REFUSED if name in STOPPED else OK)
+    check(name, said_by(run, rows), expected(integrated_run_of(name)))
+
+
+@pytest.mark.parametrize("name", ["bouncing_ball", "boost", "cam_follower", "planar_puck"])
+def test_slices_change_nothing(name: str) -> None:
+    model = NativeModel(tables(name))
+    whole, sliced = NativeRun(model), NativeRun(model)
+    (rows,) = whole.slices(steps=-1)
+    parts = list(sliced.slices(steps=1))
+    assert len(parts) > 10
+    assert np.array_equal(whole.y, sliced.y)
+    for column in Rows.__slots__:
+        if column not in ("step_place",):
+            joined = np.concatenate([getattr(part, column) for part in parts])
+            assert np.array_equal(joined, getattr(rows, column)), column
+    joined = np.concatenate([part.step_place for part in parts])
+    assert np.array_equal(joined, rows.step_place)
+
+
+@pytest.mark.parametrize("name", ["bouncing_ball", "boost", "stick_slip", "planar_puck", "weirs"])
+def test_steps_join_and_their_polynomials_end_where_they_should(name: str) -> None:
+    """By either method; what is put back on constraints moves by rounding only."""
+    (rows,) = NativeRun(NativeModel(tables(name))).slices(steps=-1)
+    t0, t1, t = rows.step_time.T
+    y0, y1, y = (rows.step_state[:, k] for k in range(3))
+    size = np.abs(y).max(axis=0) + 1e-300
+    assert np.abs(y0 + rows.step_dense.sum(axis=1) - y1).max(axis=0) == pytest.approx(
+        0.0 * size, abs=1e-9 * size.max()
+    )
+    assert (t0 < t1).all() and (t <= t1).all() and (t > t0).all()
+    same = rows.step_place[1:, 0] == rows.step_place[:-1, 0]
+    assert same.any()
+    assert np.array_equal(t0[1:][same], t[:-1][same])
+    assert np.array_equal(y0[1:][same], y[:-1][same])
+    # the first step behind an instant begins with the state that it left
+    for k in np.flatnonzero(~same) + 1:
+        after = rows.instant_state[rows.step_place[k, 0] - 1, 1]
+        assert np.array_equal(y0[k], after)
+
+
+def test_runs_beside_each_other_are_those_alone() -> None:
+    """In threads, on the same tables and on others."""
+    models = [NativeModel(tables(n)) for n in ("cam_follower", "boost", "cam_follower", "weirs")]
+    alone = []
+    for model in models:
+        run = NativeRun(model)
+        list(run.slices())
+        alone.append(run.y)
+    runs = [NativeRun(model) for model in models]
+    threads = [threading.Thread(target=lambda r=r: list(r.slices(steps=50))) for r in runs]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for run, y in zip(runs, alone):
+        assert np.array_equal(run.y, y)
+
+
+def test_a_run_can_be_left_between_two_slices() -> None:
+    run = NativeRun(NativeModel(tables("boost")))
+    seen = []
+
+    def stop(t: float) -> None:
+        seen.append(t)
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(run.slices(steps=20, between=stop))
+    assert run.status == PAUSED
+    assert seen == sorted(seen) and 0.0 < run.t < 0.004
+    list(run.slices())
+    whole = NativeRun(NativeModel(tables("boost")))
+    list(whole.slices())
+    assert np.array_equal(run.y, whole.y)
+
+
+def test_why_a_run_stopped_is_told() -> None:
+    run = NativeRun(NativeModel(tables("diode_inductor_no_mode")))
+    list(run.slices())
+    code, why, _ = run.fault
+    assert (run.status, code) == (REFUSED, "HB-N401")
+    assert why
+
+
+def test_memory_is_given_back() -> None:
+    """Each of these runs takes a megabyte or so."""
+    resource = pytest.importorskip("resource")
+    model = NativeModel(tables("planar_puck"))
+
+    def many(n: int) -> int:
+        for _ in range(n):
+            list(NativeRun(model).slices())
+        gc.collect()
+        return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+    before = many(20)
+    assert many(60) - before < 4000  # kB
+
+
+def test_impacts_come_when_the_closed_form_says() -> None:
+    """A ball falls from h0; each flight takes eps times the one before."""
+    graph = example("bouncing_ball_newton").flatten(parameters={"eps": 0.8})
+    run = NativeRun(NativeModel(tables_of(graph, until="4 s")))
+    impacts = [t for rows in run.slices() for t, _ in rows.instant_time[1:]]
+    fall = np.sqrt(2.0 * 3.0 / 9.81)
+    meant = [fall * (1.0 + 2.0 * sum(0.8**j for j in range(1, k + 1))) for k in range(len(impacts))]
+    assert len(impacts) == sum(t <= 4.0 for t in meant) >= 4
+    assert impacts == pytest.approx(meant, rel=1e-9)
