@@ -211,6 +211,7 @@ class Work:
     ahead: Floats
     landed: Floats
     leakage: Leakage
+    ways: Ways
     generic: Floats
     values: Floats
     """Values to try something with."""
@@ -506,6 +507,7 @@ def make_work(m: Model) -> Work:
     w.ahead = floats(m.storages)
     w.landed = floats(m.storages)
     w.leakage = make_leakage()
+    w.ways = make_ways()
     w.generic = floats(2 * m.slots)
     w.values = floats(2 * m.slots)
     w.rate = floats(m.storages + m.integrals)
@@ -554,8 +556,10 @@ def make_engine(m: Model) -> Engine:
 
 
 def svd_room(e: Engine, rows: int, columns: int) -> Svd:
-    """Return room for a decomposition of that size."""
+    """Return room for a decomposition of that size, and for the somewhat larger ones to come."""
     have = e.work.svd
     if rows > have.rows or columns > have.columns:
-        e.work.svd = make_svd(max(rows, have.rows), max(columns, have.columns))
+        most = max(rows, columns)
+        most += most // 2
+        e.work.svd = make_svd(max(most, have.rows), max(most, have.columns))
     return e.work.svd

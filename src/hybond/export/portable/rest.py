@@ -8,7 +8,7 @@ from typing import Final
 
 from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
 from hybond.export.portable.blocks import fit
-from hybond.export.portable.engine import OK, REFUSED, Engine, make_ways
+from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.equations import mode_of
 from hybond.export.portable.jump import enter_mode, impulse_directions
 from hybond.export.portable.landing_records import Landings
@@ -26,7 +26,7 @@ would make of it: else the sign of a rounding error could close a contact that i
 def find_moved(e: Engine, held: Ints) -> None:
     """Note the storages that impulses of `e.mode` can move, at the values ``e.v``."""
     m = e.model
-    ways = make_ways()
+    ways = e.work.ways
     impulse_directions(e, e.mode, e.v, ways)
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
