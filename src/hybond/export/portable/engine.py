@@ -112,6 +112,10 @@ class Mode:
     same: Ints
     power: Rows
     finite: Rows
+    direct: Rows
+    """Those of `finite` with least leakage taken off, where nothing is left to Newton."""
+    shared: Rows
+    """Room for them if least leakage takes anything off."""
     power_free: Block
     finite_free: Block
     power_frees: int
@@ -425,6 +429,7 @@ def make_mode(m: Model) -> Mode:
     mode.source_level = floats(m.most_sources)
     mode.same = ints(n)
     mode.finite = make_rows()
+    mode.shared = make_rows()
     mode.own_power = make_rows()
     mode.finite_free = make_block(1)
     mode.own_power_free = make_block(1)

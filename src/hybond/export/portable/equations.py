@@ -21,7 +21,7 @@ from hybond.export.portable.engine import (
     svd_room,
 )
 from hybond.export.portable.interval import configuration
-from hybond.export.portable.leakage import least_leakage
+from hybond.export.portable.leakage import fold, least_leakage
 from hybond.export.portable.model import Model
 from hybond.export.portable.newton_system import system
 from hybond.export.portable.products import all_finite, times_matrix
@@ -118,6 +118,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.leakage.first = 0
     mode.leakage.second = 0
     mode.loose = 0
+    mode.direct = mode.finite
     if mode.too_high:
         return
     mode.rank = generic_rank(e, mode) if mode.structures > 0 else 0
@@ -138,6 +139,8 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     else:
         mode.loose = generic_null(e, mode)
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
+    if mode.dynamics == 0:
+        fold(e, mode)
 
 
 def free_columns(x: Elimination, column: Ints) -> int:

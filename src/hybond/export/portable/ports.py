@@ -25,7 +25,6 @@ from hybond.export.portable.engine import (
 from hybond.export.portable.equations import check_depth, is_same, make_equations
 from hybond.export.portable.interval import configuration
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
-from hybond.export.portable.leakage import project
 from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.newton import solve
 from hybond.export.portable.tableau import COMMON, NET, NOT_OPEN
@@ -197,14 +196,11 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     if mode.dynamics == 0:
         for k in range(m.ports):
             for b in range(n):
-                e.work.w[b] = 0.0
+                gain[b * m.ports + k] = 0.0
                 row = mode.same[b]
-                for i in range(mode.finite.first.at[row], mode.finite.first.at[row + 1]):
-                    if mode.finite.column.at[i] == m.storages + p.column[k]:
-                        e.work.w[b] = mode.finite.value.at[i] * p.sign[k]
-            project(mode.leakage, n, e.work.w)
-            for b in range(n):
-                gain[b * m.ports + k] = e.work.w[b]
+                for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
+                    if mode.direct.column.at[i] == m.storages + p.column[k]:
+                        gain[b * m.ports + k] = mode.direct.value.at[i] * p.sign[k]
         return OK
     for i in range(2 * m.slots):
         r.kept[i] = v[i]
@@ -388,39 +384,15 @@ def partner_by_knowns(e: Engine, r: Laws, p: Ports, k: int) -> None:
     mode = open_mode(e, p)
     m = e.model
     n = 2 * m.bonds
-    for b in range(n):
-        r.zero[b] = p.partner[k * n + b]
-    after_leakage(e, p, r.zero)
     for i in range(mode.knowns):
         r.row[i] = 0.0
     for b in range(n):
-        if r.zero[b] == 0.0:
+        part = p.partner[k * n + b]
+        if part == 0.0:
             continue
         row = mode.same[b]
-        for i in range(mode.finite.first.at[row], mode.finite.first.at[row + 1]):
-            r.row[mode.finite.column.at[i]] += r.zero[b] * mode.finite.value.at[i]
-
-
-def after_leakage(e: Engine, p: Ports, row: Floats) -> None:
-    """Replace a row by the row times the projection of least leakage."""
-    mode = open_mode(e, p)
-    n = 2 * e.model.bonds
-    leak = mode.leakage
-    if leak.second > 0:
-        row_after(n, leak.second, leak.basis2.at, leak.taken2.at, leak.amount.at, row)
-    if leak.first > 0:
-        row_after(n, leak.first, leak.basis.at, leak.taken.at, leak.amount.at, row)
-
-
-def row_after(n: int, many: int, basis: Floats, taken: Floats, share: Floats, row: Floats) -> None:
-    """Replace a row by ``row (1 - basis taken)``."""
-    for j in range(many):
-        share[j] = 0.0
-        for b in range(n):
-            share[j] += row[b] * basis[b * many + j]
-    for j in range(many):
-        for b in range(n):
-            row[b] -= share[j] * taken[j * n + b]
+        for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
+            r.row[mode.direct.column.at[i]] += part * mode.direct.value.at[i]
 
 
 def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
