@@ -85,6 +85,21 @@ class Ways:
 
 
 @record
+class Reads:
+    """Bond variables that are evaluated in a step, and the sources that these are made of.
+
+    The first `many` of `bond`; `chosen` says of each bond variable whether it is one of them,
+    `valued` and `rated` of each source whether a row of one reads its value, or its rate.
+    """
+
+    many: int
+    bond: Ints
+    chosen: Ints
+    valued: Ints
+    rated: Ints
+
+
+@record
 class Mode:
     """The equations of one configuration.
 
@@ -143,6 +158,8 @@ class Mode:
     ways: Ways
     saw: bool
     seen: Floats
+    rates: Reads
+    """What the rates of the state read."""
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 
@@ -232,12 +249,14 @@ class Trial:
     state: Ints
     x: Floats
     s: Floats
+    xi: Floats
+    """What the bond variables were found from."""
     jumps: bool
     """Whether impulses move what is stored."""
     jump: Floats
     """The impulse of each signal."""
     terms: Floats
-    """The size of the terms that made each signal."""
+    """The size of the terms that made each signal that a guard asked for."""
     loose: int
     """In how many directions bond variables are undetermined."""
     freedom: Block
@@ -391,6 +410,7 @@ def make_trial(m: Model) -> Trial:
     trial.state = ints(m.machines)
     trial.x = floats(m.storages)
     trial.s = floats(m.integrals)
+    trial.xi = floats(m.storages + 2 * m.most_sources)
     trial.jump = floats(m.slots)
     trial.terms = floats(m.slots)
     trial.freedom = make_block(1)
@@ -414,6 +434,16 @@ def make_step(n: int) -> Step:
     s.trial = floats(n)
     s.rate = floats(n)
     return s
+
+
+def make_reads(m: Model) -> Reads:
+    """Return room for what a mode of a model is read of; nothing is."""
+    r = Reads()
+    r.bond = ints(2 * m.bonds)
+    r.chosen = ints(2 * m.bonds)
+    r.valued = ints(m.most_sources)
+    r.rated = ints(m.most_sources)
+    return r
 
 
 def make_mode(m: Model) -> Mode:
@@ -445,6 +475,7 @@ def make_mode(m: Model) -> Mode:
     mode.guess = make_block(1)
     mode.ways = make_ways()
     mode.seen = floats(n)
+    mode.rates = make_reads(m)
     return mode
 
 

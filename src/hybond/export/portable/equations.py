@@ -25,6 +25,7 @@ from hybond.export.portable.leakage import fold, least_leakage
 from hybond.export.portable.model import Model
 from hybond.export.portable.newton_system import system
 from hybond.export.portable.products import all_finite, times_matrix
+from hybond.export.portable.reading import read_rates
 from hybond.export.portable.svd import null_space, rank_above, svd
 from hybond.export.portable.tableau import build, switch_on
 from hybond.export.portable.words import Floats, Ints, some
@@ -110,6 +111,8 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     take_constraints(e, mode)
     divide_rows(m, mode)
     note_rates(m, mode)
+    mode.direct = mode.finite
+    read_rates(e, mode, mode.rates)
     mode.guessed = False
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
@@ -118,7 +121,6 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.leakage.first = 0
     mode.leakage.second = 0
     mode.loose = 0
-    mode.direct = mode.finite
     if mode.too_high:
         return
     mode.rank = generic_rank(e, mode) if mode.structures > 0 else 0
@@ -139,8 +141,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     else:
         mode.loose = generic_null(e, mode)
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
-    if mode.dynamics == 0:
+    if mode.dynamics == 0 and mode.leakage.stages > 0:
         fold(e, mode)
+        read_rates(e, mode, mode.rates)
 
 
 def free_columns(x: Elimination, column: Ints) -> int:

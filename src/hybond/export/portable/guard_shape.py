@@ -8,11 +8,16 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blend import sizes_here
 from hybond.export.portable.engine import Engine
-from hybond.export.portable.guard_values import atom_here, look, read_stored, size_here, test_here
+from hybond.export.portable.guard_values import (
+    atom_here,
+    begin_sizes_in_motion,
+    look,
+    measure_in_motion,
+    size_here,
+    test_here,
+)
 from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, Locator
-from hybond.export.portable.trial import widen_sizes
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -96,31 +101,30 @@ def first_turn(g: Locator, a: int) -> float:
 
 def is_resolved(e: Engine, g: Locator) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
+    for k in range(g.guards):
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            if g.doubtful[a] != 0 and not is_rounding(e, g, g.rule[k], a):
+                return False
+    return True
+
+
+def is_rounding(e: Engine, g: Locator, rule: int, a: int) -> bool:
+    """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
     m = e.model
-    many = 0
-    for a in range(g.atoms):
-        many += g.doubtful[a]
-    if many == 0:
-        return True
+    if rule < 0:
+        return size_here(e, g, a) * ROUNDING >= g.rest[a]
     # what a bond variable cancels from: its own value may be nothing but rounding
     g.looked = math.nan
     look(e, g, g.t[0])
-    sizes_here(e, e.mode, e.v)
-    read_stored(e, e.work.here)
-    widen_sizes(e, e.mode, e.work.here)
-    for k in range(2 * m.bonds):
-        g.magnitude[k] = e.work.sizes[k]
-    for a in range(g.atoms):
-        if g.doubtful[a] == 0:
-            continue
-        largest = 0.0
-        for i in range(SAMPLES):
-            look(e, g, g.t[i])
-            for k in range(2 * m.bonds):
-                own = math.fabs(e.v[m.bond_slot + k])
-                e.v[m.bond_slot + k] = max(own, g.magnitude[k])
-            largest = max(largest, size_here(e, g, a))
-            g.looked = math.nan
-        if not largest * ROUNDING >= g.rest[a]:
-            return False
-    return True
+    begin_sizes_in_motion(e)
+    measure_in_motion(e, rule)
+    largest = 0.0
+    for i in range(SAMPLES):
+        look(e, g, g.t[i])
+        for p in range(m.read_first[rule], m.read_first[rule + 1]):
+            slot = m.read_slot[p]
+            if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
+                e.v[slot] = max(math.fabs(e.v[slot]), e.work.terms[slot])
+        largest = max(largest, size_here(e, g, a))
+        g.looked = math.nan
+    return largest * ROUNDING >= g.rest[a]

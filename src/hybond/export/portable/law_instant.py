@@ -16,9 +16,9 @@ from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.paired import evaluate_pair
 from hybond.export.portable.pairs import clear, sign_at
 from hybond.export.portable.ports import open_mode, partner_sizes, ports_of
+from hybond.export.portable.sizes import measure_values, seen_of
 from hybond.export.portable.storage import energy_of
 from hybond.export.portable.tableau import COMMON
-from hybond.export.portable.trial import seen_of
 from hybond.export.portable.values import set_values
 from hybond.export.portable.words import Floats, Ints
 
@@ -78,9 +78,6 @@ def find_able(e: Engine, r: Laws) -> int:
     """
     m = e.model
     stack = e.work.stack
-    # rounding of a gap is that of its terms, as for the guards that watch it
-    for k in range(m.slots):
-        r.terms[k] = math.fabs(r.v[k])
     stack.now = r.v
     stack.was = r.v
     stack.was_first = 0
@@ -93,6 +90,8 @@ def find_able(e: Engine, r: Laws) -> int:
             gap = m.port_gap_constant[k]
             sign = 1 if gap > 0.0 else -1 if gap < 0.0 else 0
             if m.port_gap_pair[k] >= 0:
+                # rounding of a gap is that of its terms, as for the guards that watch it
+                measure_values(m, m.port_gap_pair[k], r.v, r.terms)
                 clear(stack)
                 evaluate_pair(m, m.port_gap_pair[k], stack)
                 gap = stack.finite[stack.top]

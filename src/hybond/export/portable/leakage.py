@@ -146,9 +146,6 @@ def fold(e: Engine, mode: Mode) -> None:
     It is the same at every instant there: ``direct = (1 - basis2 taken2)(1 - basis taken) finite``.
     """
     p = mode.leakage
-    if p.stages == 0:
-        mode.direct = mode.finite
-        return
     w = e.work
     n = 2 * e.model.bonds
     first = p.first * mode.knowns

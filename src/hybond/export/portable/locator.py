@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.export.portable.engine import Engine
+from hybond.export.portable.engine import Engine, Reads, make_reads
 from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.products import times_matrix
+from hybond.export.portable.reading import read_guard, read_nothing
 from hybond.export.portable.svd import make_svd, pseudo_inverse
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
@@ -52,6 +53,7 @@ class Locator:
     atom_first: Ints
     """Of each guard: its comparisons in `shape`."""
     atom: Ints
+    reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
     fine: Floats
@@ -70,7 +72,6 @@ class Locator:
     calm: Ints
     turn: Floats
     done: Ints
-    magnitude: Floats
     y: Floats
     d: Floats
     polynomial: Floats
@@ -111,7 +112,7 @@ def make_locator(e: Engine) -> Locator:
     g.calm = ints(rules)
     g.turn = floats(rules)
     g.done = ints(rules)
-    g.magnitude = floats(2 * m.bonds)
+    g.reads = make_reads(m)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
@@ -155,6 +156,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     m = e.model
     g.guards = 0
     g.atoms = 0
+    read_nothing(m, g.reads)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
@@ -167,6 +169,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
                 g.atom[g.atoms] = a
                 g.atoms += 1
             g.guards += 1
+            read_guard(m, e.mode, g.reads, r)
     g.rounded = e.slide.k == 0
     for margin in range(2 * e.slide.k):
         # where a weight leaves 0 ... 1, a machine leaves its surface

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blocks import Rows, fit, row_size, row_times
+from hybond.export.portable.blocks import Rows, fit, row_times
 from hybond.export.portable.damped import shorter_steps
 from hybond.export.portable.dynamic_rows import dynamic_value, slopes_at
 from hybond.export.portable.engine import NOT_FINITE, OK, Engine, Mode, say_fault, svd_room
@@ -188,24 +188,6 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     say_fault(e, "HB-N302", "the equations overflow", "")
     e.fault.t = v[0]
     return NOT_FINITE
-
-
-def sizes_of(e: Engine, mode: Mode) -> None:
-    """Put the sizes of the terms of each bond variable into `e.work.sizes`, after `solve`.
-
-    After equations/mode.py, solution.
-    """
-    work = e.work
-    n = 2 * e.model.bonds
-    frees = mode.finite_frees
-    for k in range(n):
-        same = mode.same[k]
-        work.sizes[k] = work.base_size[same] if same < k else row_size(mode.finite, k, work.xi)
-        work.base_size[k] = work.sizes[k]
-        for j in range(frees):
-            r = work.w[mode.free_column[j]]
-            work.sizes[k] += math.fabs(mode.finite_free.at[k * frees + j]) * math.fabs(r)
-        work.sizes[k] = max(work.sizes[k], math.fabs(work.w[k]))
 
 
 def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:

@@ -6,7 +6,7 @@ from hybond.export.portable.blend import blended_field, solve_here
 from hybond.export.portable.engine import OK, Engine, Mode
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.model import value
-from hybond.export.portable.newton import solve
+from hybond.export.portable.reading import solve_read
 from hybond.export.portable.words import Floats
 
 
@@ -54,7 +54,10 @@ def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
 
 
 def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
-    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field."""
+    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field.
+
+    Of bond variables only those are evaluated that rates read.
+    """
     m = e.model
     v = e.v
     e.evaluations += 1
@@ -67,7 +70,7 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         v[m.stored_slot + k] = y[k]
     for k in range(m.integrals):
         v[m.signal_slot + k] = y[m.storages + k]
-    status = solve(e, mode, v)
+    status = solve_read(e, mode, mode.rates, v)
     if status != OK:
         # a trial point beyond where the laws hold: the solver shortens its step
         e.refusal = True
