@@ -12,7 +12,7 @@ from typing import Final
 
 from hybond.export.portable.bracket import SEARCH, root
 from hybond.export.portable.engine import Engine, say_fault
-from hybond.export.portable.guard_shape import NEAR
+from hybond.export.portable.guard_shape import NEAR, floor_of
 from hybond.export.portable.guard_values import atom_at
 from hybond.export.portable.locator import FRACTION, GRID, MOST, SAMPLES, Instants, Locator
 
@@ -95,9 +95,10 @@ def extrema(e: Engine, g: Locator, a: int, end: float) -> None:
         least = min(least, g.shape[a * SAMPLES + i])
         most = max(most, g.shape[a * SAMPLES + i])
     near = NEAR * (most - least) + 3.0 * g.rest[a]
-    if most > 0.0:
+    # nothing to find where the polynomial cannot come so near
+    if most > 0.0 and not floor_of(g, least, most, 1.0) > near:
         dips(e, g, a, 1.0, near, end)
-    if least < 0.0:
+    if least < 0.0 and not floor_of(g, least, most, -1.0) > near:
         dips(e, g, a, -1.0, near, end)
 
 

@@ -34,6 +34,10 @@ KEPT: Final = 64
 """Modes kept; the least recently used is made anew when it is entered again."""
 
 
+NO_PIECE: Final = -2147483647
+"""No number of a piece of an input."""
+
+
 @record
 class Fault:
     """Why a run stopped: an error code, the reason, and when."""
@@ -344,6 +348,11 @@ class Engine:
     """The largest energy that the run has seen, J."""
     next_break: float
     piece: Ints
+    line_piece: Ints
+    """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
+    line_value: Floats
+    line_rate: Floats
+    line_begin: Floats
     at: Ints
     """Of the present interval: pieces of inputs, comparisons of time, and its end."""
     evaluations: int
@@ -570,6 +579,12 @@ def make_engine(m: Model) -> Engine:
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
+    e.line_piece = ints(m.inputs)
+    e.line_value = floats(m.inputs)
+    e.line_rate = floats(m.inputs)
+    e.line_begin = floats(m.inputs)
+    for i in range(m.inputs):
+        e.line_piece[i] = NO_PIECE
     e.sampled_at = -math.inf
     e.level = floats(m.inputs)
     e.asked = floats(m.inputs)

@@ -25,6 +25,8 @@ ROUNDED: Final = 1e-9
 """... unless that is less than this part of the largest sample."""
 NEAR: Final = 0.05
 """An extremum is searched if the polynomial comes this near to zero, as a part of the spread."""
+SLACK: Final = 1e-12
+"""Part of samples that rounding may add to the polynomial through them."""
 ROUNDING: Final = 1e-13
 """Part of the terms of a comparison that rounding leaves unexplained."""
 
@@ -78,6 +80,8 @@ def stays(g: Locator, a: int) -> bool:
     bound = NEAR * spread + 3.0 * rest
     if not low > bound:
         return False
+    if floor_of(g, least, most, up) > bound:
+        return True
     for i in range(GRID):
         total = 0.0
         for j in range(SAMPLES):
@@ -85,6 +89,13 @@ def stays(g: Locator, a: int) -> bool:
         if not up * total > bound:
             return False
     return True
+
+
+def floor_of(g: Locator, least: float, most: float, sign: float) -> float:
+    """Return what ``sign * polynomial`` is nowhere below, of the least and the largest sample."""
+    middle = 0.5 * (least + most)
+    away = g.swing * 0.5 * (most - least) + SLACK * math.fabs(middle)
+    return sign * middle - away
 
 
 def first_turn(g: Locator, a: int) -> float:

@@ -6,6 +6,7 @@ modes/locate.py.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.export.portable.engine import Engine, Reads, make_reads
@@ -58,6 +59,8 @@ class Locator:
     """Samples to what a polynomial of degree 5 does not explain of them."""
     fine: Floats
     """Samples to that polynomial on a fine grid."""
+    swing: float
+    """How far it can be from the middle of the samples, in units of their distance from there."""
     rounded: bool
     """Whether a guard leaves as soon as it holds with rounding counted as zero."""
     failed: bool
@@ -139,6 +142,12 @@ def fit_polynomials(g: Locator) -> None:
     for k in range(SAMPLES):
         g.left_over[k * SAMPLES + k] += 1.0
     times_matrix(GRID, TERMS, SAMPLES, grid, inverse, g.fine)
+    g.swing = 0.0
+    for i in range(GRID):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += math.fabs(g.fine[i * SAMPLES + j])
+        g.swing = max(g.swing, total)
 
 
 def put_powers(n: int, a: Floats, sampled: bool) -> None:
