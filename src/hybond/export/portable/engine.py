@@ -34,6 +34,9 @@ KEPT: Final = 64
 """Modes kept; the least recently used is made anew when it is entered again."""
 
 
+NO_MODE: Final = -1
+BUCKETS: Final = 127
+"""Of configurations, to find the modes that are kept."""
 NO_PIECE: Final = -2147483647
 """No number of a piece of an input."""
 
@@ -113,6 +116,8 @@ class Mode:
     """
 
     used: int
+    behind: int
+    """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
     state: Ints
     """Of each machine, then of what else selects equations."""
     flags: Floats
@@ -312,6 +317,8 @@ class Engine:
     fault: Fault
     modes: Records[Mode]
     modes_made: int
+    bucket: Ints
+    """The first mode kept in each bucket of configurations, or NO_MODE."""
     clock: int
     work: Work
     v: Floats
@@ -564,6 +571,9 @@ def make_engine(m: Model) -> Engine:
     e.model = m
     e.fault = Fault()
     e.modes = records(Mode, KEPT)
+    e.bucket = ints(BUCKETS)
+    for k in range(BUCKETS):
+        e.bucket[k] = NO_MODE
     e.work = make_work(m)
     e.v = floats(2 * m.slots)
     e.shown = floats(2 * m.slots)

@@ -17,7 +17,7 @@ from hybond.export.portable.guard_values import (
     size_here,
     test_here,
 )
-from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, Locator
+from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -53,29 +53,30 @@ def find_shape(g: Locator) -> None:
 
 
 def stays(g: Locator, a: int) -> bool:
-    """Whether a comparison stays away from zero; note what a polynomial leaves of its samples."""
+    """Whether a comparison stays away from zero; note whether its samples show what it does."""
     at = a * SAMPLES
     least = g.shape[at]
     most = g.shape[at]
     size = 0.0
-    rest = 0.0
     finite = True
     for i in range(SAMPLES):
-        total = 0.0
-        for j in range(SAMPLES):
-            total += g.left_over[i * SAMPLES + j] * g.shape[at + j]
-        finite = finite and math.isfinite(total)
-        rest = max(rest, math.fabs(total))
+        finite = finite and math.isfinite(g.shape[at + i])
         least = min(least, g.shape[at + i])
         most = max(most, g.shape[at + i])
         size = max(size, math.fabs(g.shape[at + i]))
     spread = most - least
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    rest = rest_below(g, a, size)
+    if finite and rest <= UNRESOLVED * spread:
+        if floor_of(g, least, most, up) > NEAR * spread + 3.0 * rest:
+            g.doubtful[a] = 0
+            return True
+    rest = rest_of(g, a)
     g.rest[a] = rest
     shown = rest <= UNRESOLVED * spread or rest <= ROUNDED * size or not finite
     g.doubtful[a] = 0 if shown else 1
     if size == 0.0:
         return True
-    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
     low = least if up > 0.0 else -most if up < 0.0 else 0.0
     bound = NEAR * spread + 3.0 * rest
     if not low > bound:
@@ -89,6 +90,28 @@ def stays(g: Locator, a: int) -> bool:
         if not up * total > bound:
             return False
     return True
+
+
+def rest_of(g: Locator, a: int) -> float:
+    """Return what a polynomial leaves of the samples of a comparison."""
+    rest = 0.0
+    for i in range(SAMPLES):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.left_over[i * SAMPLES + j] * g.shape[a * SAMPLES + j]
+        rest = max(rest, math.fabs(total))
+    return rest
+
+
+def rest_below(g: Locator, a: int, size: float) -> float:
+    """Return what it leaves no more than: the length of that, of samples of such a size."""
+    total = 0.0
+    for j in range(SAMPLES - TERMS):
+        part = 0.0
+        for i in range(SAMPLES):
+            part += g.beyond[j * SAMPLES + i] * g.shape[a * SAMPLES + i]
+        total += part * part
+    return math.sqrt(total) + SLACK * size
 
 
 def floor_of(g: Locator, least: float, most: float, sign: float) -> float:

@@ -16,7 +16,7 @@ from hybond.export.portable.reading import solve_read
 from hybond.export.portable.sizes import measure
 from hybond.export.portable.stepping import between
 from hybond.export.portable.trial import refuse_pair
-from hybond.export.portable.values import set_state
+from hybond.export.portable.values import set_motion
 
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""
@@ -27,7 +27,7 @@ def look(e: Engine, g: Locator, t: float) -> None:
     if g.looked == t:
         return
     between(e, t, g.y)
-    set_state(e, e.mode, e.v, t, g.y)
+    set_motion(e, e.v, t, g.y)
     if e.slide.k == 0:
         g.failed = solve_read(e, e.mode, g.reads, e.v) != OK or g.failed
     else:

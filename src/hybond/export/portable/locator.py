@@ -13,7 +13,7 @@ from hybond.export.portable.engine import Engine, Reads, make_reads
 from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.products import times_matrix
 from hybond.export.portable.reading import read_guard, read_nothing
-from hybond.export.portable.svd import make_svd, pseudo_inverse
+from hybond.export.portable.svd import make_svd, null_space, pseudo_inverse
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
@@ -57,6 +57,8 @@ class Locator:
     reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
+    beyond: Floats
+    """Samples to their components beyond that polynomial, in three rows of length one."""
     fine: Floats
     """Samples to that polynomial on a fine grid."""
     swing: float
@@ -135,6 +137,7 @@ def fit_polynomials(g: Locator) -> None:
     d = make_svd(SAMPLES, SAMPLES)
     pseudo_inverse(d, SAMPLES, TERMS, powers, 1e-15, inverse)
     g.left_over = floats(SAMPLES * SAMPLES)
+    put_beyond(g, powers)
     g.fine = floats(GRID * SAMPLES)
     times_matrix(SAMPLES, TERMS, SAMPLES, powers, inverse, g.left_over)
     for k in range(SAMPLES * SAMPLES):
@@ -148,6 +151,21 @@ def fit_polynomials(g: Locator) -> None:
         for j in range(SAMPLES):
             total += math.fabs(g.fine[i * SAMPLES + j])
         g.swing = max(g.swing, total)
+
+
+def put_beyond(g: Locator, powers: Floats) -> None:
+    """Find rows of length one that see nothing of a polynomial, and are right-angled."""
+    across = floats(TERMS * SAMPLES)
+    for i in range(SAMPLES):
+        for j in range(TERMS):
+            across[j * SAMPLES + i] = powers[i * TERMS + j]
+    many = SAMPLES - TERMS
+    basis = floats(SAMPLES * SAMPLES)
+    null_space(make_svd(SAMPLES, SAMPLES), TERMS, SAMPLES, across, 1e-10, basis)
+    g.beyond = floats(many * SAMPLES)
+    for i in range(SAMPLES):
+        for j in range(many):
+            g.beyond[j * SAMPLES + i] = basis[i * many + j]
 
 
 def put_powers(n: int, a: Floats, sampled: bool) -> None:

@@ -23,8 +23,9 @@ from hybond.export.portable.engine import (
     make_mode,
     say_fault,
 )
-from hybond.export.portable.equations import check_depth, is_same, make_equations
+from hybond.export.portable.equations import check_depth, make_equations
 from hybond.export.portable.interval import configuration
+from hybond.export.portable.kept_modes import is_same
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
 from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.newton import solve

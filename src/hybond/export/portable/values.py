@@ -25,9 +25,15 @@ def set_values(e: Engine, mode: Mode, v: Floats, t: float, x: Floats, s: Floats)
 def set_state(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> None:
     """Write all but bond variables, the state being stored quantities, then signals."""
     m = e.model
-    set_time(e, v, t)
     for k in range(m.switches + m.state_first[m.machines]):
         v[m.on_slot + k] = mode.flags[k]
+    set_motion(e, v, t, y)
+
+
+def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
+    """Write what changes while time passes in a mode, but bond variables."""
+    m = e.model
+    set_time(e, v, t)
     for k in range(m.storages):
         v[m.stored_slot + k] = y[k]
     for k in range(m.integrals):
@@ -65,11 +71,7 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         status = blended_field(e, t, y, rate)
         e.refusal = e.refusal or status != OK
         return status
-    set_time(e, v, t)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
+    set_motion(e, v, t, y)
     status = solve_read(e, mode, mode.rates, v)
     if status != OK:
         # a trial point beyond where the laws hold: the solver shortens its step
