@@ -24,8 +24,9 @@ from hybond.export.portable.equations import mode_of
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.lu import SINGULAR, lu_factor, lu_solve
 from hybond.export.portable.model import value
-from hybond.export.portable.newton import freedom_at, sizes_of, solve
+from hybond.export.portable.newton import freedom_at, solve
 from hybond.export.portable.newton_system import write_bonds
+from hybond.export.portable.sizes import seen_of, sizes_of
 from hybond.export.portable.surface import (
     is_of_state,
     part_mode,
@@ -281,7 +282,7 @@ def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
     m = e.model
     s = e.slide
     if s.k == 0:
-        sizes_of(e, mode)
+        sizes_of(e, mode, v)
         return
     n = 2 * m.bonds
     fit(e.work.row, n)
@@ -294,13 +295,28 @@ def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
         for k in range(m.switches + m.state_first[m.machines]):
             s.v[m.on_slot + k] = own.flags[k]
         if solve(e, own, s.v) == OK:
-            sizes_of(e, own)
+            sizes_of(e, own, s.v)
             for k in range(n):
                 size = math.fabs(s.coefficient[part]) * e.work.sizes[k]
                 e.work.row.at[k] = max(e.work.row.at[k], size)
     for k in range(n):
         e.work.sizes[k] = e.work.row.at[k]
         e.work.w[k] = s.w[k]
+
+
+def begin_sizes(e: Engine, mode: Mode, v: Floats, x: Floats, terms: Floats) -> None:
+    """Prepare for guards to be measured at the values `v`, `x` being stored, after `solve_here`.
+
+    What bond variables of a combination are measured by is found at once, into `terms`.
+    """
+    m = e.model
+    if e.slide.k == 0:
+        if m.laws > 0:
+            seen_of(e, mode, x)
+        return
+    sizes_here(e, mode, v)
+    for b in range(2 * m.bonds):
+        terms[m.bond_slot + b] = e.work.sizes[b]
 
 
 def freedom_here(e: Engine, mode: Mode, v: Floats) -> int:

@@ -12,7 +12,7 @@ from typing import Final
 
 from hybond.export.portable.bracket import SEARCH, root
 from hybond.export.portable.engine import Engine, say_fault
-from hybond.export.portable.guard_shape import NEAR
+from hybond.export.portable.guard_shape import NEAR, floor_of, rest_of
 from hybond.export.portable.guard_values import atom_at
 from hybond.export.portable.locator import FRACTION, GRID, MOST, SAMPLES, Instants, Locator
 
@@ -94,11 +94,25 @@ def extrema(e: Engine, g: Locator, a: int, end: float) -> None:
     for i in range(SAMPLES):
         least = min(least, g.shape[a * SAMPLES + i])
         most = max(most, g.shape[a * SAMPLES + i])
-    near = NEAR * (most - least) + 3.0 * g.rest[a]
-    if most > 0.0:
+    near = NEAR * (most - least) + 3.0 * rest_of(g, a)
+    # nothing to find where the polynomial cannot come so near
+    up = most > 0.0 and not floor_of(g, least, most, 1.0) > near
+    down = least < 0.0 and not floor_of(g, least, most, -1.0) > near
+    if up or down:
+        put_polynomial(g, a)
+    if up:
         dips(e, g, a, 1.0, near, end)
-    if least < 0.0:
+    if down:
         dips(e, g, a, -1.0, near, end)
+
+
+def put_polynomial(g: Locator, a: int) -> None:
+    """Put the polynomial through the samples of a comparison there, on the grid."""
+    for i in range(GRID):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.fine[i * SAMPLES + j] * g.shape[a * SAMPLES + j]
+        g.polynomial[i] = total
 
 
 def grid_time(g: Locator, k: int) -> float:
@@ -109,23 +123,19 @@ def grid_time(g: Locator, k: int) -> float:
 def dips(e: Engine, g: Locator, a: int, sign: float, near: float, end: float) -> None:
     """Add minima of ``sign * comparison`` near zero, between samples where it is positive."""
     last = GRID - 1
-    d = g.d
     fine = g.polynomial
+    d = g.d
     for i in range(SAMPLES):
         d[i] = sign * g.shape[a * SAMPLES + i]
-    for i in range(GRID):
-        total = 0.0
-        for j in range(SAMPLES):
-            total += g.fine[i * SAMPLES + j] * d[j]
-        fine[i] = total
     after = 0
     for i in range(1, last):
         while after < SAMPLES and FRACTION[after] <= float(i) / float(last):
             after += 1
+        here = sign * fine[i]
         if (
-            fine[i] <= fine[i - 1]
-            and fine[i] <= fine[i + 1]
-            and fine[i] <= near
+            here <= near
+            and here <= sign * fine[i - 1]
+            and here <= sign * fine[i + 1]
             and d[after - 1] > 0.0
             and d[after] > 0.0
         ):
@@ -135,7 +145,7 @@ def dips(e: Engine, g: Locator, a: int, sign: float, near: float, end: float) ->
         edge = 0 if side == 0 else last
         away = AROUND if side == 0 else last - AROUND
         at = d[0] if side == 0 else d[SAMPLES - 1]
-        if not (at > 0.0 and at <= near and fine[edge] <= fine[away]):
+        if not (at > 0.0 and at <= near and sign * fine[edge] <= sign * fine[away]):
             continue
         begin = grid_time(g, edge)
         there = grid_time(g, away)

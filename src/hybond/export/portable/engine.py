@@ -34,6 +34,13 @@ KEPT: Final = 64
 """Modes kept; the least recently used is made anew when it is entered again."""
 
 
+NO_MODE: Final = -1
+BUCKETS: Final = 127
+"""Of configurations, to find the modes that are kept."""
+NO_PIECE: Final = -2147483647
+"""No number of a piece of an input."""
+
+
 @record
 class Fault:
     """Why a run stopped: an error code, the reason, and when."""
@@ -85,6 +92,21 @@ class Ways:
 
 
 @record
+class Reads:
+    """Bond variables that are evaluated in a step, and the sources that these are made of.
+
+    The first `many` of `bond`; `chosen` says of each bond variable whether it is one of them,
+    `valued` and `rated` of each source whether a row of one reads its value, or its rate.
+    """
+
+    many: int
+    bond: Ints
+    chosen: Ints
+    valued: Ints
+    rated: Ints
+
+
+@record
 class Mode:
     """The equations of one configuration.
 
@@ -94,6 +116,8 @@ class Mode:
     """
 
     used: int
+    behind: int
+    """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
     state: Ints
     """Of each machine, then of what else selects equations."""
     flags: Floats
@@ -112,6 +136,10 @@ class Mode:
     same: Ints
     power: Rows
     finite: Rows
+    direct: Rows
+    """Those of `finite` with least leakage taken off, where nothing is left to Newton."""
+    shared: Rows
+    """Room for them if least leakage takes anything off."""
     power_free: Block
     finite_free: Block
     power_frees: int
@@ -139,6 +167,8 @@ class Mode:
     ways: Ways
     saw: bool
     seen: Floats
+    rates: Reads
+    """What the rates of the state read."""
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 
@@ -229,12 +259,14 @@ class Trial:
     state: Ints
     x: Floats
     s: Floats
+    xi: Floats
+    """What the bond variables were found from."""
     jumps: bool
     """Whether impulses move what is stored."""
     jump: Floats
     """The impulse of each signal."""
     terms: Floats
-    """The size of the terms that made each signal."""
+    """The size of the terms that made each signal that a guard asked for."""
     loose: int
     """In how many directions bond variables are undetermined."""
     freedom: Block
@@ -286,6 +318,8 @@ class Engine:
     fault: Fault
     modes: Records[Mode]
     modes_made: int
+    bucket: Ints
+    """The first mode kept in each bucket of configurations, or NO_MODE."""
     clock: int
     work: Work
     v: Floats
@@ -322,6 +356,11 @@ class Engine:
     """The largest energy that the run has seen, J."""
     next_break: float
     piece: Ints
+    line_piece: Ints
+    """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
+    line_value: Floats
+    line_rate: Floats
+    line_begin: Floats
     at: Ints
     """Of the present interval: pieces of inputs, comparisons of time, and its end."""
     evaluations: int
@@ -388,6 +427,7 @@ def make_trial(m: Model) -> Trial:
     trial.state = ints(m.machines)
     trial.x = floats(m.storages)
     trial.s = floats(m.integrals)
+    trial.xi = floats(m.storages + 2 * m.most_sources)
     trial.jump = floats(m.slots)
     trial.terms = floats(m.slots)
     trial.freedom = make_block(1)
@@ -413,6 +453,16 @@ def make_step(n: int) -> Step:
     return s
 
 
+def make_reads(m: Model) -> Reads:
+    """Return room for what a mode of a model is read of; nothing is."""
+    r = Reads()
+    r.bond = ints(2 * m.bonds)
+    r.chosen = ints(2 * m.bonds)
+    r.valued = ints(m.most_sources)
+    r.rated = ints(m.most_sources)
+    return r
+
+
 def make_mode(m: Model) -> Mode:
     """Return room for the equations of a mode."""
     mode = Mode()
@@ -426,6 +476,7 @@ def make_mode(m: Model) -> Mode:
     mode.source_level = floats(m.most_sources)
     mode.same = ints(n)
     mode.finite = make_rows()
+    mode.shared = make_rows()
     mode.own_power = make_rows()
     mode.finite_free = make_block(1)
     mode.own_power_free = make_block(1)
@@ -441,6 +492,7 @@ def make_mode(m: Model) -> Mode:
     mode.guess = make_block(1)
     mode.ways = make_ways()
     mode.seen = floats(n)
+    mode.rates = make_reads(m)
     return mode
 
 
@@ -521,6 +573,9 @@ def make_engine(m: Model) -> Engine:
     e.model = m
     e.fault = Fault()
     e.modes = records(Mode, KEPT)
+    e.bucket = ints(BUCKETS)
+    for k in range(BUCKETS):
+        e.bucket[k] = NO_MODE
     e.work = make_work(m)
     e.v = floats(2 * m.slots)
     e.shown = floats(2 * m.slots)
@@ -536,6 +591,12 @@ def make_engine(m: Model) -> Engine:
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.piece = ints(m.inputs)
+    e.line_piece = ints(m.inputs)
+    e.line_value = floats(m.inputs)
+    e.line_rate = floats(m.inputs)
+    e.line_begin = floats(m.inputs)
+    for i in range(m.inputs):
+        e.line_piece[i] = NO_PIECE
     e.sampled_at = -math.inf
     e.level = floats(m.inputs)
     e.asked = floats(m.inputs)

@@ -12,19 +12,20 @@ from hybond.export.portable.blocks import Block, Rows, fit, fit_rows
 from hybond.export.portable.dynamic_rows import frozen_at
 from hybond.export.portable.elimination import Elimination, is_free
 from hybond.export.portable.engine import (
-    KEPT,
+    NO_MODE,
     OK,
     Engine,
     Mode,
-    make_mode,
     say_fault,
     svd_room,
 )
 from hybond.export.portable.interval import configuration
-from hybond.export.portable.leakage import least_leakage
+from hybond.export.portable.kept_modes import find_kept, keep_mode
+from hybond.export.portable.leakage import fold, least_leakage
 from hybond.export.portable.model import Model
 from hybond.export.portable.newton_system import system
 from hybond.export.portable.products import all_finite, times_matrix
+from hybond.export.portable.reading import read_rates
 from hybond.export.portable.svd import null_space, rank_above, svd
 from hybond.export.portable.tableau import build, switch_on
 from hybond.export.portable.words import Floats, Ints, some
@@ -39,25 +40,15 @@ def mode_of(e: Engine, state: Ints) -> int:
     m = e.model
     e.clock += 1
     configuration(e, state, e.key)
-    oldest = 0
-    for k in range(e.modes_made):
-        mode = some(e.modes[k])
-        if is_same(m.machines + m.discrete, mode.state, e.key):
-            mode.used = e.clock
-            e.mode = mode
-            e.mode_at = k
-            return check_depth(e, mode)
-        if mode.used < some(e.modes[oldest]).used:
-            oldest = k
-    if e.modes_made < KEPT:
-        oldest = e.modes_made
-        e.modes[oldest] = make_mode(m)
-        e.modes_made += 1
-    mode = some(e.modes[oldest])
+    at = find_kept(e, e.key)
+    if at != NO_MODE:
+        e.mode = some(e.modes[at])
+        e.mode.used = e.clock
+        e.mode_at = at
+        return check_depth(e, e.mode)
+    e.mode_at = keep_mode(e, e.key)
+    mode = some(e.modes[e.mode_at])
     mode.used = e.clock
-    e.mode_at = oldest
-    for k in range(m.machines + m.discrete):
-        mode.state[k] = e.key[k]
     e.mode = mode
     for j in range(m.junctions):
         e.given[j] = 0
@@ -74,14 +65,6 @@ def check_depth(e: Engine, mode: Mode) -> int:
             e, "HB-C103", "a constraint on storage leaves no rate free that could keep it", ""
         )
     return OK
-
-
-def is_same(n: int, a: Ints, b: Ints) -> bool:
-    """Whether two configurations are the same."""
-    for k in range(n):
-        if a[k] != b[k]:
-            return False
-    return True
 
 
 def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
@@ -110,6 +93,8 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     take_constraints(e, mode)
     divide_rows(m, mode)
     note_rates(m, mode)
+    mode.direct = mode.finite
+    read_rates(e, mode, mode.rates)
     mode.guessed = False
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
@@ -138,6 +123,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     else:
         mode.loose = generic_null(e, mode)
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
+    if mode.dynamics == 0 and mode.leakage.stages > 0:
+        fold(e, mode)
+        read_rates(e, mode, mode.rates)
 
 
 def free_columns(x: Elimination, column: Ints) -> int:
@@ -164,12 +152,20 @@ def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
         rows.first.at[k] = entries
         if x.solved[k] == 0 or x.same[k] != k:
             continue
-        for j in range(knowns):
-            value = x.entry[k * x.columns + n + j]
-            if value != 0.0:
-                rows.column.at[entries] = j
-                rows.value.at[entries] = -value
-                entries += 1
+        begin = entries
+        for i in range(x.count[k]):
+            j = x.column[k * x.columns + i] - n
+            if j < 0 or j >= knowns or x.entry[k * x.columns + n + j] == 0.0:
+                continue
+            # in the order of knowns, which sums follow
+            at = entries
+            while at > begin and rows.column.at[at - 1] > j:
+                rows.column.at[at] = rows.column.at[at - 1]
+                at -= 1
+            rows.column.at[at] = j
+            entries += 1
+        for i in range(begin, entries):
+            rows.value.at[i] = -x.entry[k * x.columns + n + rows.column.at[i]]
     rows.first.at[n] = entries
 
 

@@ -8,11 +8,16 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blend import sizes_here
 from hybond.export.portable.engine import Engine
-from hybond.export.portable.guard_values import atom_here, look, read_stored, size_here, test_here
-from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, Locator
-from hybond.export.portable.trial import widen_sizes
+from hybond.export.portable.guard_values import (
+    atom_here,
+    begin_sizes_in_motion,
+    look,
+    measure_in_motion,
+    size_here,
+    test_here,
+)
+from hybond.export.portable.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -20,6 +25,8 @@ ROUNDED: Final = 1e-9
 """... unless that is less than this part of the largest sample."""
 NEAR: Final = 0.05
 """An extremum is searched if the polynomial comes this near to zero, as a part of the spread."""
+SLACK: Final = 1e-12
+"""Part of samples that rounding may add to the polynomial through them."""
 ROUNDING: Final = 1e-13
 """Part of the terms of a comparison that rounding leaves unexplained."""
 
@@ -46,33 +53,36 @@ def find_shape(g: Locator) -> None:
 
 
 def stays(g: Locator, a: int) -> bool:
-    """Whether a comparison stays away from zero; note what a polynomial leaves of its samples."""
+    """Whether a comparison stays away from zero; note whether its samples show what it does."""
     at = a * SAMPLES
     least = g.shape[at]
     most = g.shape[at]
     size = 0.0
-    rest = 0.0
     finite = True
     for i in range(SAMPLES):
-        total = 0.0
-        for j in range(SAMPLES):
-            total += g.left_over[i * SAMPLES + j] * g.shape[at + j]
-        finite = finite and math.isfinite(total)
-        rest = max(rest, math.fabs(total))
+        finite = finite and math.isfinite(g.shape[at + i])
         least = min(least, g.shape[at + i])
         most = max(most, g.shape[at + i])
         size = max(size, math.fabs(g.shape[at + i]))
     spread = most - least
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    rest = rest_below(g, a, size)
+    if finite and rest <= UNRESOLVED * spread:
+        if floor_of(g, least, most, up) > NEAR * spread + 3.0 * rest:
+            g.doubtful[a] = 0
+            return True
+    rest = rest_of(g, a)
     g.rest[a] = rest
     shown = rest <= UNRESOLVED * spread or rest <= ROUNDED * size or not finite
     g.doubtful[a] = 0 if shown else 1
     if size == 0.0:
         return True
-    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
     low = least if up > 0.0 else -most if up < 0.0 else 0.0
     bound = NEAR * spread + 3.0 * rest
     if not low > bound:
         return False
+    if floor_of(g, least, most, up) > bound:
+        return True
     for i in range(GRID):
         total = 0.0
         for j in range(SAMPLES):
@@ -80,6 +90,35 @@ def stays(g: Locator, a: int) -> bool:
         if not up * total > bound:
             return False
     return True
+
+
+def rest_of(g: Locator, a: int) -> float:
+    """Return what a polynomial leaves of the samples of a comparison."""
+    rest = 0.0
+    for i in range(SAMPLES):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.left_over[i * SAMPLES + j] * g.shape[a * SAMPLES + j]
+        rest = max(rest, math.fabs(total))
+    return rest
+
+
+def rest_below(g: Locator, a: int, size: float) -> float:
+    """Return what it leaves no more than: the length of that, of samples of such a size."""
+    total = 0.0
+    for j in range(SAMPLES - TERMS):
+        part = 0.0
+        for i in range(SAMPLES):
+            part += g.beyond[j * SAMPLES + i] * g.shape[a * SAMPLES + i]
+        total += part * part
+    return math.sqrt(total) + SLACK * size
+
+
+def floor_of(g: Locator, least: float, most: float, sign: float) -> float:
+    """Return what ``sign * polynomial`` is nowhere below, of the least and the largest sample."""
+    middle = 0.5 * (least + most)
+    away = g.swing * 0.5 * (most - least) + SLACK * math.fabs(middle)
+    return sign * middle - away
 
 
 def first_turn(g: Locator, a: int) -> float:
@@ -96,31 +135,30 @@ def first_turn(g: Locator, a: int) -> float:
 
 def is_resolved(e: Engine, g: Locator) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
+    for k in range(g.guards):
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            if g.doubtful[a] != 0 and not is_rounding(e, g, g.rule[k], a):
+                return False
+    return True
+
+
+def is_rounding(e: Engine, g: Locator, rule: int, a: int) -> bool:
+    """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
     m = e.model
-    many = 0
-    for a in range(g.atoms):
-        many += g.doubtful[a]
-    if many == 0:
-        return True
+    if rule < 0:
+        return size_here(e, g, a) * ROUNDING >= g.rest[a]
     # what a bond variable cancels from: its own value may be nothing but rounding
     g.looked = math.nan
     look(e, g, g.t[0])
-    sizes_here(e, e.mode, e.v)
-    read_stored(e, e.work.here)
-    widen_sizes(e, e.mode, e.work.here)
-    for k in range(2 * m.bonds):
-        g.magnitude[k] = e.work.sizes[k]
-    for a in range(g.atoms):
-        if g.doubtful[a] == 0:
-            continue
-        largest = 0.0
-        for i in range(SAMPLES):
-            look(e, g, g.t[i])
-            for k in range(2 * m.bonds):
-                own = math.fabs(e.v[m.bond_slot + k])
-                e.v[m.bond_slot + k] = max(own, g.magnitude[k])
-            largest = max(largest, size_here(e, g, a))
-            g.looked = math.nan
-        if not largest * ROUNDING >= g.rest[a]:
-            return False
-    return True
+    begin_sizes_in_motion(e)
+    measure_in_motion(e, rule)
+    largest = 0.0
+    for i in range(SAMPLES):
+        look(e, g, g.t[i])
+        for p in range(m.read_first[rule], m.read_first[rule + 1]):
+            slot = m.read_slot[p]
+            if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
+                e.v[slot] = max(math.fabs(e.v[slot]), e.work.terms[slot])
+        largest = max(largest, size_here(e, g, a))
+        g.looked = math.nan
+    return largest * ROUNDING >= g.rest[a]

@@ -5,31 +5,33 @@ After modes/locate.py.
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
-from hybond.export.portable.blend import sizes_here, solve_here
-from hybond.export.portable.engine import OK, Engine, Mode
+from hybond.export.portable.blend import begin_sizes, solve_here
+from hybond.export.portable.engine import OK, Engine
 from hybond.export.portable.locator import Locator
 from hybond.export.portable.model import rule_text, value
 from hybond.export.portable.paired import holds
+from hybond.export.portable.reading import solve_read
+from hybond.export.portable.sizes import measure
 from hybond.export.portable.stepping import between
-from hybond.export.portable.trial import refuse_pair, widen_sizes
-from hybond.export.portable.values import set_state
-from hybond.export.portable.words import Floats
+from hybond.export.portable.trial import refuse_pair
+from hybond.export.portable.values import set_motion
 
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""
 
 
 def look(e: Engine, g: Locator, t: float) -> None:
-    """Fill the values at t."""
+    """Fill the values at t that guards read."""
     if g.looked == t:
         return
     between(e, t, g.y)
-    set_state(e, e.mode, e.v, t, g.y)
-    if solve_here(e, e.mode, e.v) != OK:
-        g.failed = True
+    set_motion(e, e.v, t, g.y)
+    if e.slide.k == 0:
+        g.failed = solve_read(e, e.mode, g.reads, e.v) != OK or g.failed
+    else:
+        g.failed = solve_here(e, e.mode, e.v) != OK or g.failed
     g.looked = t
     g.sized = False
 
@@ -72,8 +74,9 @@ def holds_here(e: Engine, g: Locator, rule: int) -> bool:
     if rule < 0:
         return test_here(e, rule)
     if not g.sized:
-        put_sizes(e, e.mode)
+        begin_sizes_in_motion(e)
         g.sized = True
+    measure_in_motion(e, rule)
     ask_in_motion(e)
     true = holds(m, rule, stack)
     if stack.refused != 0:
@@ -93,19 +96,13 @@ def ask_in_motion(e: Engine) -> None:
     stack.terms = e.work.terms
 
 
-def put_sizes(e: Engine, mode: Mode) -> None:
-    """Put what rounding of each signal is measured by into `e.work.terms`, after `solve`."""
-    m = e.model
-    sizes_here(e, mode, e.v)
-    for k in range(m.slots):
-        e.work.terms[k] = math.fabs(e.v[k])
-    read_stored(e, e.work.here)
-    widen_sizes(e, mode, e.work.here)
-    for k in range(2 * m.bonds):
-        e.work.terms[m.bond_slot + k] = e.work.sizes[k]
-
-
-def read_stored(e: Engine, x: Floats) -> None:
-    """Put what is stored at the values of the motion into `x`."""
+def begin_sizes_in_motion(e: Engine) -> None:
+    """Prepare for guards to be measured at the values of the motion, after `solve_here`."""
     for k in range(e.model.storages):
-        x[k] = e.v[e.model.stored_slot + k]
+        e.work.here[k] = e.v[e.model.stored_slot + k]
+    begin_sizes(e, e.mode, e.v, e.work.here, e.work.terms)
+
+
+def measure_in_motion(e: Engine, rule: int) -> None:
+    """Find what rounding of the signals that a guard reads is measured by in the motion."""
+    measure(e, e.mode, rule, e.work.xi, e.v, e.work.terms)

@@ -118,21 +118,28 @@ def input_rate(m: Model, i: int, piece: int) -> float:
     return rise / (end - m.input_number[at + row])
 
 
-def input_value(m: Model, i: int, t: float, piece: int) -> float:
-    """Return the value of an input within a piece, extended to t if need be."""
+def take_line(e: Engine, i: int) -> None:
+    """Find the line that an input follows within its piece, extended beyond it if need be."""
+    m = e.model
+    piece = e.piece[i]
+    if e.line_piece[i] == piece:
+        return
     at = m.input_first[i]
     kind = m.input_kind[i]
-    if kind == CONSTANT:
-        return m.input_number[at]
-    if kind == PULSES:
-        high = piece - 2 * whole_below(0.5 * float(piece)) == 0
-        return m.input_number[at + 2] if high else m.input_number[at + 3]
     many = (m.input_first[i + 1] - at) // 2
-    if piece == 0:
-        return m.input_number[at + many]
-    held = m.input_number[at + many + row_of_piece(m, i, piece)]
-    rate = input_rate(m, i, piece)
-    return held if rate == 0.0 else held + rate * (t - begin_of_piece(m, i, piece))
+    e.line_piece[i] = piece
+    e.line_rate[i] = input_rate(m, i, piece)
+    e.line_begin[i] = 0.0
+    if kind == CONSTANT or kind == FREE:
+        e.line_value[i] = m.input_number[at]
+    elif kind == PULSES:
+        high = piece - 2 * whole_below(0.5 * float(piece)) == 0
+        e.line_value[i] = m.input_number[at + 2] if high else m.input_number[at + 3]
+    elif piece == 0:
+        e.line_value[i] = m.input_number[at + many]
+    else:
+        e.line_value[i] = m.input_number[at + many + row_of_piece(m, i, piece)]
+        e.line_begin[i] = begin_of_piece(m, i, piece) if e.line_rate[i] != 0.0 else 0.0
 
 
 def level_of_piece(m: Model, i: int, piece: int) -> int:
@@ -227,9 +234,14 @@ def set_time(e: Engine, v: Floats, t: float) -> None:
     m = e.model
     v[0] = t
     for i in range(m.inputs):
-        free = m.input_kind[i] == FREE
-        v[m.input_slot + i] = e.level[i] if free else input_value(m, i, t, e.piece[i])
-        v[m.input_rate_slot + i] = input_rate(m, i, e.piece[i])
+        take_line(e, i)
+        rate = e.line_rate[i]
+        v[m.input_slot + i] = (
+            e.level[i]
+            if m.input_kind[i] == FREE
+            else e.line_value[i] + rate * (t - e.line_begin[i])
+        )
+        v[m.input_rate_slot + i] = rate
     for k in range(m.watches):
         v[m.at_slot + k] = float(e.at[k])
 

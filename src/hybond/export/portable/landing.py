@@ -26,7 +26,11 @@ from hybond.export.portable.blend import combine_here
 from hybond.export.portable.engine import OK, REFUSED, Engine
 from hybond.export.portable.entering import enter
 from hybond.export.portable.equations import mode_of
-from hybond.export.portable.guard_values import ask_in_motion, put_sizes
+from hybond.export.portable.guard_values import (
+    ask_in_motion,
+    begin_sizes_in_motion,
+    measure_in_motion,
+)
 from hybond.export.portable.instant import (
     ACCUMULATION,
     CONTINUOUS,
@@ -427,14 +431,16 @@ def would_leave(e: Engine, g: Landings, t: float) -> bool:
     stack = e.work.stack
     if evaluate(e, e.mode, e.v, t, g.at_rest) != OK:
         return True
-    put_sizes(e, e.mode)
+    begin_sizes_in_motion(e)
     ask_in_motion(e)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[r] != e.state[k] or m.rule_watched[r] == 0:
                 continue
-            if in_force(m, g, k, r) and holds(m, r, stack):
-                return True
+            if in_force(m, g, k, r):
+                measure_in_motion(e, r)
+                if holds(m, r, stack):
+                    return True
     return False
 
 

@@ -15,10 +15,10 @@ from hybond.export.portable.law_roles import CUT, SHUT
 from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.paired import evaluate_pair
 from hybond.export.portable.pairs import clear, sign_at
-from hybond.export.portable.ports import open_mode, partner_sizes, ports_of
+from hybond.export.portable.ports import open_mode, partner_row, ports_of
+from hybond.export.portable.sizes import STORED, measure_values, seen_of
 from hybond.export.portable.storage import energy_of
 from hybond.export.portable.tableau import COMMON
-from hybond.export.portable.trial import seen_of
 from hybond.export.portable.values import set_values
 from hybond.export.portable.words import Floats, Ints
 
@@ -78,9 +78,6 @@ def find_able(e: Engine, r: Laws) -> int:
     """
     m = e.model
     stack = e.work.stack
-    # rounding of a gap is that of its terms, as for the guards that watch it
-    for k in range(m.slots):
-        r.terms[k] = math.fabs(r.v[k])
     stack.now = r.v
     stack.was = r.v
     stack.was_first = 0
@@ -93,6 +90,8 @@ def find_able(e: Engine, r: Laws) -> int:
             gap = m.port_gap_constant[k]
             sign = 1 if gap > 0.0 else -1 if gap < 0.0 else 0
             if m.port_gap_pair[k] >= 0:
+                # rounding of a gap is that of its terms, as for the guards that watch it
+                measure_values(m, m.port_gap_pair[k], r.v, r.terms)
                 clear(stack)
                 evaluate_pair(m, m.port_gap_pair[k], stack)
                 gap = stack.finite[stack.top]
@@ -120,11 +119,12 @@ def find_rounding(e: Engine, r: Laws) -> None:
     mode = open_mode(e, r.now)
     energy = max(e.energy, math.fabs(energy_of(e, r.x)))
     seen_of(e, mode, r.x)
-    for b in range(2 * m.bonds):
-        r.zero[b] = math.sqrt(energy) * mode.seen[b]
-    partner_sizes(m, r.now, r.zero, r.rounding)
     for k in range(m.ports):
-        r.rounding[k] = r.response.size[k] + 10.0 * r.rounding[k]
+        row = partner_row(r.now, k)
+        stored = 0.0
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            stored += math.fabs(m.pair_value[i]) * (math.sqrt(energy) * mode.seen[m.pair_column[i]])
+        r.rounding[k] = r.response.size[k] + STORED * stored
 
 
 def clean(m: Model, r: Laws, y: Floats) -> None:

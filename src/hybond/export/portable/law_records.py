@@ -40,7 +40,6 @@ class Ports:
     given: Ints
     column: Ints
     sign: Floats
-    partner: Floats
     linear: bool
     known: bool
     gain: Floats
@@ -169,7 +168,6 @@ def make_ports(place: int, m: Model) -> Ports:
     p.given = ints(n)
     p.column = ints(n)
     p.sign = floats(n)
-    p.partner = floats(n * 2 * m.bonds)
     p.gain = floats(2 * m.bonds * n)
     p.d = floats(n * n)
     p.e = floats(m.storages * n)
@@ -184,12 +182,8 @@ def make_response(m: Model) -> Response:
     n = m.ports
     a = Response()
     a.bonds = floats(2 * m.bonds)
-    a.gain = floats(2 * m.bonds * n)
     a.y = floats(n)
     a.size = floats(n)
-    a.d = floats(n * n)
-    a.e = floats(m.storages * n)
-    a.ce = floats(n * n)
     a.rate = floats(n)
     return a
 

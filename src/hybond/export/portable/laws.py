@@ -22,6 +22,7 @@ from hybond.export.portable.trial import (
     begin_trial,
     finish_trial,
     jump_into,
+    measure_trial,
     take_factors,
     write_entry,
 )
@@ -240,6 +241,7 @@ def find_broken(e: Engine, r: Laws) -> int:
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:
                 continue
+            measure_trial(e, rule)
             true = holds(m, rule, stack)
             if stack.refused != 0:
                 say_fault(e, "HB-J101", "a value is not a number", machine_name(m, k))

@@ -6,12 +6,14 @@ modes/locate.py.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from hybond.export.portable.engine import Engine
+from hybond.export.portable.engine import Engine, Reads, make_reads
 from hybond.export.portable.in_force import is_asked
 from hybond.export.portable.products import times_matrix
-from hybond.export.portable.svd import make_svd, pseudo_inverse
+from hybond.export.portable.reading import read_guard, read_nothing
+from hybond.export.portable.svd import make_svd, null_space, pseudo_inverse
 from hybond.export.portable.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
@@ -52,10 +54,15 @@ class Locator:
     atom_first: Ints
     """Of each guard: its comparisons in `shape`."""
     atom: Ints
+    reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
+    beyond: Floats
+    """Samples to their components beyond that polynomial, in three rows of length one."""
     fine: Floats
     """Samples to that polynomial on a fine grid."""
+    swing: float
+    """How far it can be from the middle of the samples, in units of their distance from there."""
     rounded: bool
     """Whether a guard leaves as soon as it holds with rounding counted as zero."""
     failed: bool
@@ -70,7 +77,6 @@ class Locator:
     calm: Ints
     turn: Floats
     done: Ints
-    magnitude: Floats
     y: Floats
     d: Floats
     polynomial: Floats
@@ -111,7 +117,7 @@ def make_locator(e: Engine) -> Locator:
     g.calm = ints(rules)
     g.turn = floats(rules)
     g.done = ints(rules)
-    g.magnitude = floats(2 * m.bonds)
+    g.reads = make_reads(m)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
@@ -131,6 +137,7 @@ def fit_polynomials(g: Locator) -> None:
     d = make_svd(SAMPLES, SAMPLES)
     pseudo_inverse(d, SAMPLES, TERMS, powers, 1e-15, inverse)
     g.left_over = floats(SAMPLES * SAMPLES)
+    put_beyond(g, powers)
     g.fine = floats(GRID * SAMPLES)
     times_matrix(SAMPLES, TERMS, SAMPLES, powers, inverse, g.left_over)
     for k in range(SAMPLES * SAMPLES):
@@ -138,6 +145,27 @@ def fit_polynomials(g: Locator) -> None:
     for k in range(SAMPLES):
         g.left_over[k * SAMPLES + k] += 1.0
     times_matrix(GRID, TERMS, SAMPLES, grid, inverse, g.fine)
+    g.swing = 0.0
+    for i in range(GRID):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += math.fabs(g.fine[i * SAMPLES + j])
+        g.swing = max(g.swing, total)
+
+
+def put_beyond(g: Locator, powers: Floats) -> None:
+    """Find rows of length one that see nothing of a polynomial, and are right-angled."""
+    across = floats(TERMS * SAMPLES)
+    for i in range(SAMPLES):
+        for j in range(TERMS):
+            across[j * SAMPLES + i] = powers[i * TERMS + j]
+    many = SAMPLES - TERMS
+    basis = floats(SAMPLES * SAMPLES)
+    null_space(make_svd(SAMPLES, SAMPLES), TERMS, SAMPLES, across, 1e-10, basis)
+    g.beyond = floats(many * SAMPLES)
+    for i in range(SAMPLES):
+        for j in range(many):
+            g.beyond[j * SAMPLES + i] = basis[i * many + j]
 
 
 def put_powers(n: int, a: Floats, sampled: bool) -> None:
@@ -155,6 +183,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     m = e.model
     g.guards = 0
     g.atoms = 0
+    read_nothing(m, g.reads)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
@@ -167,6 +196,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
                 g.atom[g.atoms] = a
                 g.atoms += 1
             g.guards += 1
+            read_guard(m, e.mode, g.reads, r)
     g.rounded = e.slide.k == 0
     for margin in range(2 * e.slide.k):
         # where a weight leaves 0 ... 1, a machine leaves its surface

@@ -76,6 +76,10 @@ class Model:
     atom_zero: Ints
     """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
 
+    # what each pair reads: guards in all their forms, then rates of integrated signals, gaps
+    read_first: Ints
+    read_slot: Ints
+
     # what elements say, by what is constant in a mode
     elements: int
     """Elements but storages and junctions: steady ones first, in order, then the others."""

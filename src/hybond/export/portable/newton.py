@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blocks import fit, row_size, row_times
+from hybond.export.portable.blocks import Rows, fit, row_times
 from hybond.export.portable.damped import shorter_steps
 from hybond.export.portable.dynamic_rows import dynamic_value, slopes_at
 from hybond.export.portable.engine import NOT_FINITE, OK, Engine, Mode, say_fault, svd_room
@@ -50,13 +50,13 @@ def knowns_of(e: Engine, mode: Mode, v: Floats, rates: bool) -> None:
             xi[at] = value(m, m.source_rate[source], v)
 
 
-def by_knowns(e: Engine, mode: Mode, w: Floats) -> None:
-    """Put what the knowns give to bond variables into `w`."""
+def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
+    """Put what the knowns give to bond variables by such rows into `w`."""
     xi = e.work.xi
     n = 2 * e.model.bonds
     for k in range(n):
         same = mode.same[k]
-        w[k] = w[same] if same < k else row_times(mode.finite, k, xi)
+        w[k] = w[same] if same < k else row_times(rows, k, xi)
 
 
 def solve(e: Engine, mode: Mode, v: Floats) -> int:
@@ -68,10 +68,10 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
     w = e.work.w
     knowns_of(e, mode, v, True)
     if mode.dynamics == 0:
-        by_knowns(e, mode, w)
+        by_knowns(e, mode, mode.direct, w)
     elif newton(e, mode, v) != OK:
         return NOT_FINITE
-    if mode.leakage.stages > 0:
+    elif mode.leakage.stages > 0:
         project(mode.leakage, 2 * e.model.bonds, w)
     write_bonds(e, v, w)
     return OK
@@ -84,7 +84,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     frees = mode.finite_frees
     base = work.base
     w = work.w
-    by_knowns(e, mode, base)
+    by_knowns(e, mode, mode.finite, base)
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
     r = work.guess.at
@@ -188,24 +188,6 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     say_fault(e, "HB-N302", "the equations overflow", "")
     e.fault.t = v[0]
     return NOT_FINITE
-
-
-def sizes_of(e: Engine, mode: Mode) -> None:
-    """Put the sizes of the terms of each bond variable into `e.work.sizes`, after `solve`.
-
-    After equations/mode.py, solution.
-    """
-    work = e.work
-    n = 2 * e.model.bonds
-    frees = mode.finite_frees
-    for k in range(n):
-        same = mode.same[k]
-        work.sizes[k] = work.base_size[same] if same < k else row_size(mode.finite, k, work.xi)
-        work.base_size[k] = work.sizes[k]
-        for j in range(frees):
-            r = work.w[mode.free_column[j]]
-            work.sizes[k] += math.fabs(mode.finite_free.at[k * frees + j]) * math.fabs(r)
-        work.sizes[k] = max(work.sizes[k], math.fabs(work.w[k]))
 
 
 def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:

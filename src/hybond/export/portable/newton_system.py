@@ -80,11 +80,12 @@ def put_row(mode: Mode, n: int, a: Floats, first: int, at: int, jacobian: Floats
     """Put a row of slopes by bond variables into the Jacobian, by free unknowns."""
     frees = mode.finite_frees
     for j in range(frees):
-        total = 0.0
-        for k in range(n):
-            if a[first + k] != 0.0:
-                total += a[first + k] * mode.finite_free.at[k * frees + j]
-        jacobian[at * frees + j] = total
+        jacobian[at * frees + j] = 0.0
+    for k in range(n):
+        slope = a[first + k]
+        if slope != 0.0:
+            for j in range(frees):
+                jacobian[at * frees + j] += slope * mode.finite_free.at[k * frees + j]
 
 
 def split(e: Engine, mode: Mode, v: Floats) -> None:

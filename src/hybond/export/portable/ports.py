@@ -14,6 +14,7 @@ times its area. Source: Heemels, Schumacher and Weiland (2000).
 import math
 from typing import Final
 
+from hybond.export.portable.blocks import row_size
 from hybond.export.portable.engine import (
     OK,
     REFUSED,
@@ -22,10 +23,10 @@ from hybond.export.portable.engine import (
     make_mode,
     say_fault,
 )
-from hybond.export.portable.equations import check_depth, is_same, make_equations
+from hybond.export.portable.equations import check_depth, make_equations
 from hybond.export.portable.interval import configuration
+from hybond.export.portable.kept_modes import is_same
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
-from hybond.export.portable.leakage import project
 from hybond.export.portable.model import Model, node_name, value
 from hybond.export.portable.newton import solve
 from hybond.export.portable.tableau import COMMON, NET, NOT_OPEN
@@ -118,7 +119,6 @@ def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
     e.modes_built += 1
     p.linear = mode.dynamics == 0 and m.groups == 0
     p.known = False
-    find_partners(m, p)
     return OK
 
 
@@ -160,16 +160,14 @@ def untie(m: Model, r: Laws, p: Ports, mode: Mode) -> int:
     return found
 
 
-def find_partners(m: Model, p: Ports) -> None:
-    """Find what `w` is, by bond variables."""
-    n = 2 * m.bonds
-    for i in range(m.ports * n):
-        p.partner[i] = 0.0
-    for k in range(m.ports):
-        row = 2 * k + 1 if p.given[k] == COMMON else 2 * k
-        way = -1.0 if p.given[k] == COMMON else 1.0
-        for i in range(m.pair_first[row], m.pair_first[row + 1]):
-            p.partner[k * n + m.pair_column[i]] = m.pair_value[i] * way
+def partner_row(p: Ports, k: int) -> int:
+    """Return the row of pairs that `w` of port k is: minus the net variable, or the common one."""
+    return 2 * k + 1 if p.given[k] == COMMON else 2 * k
+
+
+def partner_way(p: Ports, k: int) -> float:
+    """Return what that row is multiplied by."""
+    return -1.0 if p.given[k] == COMMON else 1.0
 
 
 def solve_with(e: Engine, p: Ports, v: Floats, given: Floats) -> int:
@@ -197,14 +195,11 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     if mode.dynamics == 0:
         for k in range(m.ports):
             for b in range(n):
-                e.work.w[b] = 0.0
+                gain[b * m.ports + k] = 0.0
                 row = mode.same[b]
-                for i in range(mode.finite.first.at[row], mode.finite.first.at[row + 1]):
-                    if mode.finite.column.at[i] == m.storages + p.column[k]:
-                        e.work.w[b] = mode.finite.value.at[i] * p.sign[k]
-            project(mode.leakage, n, e.work.w)
-            for b in range(n):
-                gain[b * m.ports + k] = e.work.w[b]
+                for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
+                    if mode.direct.column.at[i] == m.storages + p.column[k]:
+                        gain[b * m.ports + k] = mode.direct.value.at[i] * p.sign[k]
         return OK
     for i in range(2 * m.slots):
         r.kept[i] = v[i]
@@ -228,24 +223,12 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
 
 def times_partner(m: Model, p: Ports, w: Floats, y: Floats) -> None:
     """Put `w` of all ports there, of bond variables."""
-    n = 2 * m.bonds
     for k in range(m.ports):
+        row = partner_row(p, k)
         total = 0.0
-        for b in range(n):
-            if p.partner[k * n + b] != 0.0:
-                total += p.partner[k * n + b] * w[b]
-        y[k] = total
-
-
-def partner_sizes(m: Model, p: Ports, size: Floats, y: Floats) -> None:
-    """Put the size of the terms of `w` there, of sizes of bond variables."""
-    n = 2 * m.bonds
-    for k in range(m.ports):
-        total = 0.0
-        for b in range(n):
-            if p.partner[k * n + b] != 0.0:
-                total += math.fabs(p.partner[k * n + b]) * size[b]
-        y[k] = total
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            total += m.pair_value[i] * w[m.pair_column[i]]
+        y[k] = partner_way(p, k) * total
 
 
 def rates_of_stored(m: Model, w: Floats, n: int, column: int, rates: Floats) -> None:
@@ -267,6 +250,10 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     mode = open_mode(e, p)
     a = r.response
     n = m.ports
+    a.gain = p.gain
+    a.d = p.d
+    a.e = p.e
+    a.ce = p.ce
     for k in range(n):
         r.l[k] = 0.0
     if solve_with(e, p, v, r.l) != OK:
@@ -274,10 +261,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     for b in range(2 * m.bonds):
         a.bonds[b] = e.work.w[b]
     times_partner(m, p, a.bonds, a.y)
-    known_sizes(e, p)
-    for b in range(2 * m.bonds):
-        e.work.sizes[b] += math.fabs(a.bonds[b])
-    partner_sizes(m, p, e.work.sizes, a.size)
+    find_sizes(e, p, a)
     rates_of_stored(m, a.bonds, 1, 0, r.field)
     for k in range(n):
         a.rate[k] = 0.0
@@ -290,13 +274,6 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
         return ahead_of(e, r, v, x) if timed else OK
     if not p.known and find_constant(e, r, v) != OK:
         return REFUSED
-    for i in range(2 * m.bonds * n):
-        a.gain[i] = p.gain[i]
-    for i in range(n * n):
-        a.d[i] = p.d[i]
-        a.ce[i] = p.ce[i]
-    for i in range(m.storages * n):
-        a.e[i] = p.e[i]
     for k in range(n):
         total = 0.0
         for i in range(m.storages):
@@ -310,35 +287,35 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     return OK
 
 
-def known_sizes(e: Engine, p: Ports) -> None:
-    """Put the sizes of what knowns add to bond variables into `e.work.sizes`."""
+def find_sizes(e: Engine, p: Ports, a: Response) -> None:
+    """Find the size of the terms of each `y`: of knowns, and of bond variables themselves."""
+    m = e.model
     mode = open_mode(e, p)
-    n = 2 * e.model.bonds
-    for b in range(n):
-        row = mode.same[b]
-        total = 0.0
-        for i in range(mode.finite.first.at[row], mode.finite.first.at[row + 1]):
-            total += math.fabs(mode.finite.value.at[i]) * math.fabs(
-                e.work.xi[mode.finite.column.at[i]]
-            )
-        e.work.sizes[b] = total
+    for k in range(m.ports):
+        row = partner_row(p, k)
+        a.size[k] = 0.0
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            b = m.pair_column[i]
+            size = row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(a.bonds[b])
+            a.size[k] += math.fabs(m.pair_value[i]) * size
 
 
 def couple(m: Model, p: Ports, a: Response) -> None:
     """Find D and E from the gains: what cancels is nothing."""
     n = m.ports
-    bonds = 2 * m.bonds
     for j in range(n):
         rates_of_stored(m, a.gain, n, j, a.e)
     for k in range(n):
+        row = partner_row(p, k)
+        way = partner_way(p, k)
         for j in range(n):
             total = 0.0
             size = 0.0
-            for b in range(bonds):
-                part = p.partner[k * bonds + b]
-                if part != 0.0:
-                    total += part * a.gain[b * n + j]
-                    size += math.fabs(part) * math.fabs(a.gain[b * n + j])
+            for i in range(m.pair_first[row], m.pair_first[row + 1]):
+                part = way * m.pair_value[i]
+                gain = a.gain[m.pair_column[i] * n + j]
+                total += part * gain
+                size += math.fabs(part) * math.fabs(gain)
             a.d[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
 
 
@@ -355,12 +332,6 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
     if find_gains(e, r, p, v, a.gain) != OK:
         return REFUSED
     couple(m, p, a)
-    for i in range(2 * m.bonds * n):
-        p.gain[i] = a.gain[i]
-    for i in range(n * n):
-        p.d[i] = a.d[i]
-    for i in range(m.storages * n):
-        p.e[i] = a.e[i]
     for k in range(n):
         partner_by_knowns(e, r, p, k)
         for s in range(m.storages):
@@ -387,40 +358,14 @@ def partner_by_knowns(e: Engine, r: Laws, p: Ports, k: int) -> None:
     """Put what the knowns give to `w` of port k into `r.row`."""
     mode = open_mode(e, p)
     m = e.model
-    n = 2 * m.bonds
-    for b in range(n):
-        r.zero[b] = p.partner[k * n + b]
-    after_leakage(e, p, r.zero)
     for i in range(mode.knowns):
         r.row[i] = 0.0
-    for b in range(n):
-        if r.zero[b] == 0.0:
-            continue
-        row = mode.same[b]
-        for i in range(mode.finite.first.at[row], mode.finite.first.at[row + 1]):
-            r.row[mode.finite.column.at[i]] += r.zero[b] * mode.finite.value.at[i]
-
-
-def after_leakage(e: Engine, p: Ports, row: Floats) -> None:
-    """Replace a row by the row times the projection of least leakage."""
-    mode = open_mode(e, p)
-    n = 2 * e.model.bonds
-    leak = mode.leakage
-    if leak.second > 0:
-        row_after(n, leak.second, leak.basis2.at, leak.taken2.at, leak.amount.at, row)
-    if leak.first > 0:
-        row_after(n, leak.first, leak.basis.at, leak.taken.at, leak.amount.at, row)
-
-
-def row_after(n: int, many: int, basis: Floats, taken: Floats, share: Floats, row: Floats) -> None:
-    """Replace a row by ``row (1 - basis taken)``."""
-    for j in range(many):
-        share[j] = 0.0
-        for b in range(n):
-            share[j] += row[b] * basis[b * many + j]
-    for j in range(many):
-        for b in range(n):
-            row[b] -= share[j] * taken[j * n + b]
+    pair = partner_row(p, k)
+    for c in range(m.pair_first[pair], m.pair_first[pair + 1]):
+        part = partner_way(p, k) * m.pair_value[c]
+        row = mode.same[m.pair_column[c]]
+        for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
+            r.row[mode.direct.column.at[i]] += part * mode.direct.value.at[i]
 
 
 def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:

@@ -6,7 +6,8 @@ import math
 from typing import Final
 
 from hybond.export.portable.engine import Engine, Mode
-from hybond.export.portable.newton import sizes_of, solve
+from hybond.export.portable.newton import solve
+from hybond.export.portable.sizes import size_of
 from hybond.export.portable.storage import own_stiffness
 from hybond.export.portable.values import set_state
 from hybond.export.portable.words import Floats
@@ -43,12 +44,12 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
     m = e.model
     set_state(e, mode, e.v, t, e.y)
     solve(e, mode, e.v)
-    sizes_of(e, mode)
     found = False
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-        e.rounding[k] = ROUNDED * SHORT * e.until * e.work.sizes[at]
-        found = found or e.work.sizes[at] > 0.0
+        size = size_of(e, mode, at, e.work.xi, e.v)
+        e.rounding[k] = ROUNDED * SHORT * e.until * size
+        found = found or size > 0.0
     return found
 
 

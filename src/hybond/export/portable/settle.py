@@ -29,7 +29,7 @@ from hybond.export.portable.interval import interval_after
 from hybond.export.portable.model import machine_name, rule_text, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.sampling import sample
-from hybond.export.portable.trial import a_priori, refuse_pair, show_trial
+from hybond.export.portable.trial import a_priori, measure_trial, refuse_pair, show_trial
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
 
@@ -248,6 +248,7 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
                 why = "a guard reads what the equations leave open"
                 say_fault(e, "HB-J102", why, rule_text(m, r))
                 return -1
+            measure_trial(e, r)
             true = holds(m, r, stack)
             if stack.refused != 0:
                 refuse_pair(e, t, rule_text(m, r))

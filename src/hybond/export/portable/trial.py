@@ -6,9 +6,8 @@ Nothing here decides anything; settle.py does. After modes/trial.py.
 from __future__ import annotations
 
 import math
-from typing import Final
 
-from hybond.export.portable.blend import combine_here, freedom_here, sizes_here, solve_here
+from hybond.export.portable.blend import begin_sizes, combine_here, freedom_here, solve_here
 from hybond.export.portable.blocks import fit
 from hybond.export.portable.dynamic_rows import frozen_at
 from hybond.export.portable.engine import (
@@ -36,13 +35,10 @@ from hybond.export.portable.pairs import (
     clear,
     is_impulsive,
 )
-from hybond.export.portable.storage import energy_of, own_stiffness, reach_of, with_stored
+from hybond.export.portable.sizes import measure
+from hybond.export.portable.storage import energy_of, reach_of
 from hybond.export.portable.values import set_values
 from hybond.export.portable.words import Floats, Ints, Text
-
-STORED: Final = 10.0
-"""Rounding of a bond variable is measured by this multiple of what the energy of the run would make
-of it."""
 
 
 def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
@@ -142,6 +138,7 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
         show_trial(e, stack)
         for k in range(m.integrals):
             clear(stack)
+            measure_trial(e, m.rule_first[m.machines] + k)
             evaluate_pair(m, m.rule_first[m.machines] + k, stack)
             if stack.refused != 0:
                 return refuse_pair(e, t, "an integrated signal")
@@ -156,7 +153,7 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
 
 
 def solve_trial(e: Engine) -> int:
-    """Solve for the bond variables after the jump, with sizes and freedom."""
+    """Solve for the bond variables after the jump, with what they leave free."""
     m = e.model
     trial = e.trial
     for k in range(m.storages):
@@ -165,12 +162,9 @@ def solve_trial(e: Engine) -> int:
         e.v[m.signal_slot + k] = trial.s[k]
     if solve_here(e, e.mode, e.v) != OK:
         return REFUSED
-    sizes_here(e, e.mode, e.v)
-    widen_sizes(e, e.mode, trial.x)
-    for k in range(m.slots):
-        trial.terms[k] = math.fabs(e.v[k])
-    for k in range(2 * m.bonds):
-        trial.terms[m.bond_slot + k] = e.work.sizes[k]
+    for k in range(e.mode.knowns):
+        trial.xi[k] = e.work.xi[k]
+    begin_sizes(e, e.mode, e.v, trial.x, trial.terms)
     trial.loose = freedom_here(e, e.mode, e.v)
     n = 2 * m.bonds * trial.loose
     fit(trial.freedom, n)
@@ -187,6 +181,11 @@ def show_trial(e: Engine, stack: Stack) -> None:
     stack.jump = e.trial.jump
     stack.jumps = e.trial.jumps
     stack.terms = e.trial.terms
+
+
+def measure_trial(e: Engine, pair: int) -> None:
+    """Find what rounding of the signals that a pair reads is measured by in the trial."""
+    measure(e, e.mode, pair, e.trial.xi, e.v, e.trial.terms)
 
 
 def find_floor(e: Engine, x: Floats) -> None:
@@ -284,48 +283,3 @@ def check_factors(e: Engine, t: float) -> int:
                 return REFUSED
         at += n
     return OK
-
-
-def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
-    """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
-
-    Rounding of what is stored shows itself in bond variables in these proportions, times the root
-    of the energy. After modes/jump.py, reach_of_bonds.
-    """
-    m = e.model
-    w = e.work
-    if mode.saw:
-        return
-    reach_of(e, x, 1.0, w.reach)
-    v = with_stored(e, x)
-    for k in range(m.storages):
-        w.reach[k] *= math.fabs(own_stiffness(m, k, v))
-        if not math.isfinite(w.reach[k]):
-            w.reach[k] = 0.0
-    for k in range(2 * m.bonds):
-        same = mode.same[k]
-        if same < k:
-            mode.seen[k] = mode.seen[same]
-            continue
-        most = 0.0
-        for i in range(mode.finite.first.at[k], mode.finite.first.at[k + 1]):
-            j = mode.finite.column.at[i]
-            if j < m.storages:
-                most = max(most, math.fabs(mode.finite.value.at[i]) * w.reach[j])
-        mode.seen[k] = most
-    mode.saw = m.groups == 0
-
-
-def widen_sizes(e: Engine, mode: Mode, x: Floats) -> None:
-    """Where junctions have laws, measure bond variables by what is stored as well.
-
-    Junction laws count rounding of what is stored as zero; beside them every guard does, wherever
-    it is asked. After Trials.measured.
-    """
-    m = e.model
-    if m.laws == 0:
-        return
-    seen_of(e, mode, x)
-    reach = STORED * math.sqrt(e.energy)
-    for k in range(2 * m.bonds):
-        e.work.sizes[k] = max(e.work.sizes[k], reach * mode.seen[k])

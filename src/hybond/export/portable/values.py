@@ -6,7 +6,7 @@ from hybond.export.portable.blend import blended_field, solve_here
 from hybond.export.portable.engine import OK, Engine, Mode
 from hybond.export.portable.interval import set_time
 from hybond.export.portable.model import value
-from hybond.export.portable.newton import solve
+from hybond.export.portable.reading import solve_read
 from hybond.export.portable.words import Floats
 
 
@@ -25,9 +25,15 @@ def set_values(e: Engine, mode: Mode, v: Floats, t: float, x: Floats, s: Floats)
 def set_state(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> None:
     """Write all but bond variables, the state being stored quantities, then signals."""
     m = e.model
-    set_time(e, v, t)
     for k in range(m.switches + m.state_first[m.machines]):
         v[m.on_slot + k] = mode.flags[k]
+    set_motion(e, v, t, y)
+
+
+def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
+    """Write what changes while time passes in a mode, but bond variables."""
+    m = e.model
+    set_time(e, v, t)
     for k in range(m.storages):
         v[m.stored_slot + k] = y[k]
     for k in range(m.integrals):
@@ -54,7 +60,10 @@ def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
 
 
 def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
-    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field."""
+    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field.
+
+    Of bond variables only those are evaluated that rates read.
+    """
     m = e.model
     v = e.v
     e.evaluations += 1
@@ -62,12 +71,8 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         status = blended_field(e, t, y, rate)
         e.refusal = e.refusal or status != OK
         return status
-    set_time(e, v, t)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
-    status = solve(e, mode, v)
+    set_motion(e, v, t, y)
+    status = solve_read(e, mode, mode.rates, v)
     if status != OK:
         # a trial point beyond where the laws hold: the solver shortens its step
         e.refusal = True

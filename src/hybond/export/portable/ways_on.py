@@ -344,7 +344,8 @@ def find_field(e: Engine, rate: Floats) -> bool:
         e.v[m.slots + k] = 0.0
     for k in range(m.switches + m.state_first[m.machines]):
         e.v[m.on_slot + k] = e.mode.flags[k]
-    return field(e, e.mode, e.t, e.y, rate) == OK
+    # functions of surfaces may read any bond variable
+    return field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK
 
 
 def leave_agreeing(e: Engine) -> int:

@@ -118,6 +118,7 @@ def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) ->
     _check_gaps(plain)
     put_surfaces(t)
     put_contacts(t)
+    _reads(t)
     _outputs(t, options.outputs)
     return t
 
@@ -631,6 +632,18 @@ def _priors(t: ModelTables) -> None:
     t.ints["prior_machine"] = machine
     t.ints["prior_state"] = state
     _put(t, "prior_read", read, prior_slot=_INTS)
+
+
+def _reads(t: ModelTables) -> None:
+    """Put what each pair reads, a guard in the forms that it has while time passes too."""
+    forms = [[e] for e in t.pairs]
+    first = t.ints["atom_first"]
+    for k, test in enumerate(t.ints["rule_test"]):
+        own = slice(first[k], first[k + 1])
+        numbers = [test, *t.ints["atom_value"][own], *t.ints["atom_size"][own]]
+        forms[k] += [t.values.all[n] for n in numbers]
+    read = [{t.slots.index[n] for e in own for n in names(e)} for own in forms]
+    _put(t, "read_first", [[(k,) for k in sorted(own)] for own in read], read_slot=_INTS)
 
 
 def _outputs(t: ModelTables, outputs: list[tuple[str, Expr]]) -> None:
