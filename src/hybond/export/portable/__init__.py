@@ -10,8 +10,9 @@ room to work in. Data flows so::
 
     tables -> Model
     elimination, tableau      rows of a mode, eliminated
-    equations                 those made ready: engine.Mode, kept (the least recently used goes)
+    equations, kept_modes     those made ready: engine.Mode, kept (the least recently used goes)
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
+    reading, sizes            those that are read in a step; what their rounding is measured by
     newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
     damped                    Newton with shorter steps, where full ones do not end
     jump                      entering a mode: constraints, impulses
@@ -36,8 +37,10 @@ State and values
     but bond variables) and `newton.solve(e, mode, v)` (bond variables, into ``e.work.w`` and `v`;
     OK or NOT_FINITE with ``e.fault``). ``e.pre`` is what ``pre()`` reads at an instant. Stored
     quantities stand in `v` at ``model.stored_slot``: what is solved for is what is stored *there*.
-    `newton.sizes_of(e, mode)`, after `solve`: sizes of the terms, in ``e.work.sizes``.
-    `trial.seen_of(e, mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.
+    `reading.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
+    `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
+    signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
+    mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.
 
 Modes
     `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left

@@ -242,6 +242,7 @@ class Work:
     landed: Floats
     leakage: Leakage
     ways: Ways
+    """Impulses that contacts at rest allow."""
     generic: Floats
     values: Floats
     """Values to try something with."""
