@@ -30,6 +30,7 @@ LAYERS = [
     ["report"],
     ["simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw"],
+    ["engine"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

@@ -8,7 +8,7 @@ from pathlib import Path
 import needs
 import numpy as np
 import pytest
-from example_runs import NAMES, example, integrated_run_of
+from example_runs import NAMES, example, integrated, integrated_run_of
 
 import hybond as hb
 
@@ -35,7 +35,7 @@ def test_every_example_is_a_unit(
         fmi_type="CoSimulation",
         stop_time=end,
         output_interval=end / 20,
-        relative_tolerance=model.experiment.get("rtol", 1e-8),
+        relative_tolerance=integrated(name)["rtol"],
         output=shown,
     )
     t = float(found["time"][-2])
