@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+import shlex
 import subprocess
 import threading
 import zipfile
@@ -10,15 +10,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import needs
 import pytest
 
 import hybond as hb
-from hybond.kernel.build import compiler
 
 fmpy = pytest.importorskip("fmpy")
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = pytest.mark.c
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HARNESS = Path(__file__).with_name("memory.c")
+LOADING = threading.Lock()
+"""FMPy changes the working directory of the process while it loads a library."""
 STEPS = 40
 RUNS: Sequence[dict[str, float]] = ({}, {"g": 7.0, "eps": 0.7}, {"eps": 0.5})
 
@@ -31,9 +33,7 @@ def unit(
     folder = tmp_path_factory.mktemp("instances")
     path = folder / "ball.fmu"
     with pytest.MonkeyPatch.context() as patch:
-        quick = shutil.which("tcc")
-        if quick is not None:
-            patch.setenv("CC", quick)
+        patch.setenv("CC", shlex.join(needs.QUICK or []))
         model = hb.load(EXAMPLES / "bouncing_ball_newton.toml")
         hb.export(model, to="fmu", path=path, fmi=request.param)
     place = fmpy.extract(str(path), unzipdir=str(folder / "unit"))
@@ -45,7 +45,8 @@ class Instance:
 
     def __init__(self, unit: tuple[str, Any, str], values: dict[str, float]) -> None:
         place, about, self.version = unit
-        self.fmu = fmpy.instantiate_fmu(place, about, fmi_type="CoSimulation")
+        with LOADING:
+            self.fmu = fmpy.instantiate_fmu(place, about, fmi_type="CoSimulation")
         reference = {v.name: v.valueReference for v in about.modelVariables}
         self.shown = [v.valueReference for v in about.modelVariables if v.causality != "parameter"]
         if self.version == "3.0":
@@ -113,6 +114,7 @@ def test_a_unit_says_that_there_may_be_many(unit: tuple[str, Any, str]) -> None:
     assert not about.modelExchange.canBeInstantiatedOnlyOncePerProcess
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
 def test_instances_leave_no_memory_behind(unit: tuple[str, Any, str]) -> None:
     def resident() -> int:
@@ -133,24 +135,22 @@ def test_instances_leave_no_memory_behind(unit: tuple[str, Any, str]) -> None:
     assert resident() - before < 8e6
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler (cc)")
+@pytest.mark.slow
+@pytest.mark.strict
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_the_end_of_memory_is_told(fmi: str, tmp_path: Path) -> None:
     """Wherever it comes; another unit runs on; and all is given back, as the sanitizers see it."""
     path = tmp_path / "ball.fmu"
     with pytest.MonkeyPatch.context() as patch:
-        quick = shutil.which("tcc")
-        if quick is not None:
-            patch.setenv("CC", quick)
+        patch.setenv("CC", shlex.join(needs.QUICK or []))
         model = hb.load(EXAMPLES / "bouncing_ball_newton.toml")
         hb.export(model, to="fmu", path=path, fmi=fmi)
     with zipfile.ZipFile(path) as archive:
         (name,) = (n for n in archive.namelist() if n.endswith(".c"))
         (tmp_path / "unit.c").write_bytes(archive.read(name))
-    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror"]
-    flags += ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", *needs.sanitizers()]
     flags += [f"-DFMI={fmi[0]}", f'-DUNIT="{tmp_path / "unit.c"}"']
     program = tmp_path / "memory"
-    subprocess.run(["cc", *flags, "-o", program, HARNESS, "-lm"], check=True)
+    subprocess.run([*(needs.STRICT or []), *flags, "-o", program, HARNESS, "-lm"], check=True)
     done = subprocess.run([program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout

@@ -6,8 +6,9 @@ import os
 import subprocess
 from pathlib import Path
 
+import needs
 import pytest
-from export.programs import compile_c, needs_c
+from export.programs import compile_c, compile_quickly, needs_c
 
 import hybond as hb
 
@@ -34,7 +35,6 @@ static void *counted(size_t n, size_t size)
 }
 #define calloc counted
 """
-SANITIZED = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
 def circle(count: int) -> hb.Model:
@@ -63,6 +63,7 @@ def blocks(program: Path, until: float) -> tuple[int, int]:
 
 
 @needs_c
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "times"),
     [
@@ -75,17 +76,18 @@ def test_memory_does_not_grow_with_events(
     name: str, times: tuple[float, float], tmp_path: Path
 ) -> None:
     model = circle(100) if name == "circle" else hb.load(EXAMPLES / f"{name}.toml")
-    program = compile_c(COUNTED + hb.export(model, to="c"), tmp_path, name, ["-O1"])
+    program = compile_quickly(COUNTED + hb.export(model, to="c"), tmp_path, name)
     (lines, some), (more_lines, more) = (blocks(program, t) for t in times)
     assert more_lines > 3 * lines > 300 * (name == "circle")
     assert more == some
 
 
-@needs_c
+@pytest.mark.slow
+@pytest.mark.strict
 def test_the_end_of_memory_is_told(tmp_path: Path) -> None:
     """With code 3, wherever it comes; what there was is given back."""
     model = hb.load(EXAMPLES / "half_bridge.toml")
-    program = compile_c(COUNTED + hb.export(model, to="c"), tmp_path, "scarce", SANITIZED)
+    program = compile_c(COUNTED + hb.export(model, to="c"), tmp_path, "scarce", needs.sanitizers())
     _, whole = blocks(program, 0.003)
     for count in (0, 1, 20, whole // 2, whole - 1, whole):
         done = subprocess.run(

@@ -218,7 +218,7 @@ class NativeRun:
     >>> sum(len(rows.instant_time) for rows in run.slices())
     12
     >>> run.status == OK, run.t
-    (True, 0.0002)
+    (True, 1e-05)
     """
 
     def __init__(self, model: NativeModel) -> None:
