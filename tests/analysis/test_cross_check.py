@@ -128,6 +128,7 @@ def test_balls_that_touch_differ_legitimately() -> None:
     assert found.events.machine == "c2"
 
 
+@pytest.mark.slow
 def test_one_ball_after_another_agrees() -> None:
     found = hb.cross_check(balls(apart=0.05), 0.3, step="1 ms")
     assert found.verdict == "agree"

@@ -72,6 +72,7 @@ def test_with_a_modulus_in_each_ring_too(seed: int, size: int, rings: int) -> No
         assert at_rest(net) == len(strokes.stuck)
 
 
+@pytest.mark.slow
 @MANY
 @given(seeds, sizes, st.integers(1, 4))
 def test_in_bare_rings_paths_are_a_bound(seed: int, size: int, rings: int) -> None:
@@ -83,6 +84,7 @@ def test_in_bare_rings_paths_are_a_bound(seed: int, size: int, rings: int) -> No
             assert strokes.controllable
 
 
+@pytest.mark.slow
 @MANY
 @given(seeds, sizes, st.integers(0, 3), st.integers(1, 2), st.integers(0, 1000))
 def test_paths_to_detectors_tell_the_observable_rank(

@@ -133,6 +133,7 @@ def worst(found: Residuals, mode, data) -> dict[str, float]:
     return {r.name: float(abs(values[r.name][0]) / (1.0 + values.sizes[r.name][0])) for r in found}
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), size=st.integers(1, 8), rings=st.integers(0, 2))
 @SETTINGS
 def test_they_vanish_at_every_consistent_point(seed, size, rings) -> None:

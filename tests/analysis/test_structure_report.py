@@ -31,6 +31,7 @@ def report():
     return structure(clutch(), outputs=["b.f"])
 
 
+@pytest.mark.slow
 def test_all_forms_tell_the_same(report) -> None:
     table = report.table()
     assert table.splitlines()[0].split() == list(HEADER)

@@ -55,6 +55,7 @@ def test_gains_are_those_of_textbooks(run):
     assert run["coil.current"].at(np.linspace(0.5e-3, 1e-3, 5001)).min() == pytest.approx(0.0)
 
 
+@pytest.mark.slow
 def test_every_period_is_that_of_kirchhoffs_laws(run):
     found, blocks = periods(200)
     t, i, v = found.T

@@ -155,6 +155,7 @@ def test_every_switching(run, reference):
     assert (np.abs(found - states[:-1]) / sizes).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_switchings_converge_with_the_tolerance(reference, simulate):
     """A hundredth of the tolerance: at most a thirtieth of the error."""
     until = 40 * T
@@ -169,6 +170,7 @@ def test_it_regulates(run):
         assert least < float(run["out.e"].at(n * T)) < 1.85
 
 
+@pytest.mark.slow
 def test_body_diodes_carry_the_current_in_the_dead_time(run):
     """Each takes its own direction, and no current is ever cut: no energy is lost at an event."""
     found = legs(run)

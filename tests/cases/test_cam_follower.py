@@ -41,6 +41,7 @@ def test_the_profile_is_smooth():
         assert below[1] == pytest.approx(above[1], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_model_has_this_profile(simulate):
     run = simulate("cam_follower", until=0.2)
     for t in np.linspace(0.0, 0.2, 57):

@@ -60,7 +60,7 @@ def test_is_a_plain_oscillator(ground, solver):
     assert run["R.e"].at(t.tolist()) == pytest.approx(np.abs(exact(t)), abs=2e-6)
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("turned", list(itertools.product([False, True], repeat=4)))
 def test_direction_of_bonds_does_not_matter(turned):
     # half of the cases with a ground node, each diode turned and not turned in both halves

@@ -42,6 +42,7 @@ def opened(run):
     return [e for e, s in zip(run.events, states, strict=True) if s == "runs"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 def test_every_cycle_is_the_same(rtol, simulate):
     run = simulate("evaporator", rtol=rtol)
@@ -60,6 +61,7 @@ def test_every_cycle_is_the_same(rtol, simulate):
     assert run["level"].at(t).max() - EDGE == pytest.approx(overshoot, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_overshoot_is_proportional_to_the_inertia(simulate):
     """For a small inertia; the overshoot here is about 7 mm."""
     found = []

@@ -121,6 +121,7 @@ def test_each_diode_conducts_or_blocks(n, periods):
     assert found["d1.e"].min() < -V
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("n", "periods"), SIZES)
 def test_charges_are_those_of_a_small_step_method(n, periods):
     run = run_of(n, periods)
@@ -211,6 +212,7 @@ def test_example_is_the_ladder_of_four(simulate):
     assert got == pytest.approx(want, abs=1e-6 * C * V)
 
 
+@pytest.mark.slow
 def test_goes_on_where_the_ladder_is_full_but_for_rounding():
     """Every capacitor holds its limit to the last digits, and the diodes still decide."""
     run = run_of(4, 200.0)

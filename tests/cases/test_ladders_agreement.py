@@ -28,6 +28,7 @@ def test_ladders_agree_to_rounding_where_steps_meet_the_peaks(diodes: int) -> No
     assert found.rows[0].largest < 1e-9
 
 
+@pytest.mark.slow
 def test_a_missed_peak_costs_the_square_of_what_it_is_missed_by() -> None:
     graph = ladder(4)
     first = [s.path for s in graph.storages].index("C2.q")

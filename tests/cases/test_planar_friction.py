@@ -39,6 +39,7 @@ def states(run: hb.Result, machine: int = 0) -> list[str]:
     return [own.states[e.steps[-1].mode[machine]] for e in run.events]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("angle", [0.0, 0.3, 1.6, 2.5, -2.0])
 def test_a_block_stops_on_a_straight_line(angle: float) -> None:
     c, s = along(angle)
@@ -121,6 +122,7 @@ def test_a_growing_push_breaks_loose_at_the_breakaway_force() -> None:
     assert run["my.p"].at(2.0) == pytest.approx(0.8 * v, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_growing_push_breaks_loose_at_the_limit_itself() -> None:
     # nothing is left to move with at first: 5 t - 4 from t = 0.8 on
     for solver in ("rk45", "radau"):

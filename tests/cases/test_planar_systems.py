@@ -137,6 +137,7 @@ def test_two_pads_of_one_block_hold_together() -> None:
     assert run["mx.p"].at(3.0) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_sled_that_turns_while_it_slides() -> None:
     # two pads at +-0.5 on a body that does not turn far: a second derivation by hand
     m = hb.Model("sled", domain="translational")
@@ -197,6 +198,7 @@ def test_what_is_hit_breaks_loose(restitution: float | None) -> None:
     assert states(run, 0)[-1] == "sticks"
 
 
+@pytest.mark.slow
 def test_the_puck_of_the_examples() -> None:
     model = hb.load(EXAMPLES / "planar_puck.toml")
     calm = hb.simulate(model, parameters={"wind": "0 N"})

@@ -111,6 +111,7 @@ class TestThyristors:
     Z = math.hypot(R, W * L)
     PHI = math.atan2(W * L, R)
 
+    @pytest.mark.sampled(2)
     @pytest.mark.parametrize("alpha", [math.radians(20), math.radians(60), math.radians(70)])
     def test_mean_voltage_in_continuous_conduction(self, alpha, simulate):
         run = simulate("thyristor_rectifier", parameters={"alpha": alpha})
@@ -211,6 +212,7 @@ class TestSixPulses:
         drop = 3.0 * W * line * current / math.pi
         assert mean == pytest.approx(3.0 * math.sqrt(3.0) * 100.0 / math.pi - drop, rel=1e-6)
 
+    @pytest.mark.sampled(1)
     def test_without_line_inductance_commutation_is_instant(self, solver):
         R, L = 10.0, 20e-3
         m = six_pulses(line=None, load={"R": hb.R(R), "L": hb.I(L)})
@@ -271,6 +273,7 @@ bonds = ["grid -> line -> rs", "line -> ls", "line -> a", "b -> line", "a -> d1 
 """
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", ["1234", "4321", "2413", "3142"])
 def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(order: str) -> None:
     # between pulses all four block; the source floats, and the shares of d1 and d4 are no one's

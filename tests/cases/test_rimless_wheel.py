@@ -61,6 +61,7 @@ def test_the_impulse_of_a_step_goes_along_the_new_leg(run):
         assert step.energy.lost == pytest.approx(lost, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_walk_settles_on_its_limit_cycle(run):
     """The difference of squares to the limit halves with each step, for cos(pi/4)^2 = 1/2."""
     c = math.cos(2 * ALPHA) ** 2
@@ -71,6 +72,7 @@ def test_the_walk_settles_on_its_limit_cycle(run):
         assert b == pytest.approx(c * a, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_on_the_limit_cycle_every_step_is_the_same(simulate):
     c = math.cos(2 * ALPHA) ** 2
     w = math.sqrt(c / (1 - c) * 4 * G / L * math.sin(ALPHA) * math.sin(SLOPE))

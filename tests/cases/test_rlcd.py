@@ -48,6 +48,7 @@ def state(t: float) -> tuple[float, float]:
     return v, current * (math.cos(W * since) + DAMPING / W * math.sin(W * since))
 
 
+@pytest.mark.sampled(1)
 def test_switches_when_published(simulate, modes_of, solver):
     run = simulate("rlcd", solver=solver)
     times = [e.t for e in run.events[1:]]
@@ -61,6 +62,7 @@ def test_switches_when_published(simulate, modes_of, solver):
         assert run["L.f"].at(event.t) == pytest.approx(current, rel=2e-6)
 
 
+@pytest.mark.sampled(1)
 def test_state_is_the_published_one(simulate, solver):
     run = simulate("rlcd", solver=solver)
     assert run["C.e"].at(4.98e-3) == pytest.approx(2.631046, rel=1e-5)

@@ -135,6 +135,7 @@ def test_every_switching(run, reference):
     assert len(run.events) < 0.55 * len(found)
 
 
+@pytest.mark.slow
 def test_a_switching_converges_with_the_tolerance(run, reference, simulate):
     coarse = simulate("weirs", until=20.0, rtol=1e-5)
     t = 8  # while the third tank fills, after 626 switchings

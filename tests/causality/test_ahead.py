@@ -220,6 +220,7 @@ def random_parts(draw: random.Random) -> tuple[dict[str, str], list[str], list[s
     return kinds, bonds, draw.sample(able, draw.randint(0, min(3, len(able))))
 
 
+@pytest.mark.slow
 def test_named_switches_are_enough_whatever_the_others_do(build) -> None:
     findings = 0
     for seed in range(400):

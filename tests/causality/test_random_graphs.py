@@ -31,6 +31,7 @@ def test_rules_hold_wherever_no_conflict_is_reported(build, given_graph) -> None
     assert causality.derivative == tuple(k for k, flag in enumerate(flags) if flag)
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(written())
 def test_chains_end_at_what_forces(build, given_graph) -> None:
@@ -57,6 +58,7 @@ def test_chains_end_at_what_forces(build, given_graph) -> None:
             assert conflict.node in causality.ends[chain[-1]]
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(written(), st.data())
 def test_result_does_not_depend_on_arrows_or_names(build, given_graph, data) -> None:

@@ -215,6 +215,7 @@ def test_a_hundred_thousand_lines(tmp_path):
     assert kinds.count("0") == count - 1  # the last C is in series with its R
 
 
+@pytest.mark.slow
 def test_ten_thousand_in_series_and_in_parallel(tmp_path):
     rows = ["Title", "V1 a 0 1"]
     rows += [f"R{k} {f'm{k}' if k else 'a'} m{k + 1} 1" for k in range(10_000)]

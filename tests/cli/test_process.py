@@ -53,6 +53,7 @@ def test_ctrl_c_in_mid_run_keeps_what_there_is(shell: Any) -> None:
         assert (shell.folder / "part.png").stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error(shell: Any) -> None:
     process = start(shell.folder, "run", "charger.toml", "--until", "30", "--json")
     assert process.stdout is not None and process.stderr is not None
@@ -61,6 +62,7 @@ def test_a_reader_that_has_seen_enough_is_no_error(shell: Any) -> None:
     assert process.wait(timeout=120) == 0
 
 
+@pytest.mark.slow
 def test_a_run_imports_nothing_that_it_does_not_need(shell: Any) -> None:
     heavy = "{'typer', 'rich', 'matplotlib', 'pandas', 'tomlkit', 'scipy'}"
     code = "import sys; from hybond.cli.main import main; main(['run', 'charger.toml', '--json']);"
@@ -77,6 +79,7 @@ def test_a_run_imports_nothing_that_it_does_not_need(shell: Any) -> None:
     assert json.loads(done.stdout)["status"] == "ok"
 
 
+@pytest.mark.slow
 def test_an_ascii_terminal_is_no_error(shell: Any) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "hybond", "explain", "ball.toml"],

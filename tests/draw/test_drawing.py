@@ -64,6 +64,7 @@ def test_no_text_is_crossed_by_a_line(example: Any, strokes: Any) -> None:
                 assert box.cut((line.points[0], line.points[1])) is None, (text, line)
 
 
+@pytest.mark.sampled(1)
 def test_no_bond_passes_through_a_node(example: Any) -> None:
     drawing = draw(example)
     for line in marks(drawing, "bond"):
@@ -247,6 +248,7 @@ def test_same_picture_in_every_process(tmp_path: Path) -> None:
     assert len(outputs) == 1
 
 
+@pytest.mark.slow
 def test_saves_by_ending_and_the_same_bytes(examples: Any, tmp_path: Path) -> None:
     drawing = draw(examples["ball"]())
     heads = {"svg": b"<svg", "png": b"\x89PNG", "pdf": b"%PDF"}

@@ -142,6 +142,7 @@ def test_axis_prefix(unit: str, largest: float, expected: tuple[float, str]) -> 
     assert axis_scale(unit, largest) == expected
 
 
+@pytest.mark.slow
 def test_names_beside_the_strip_were_cut_at_the_edge_of_the_figure(tmp_path):
     m = hb.Model("blink", domain="electrical")
     m.add(V=hb.Se("1 V"), s=hb.One(), R=hb.R("1 ohm"))

@@ -18,6 +18,7 @@ polynomials = st.dictionaries(monomials, st.fractions(-5, 5, max_denominator=4),
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(polynomials, polynomials)
 def test_a_product_divides_exactly(p: Polynomial, q: Polynomial) -> None:

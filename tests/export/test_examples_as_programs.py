@@ -22,7 +22,7 @@ from export.programs import (
 import hybond as hb
 from hybond.export.fmu.package import unit_of
 
-FEW = ["bouncing_rod", "buck", "cam_follower", "falling_rod", "half_wave_rectifier", "planar_puck"]
+FEW = ["bouncing_rod", "buck", "cam_follower", "half_wave_rectifier"]
 """Examples that are compiled each time: between them they need most of the engine."""
 STYLE = [
     f"-Wno-{name}"
@@ -85,6 +85,7 @@ def test_an_example_as_a_java_class(name: str, printed_by_java: dict[str, str]) 
     check(name, read_events(printed_by_java[name]), expected(integrated_run_of(name)))
 
 
+@pytest.mark.slow
 @pytest.mark.strict
 def test_a_program_stays_within_its_memory(tmp_path: Path) -> None:
     """Run under the sanitizers, which end a program that reads beside an array or leaks."""

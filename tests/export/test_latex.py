@@ -112,6 +112,7 @@ def test_names_and_titles_do_no_harm(tmp_path: Path) -> None:
     assert "Missing" not in said and "Undefined" not in said
 
 
+@pytest.mark.slow
 def test_no_closed_form_is_said_with_the_reason() -> None:
     m = hb.Model("grid", parameters={f"r{k}": 1.0 + 0.1 * k for k in range(40)})
     m.add(n=hb.Zero(), c=hb.C(1), **{f"n{k}": hb.Zero() for k in range(20)})

@@ -20,6 +20,7 @@ def rebuilt(model: hb.Model, path: Path) -> hb.Model:
     return runpy.run_path(str(path))["model"]()
 
 
+@pytest.mark.sampled(43)
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda p: p.stem)
 def test_every_example_is_rebuilt_to_the_same_graph(file: Path, tmp_path: Path) -> None:
     model = hb.load(file)
@@ -28,7 +29,7 @@ def test_every_example_is_rebuilt_to_the_same_graph(file: Path, tmp_path: Path) 
     assert hb.dumps(again, inline=True) == hb.dumps(model, inline=True)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["falling_rod", "mmc_arm", "end_stops"])
 def test_the_run_of_the_script_has_the_same_bits(name: str, tmp_path: Path) -> None:
     model = hb.load(next(f for f in EXAMPLES if f.stem == name))
@@ -41,6 +42,7 @@ def test_the_run_of_the_script_has_the_same_bits(name: str, tmp_path: Path) -> N
     }
 
 
+@pytest.mark.slow
 def test_a_script_prints_its_events(tmp_path: Path) -> None:
     model = hb.load(next(f for f in EXAMPLES if f.stem == "diode_inductor"))
     script = tmp_path / "script.py"

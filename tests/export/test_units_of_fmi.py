@@ -35,7 +35,7 @@ CASES = [
 ]
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("name", "fmi", "until"), CASES)
 def test_a_unit_runs_as_the_model_does(
     folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, fmi: str, until: str | None
@@ -136,6 +136,7 @@ def test_inputs_of_a_unit_are_set_from_outside(driven: Path) -> None:
     assert len(run.events) == 2  # the start, and the brake
 
 
+@pytest.mark.slow
 def test_a_unit_says_what_it_shows(driven: Path) -> None:
     description = fmpy.read_model_description(str(driven))
     of = {v.name: v for v in description.modelVariables}

@@ -168,6 +168,7 @@ def test_data_round_trips_exactly(data: dict[str, Any]) -> None:
     assert same(json.loads(dumps(model, format="json")), data)
 
 
+@pytest.mark.slow
 @few
 @given(files(), st.sampled_from([".toml", ".json"]))
 def test_files_round_trip_exactly(data: dict[str, Any], suffix: str) -> None:

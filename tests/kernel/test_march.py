@@ -47,6 +47,7 @@ def test_guards_on_shares_that_least_leakage_sets(kernel, rtol):
     assert_same_events(a, b)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("options", [{"until": 20.0}, {"until": 5.0, "progress": print}])
 def test_steps_are_the_same_over_many_marches(kernel, options):
     m = hb.Model("ladder", domain="electrical")

@@ -135,6 +135,7 @@ def test_a_law_with_several_solutions_keeps_its_branch(kernel):
     assert b["td.f"].at(t) == pytest.approx(a["td.f"].at(t), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_an_impulse_times_what_jumps_is_refused(kernel):
     """A factor in a guard that the mode before did not read."""
     m = hb.Model("stale", domain="electrical")

@@ -142,7 +142,7 @@ def test_steps_are_those_of_the_reference(kernel, name, rtol):
     assert_alike(a, b, max(1e-9, rtol))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8])
 @pytest.mark.parametrize("name", MODELS)
 def test_the_first_steps_differ_by_rounding(kernel, name, rtol):
@@ -212,6 +212,7 @@ def test_few_steps_in_a_call_are_as_many_in_one(kernel, monkeypatch):
     assert one.stats["evaluations"] <= whole.stats["evaluations"]
 
 
+@pytest.mark.slow
 def test_steps_may_be_made_by_turns(kernel, monkeypatch):
     turns = {"kernel": 0, "reference": 0}
     march = Marcher.march

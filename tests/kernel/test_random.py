@@ -110,6 +110,7 @@ def test_networks_of_diodes(kernel, seed, sources):
     assert jumps(a) == jumps(b)
 
 
+@pytest.mark.slow
 def test_the_kernel_settles_most_of_their_events(kernel):
     runs = [hb.simulate(converter(seed), 2.0, on_error="return") for seed in range(20)]
     runs += [hb.simulate(striking(seed), 6.0) for seed in range(5)]

@@ -71,6 +71,7 @@ def test_a_duty_at_its_ends_gives_no_edges(duty: float, out: int) -> None:
     assert guards(run) == []
 
 
+@pytest.mark.slow
 def test_a_duty_that_ripples_is_met_where_it_is_at_that_instant() -> None:
     # a lag behind the output feeds the duty: d = 0.8 - 0.5*f, f at the end of its rise
     m = hb.Model("loop")

@@ -172,7 +172,7 @@ def test_a_three_phase_source_is_balanced_and_delivers_constant_power() -> None:
             assert run["zero.current"].at(t) == pytest.approx(0, abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "value", "control", "out"),
     [

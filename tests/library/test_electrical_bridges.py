@@ -66,6 +66,7 @@ def test_a_three_phase_bridge_gives_what_is_between_the_highest_and_the_lowest()
         assert len([e for e in run.events if e.cause == "guard"]) == 6
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("degrees", [0, 30, 75])
 def test_a_thyristor_bridge_has_the_mean_voltage_of_its_angle(degrees: float) -> None:
     # a current that does not pause: a source of it stands for a large inductance

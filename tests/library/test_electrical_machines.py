@@ -99,6 +99,7 @@ def test_every_direction_at_a_power_transformer_is_the_same_transformer() -> Non
     assert np.ptp(found, axis=0) == pytest.approx([0, 0], abs=1e-9)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("k", [0.9, -0.5, 0.0])
 def test_coupled_coils_follow_their_linear_equations(k: float) -> None:
     l1, l2, ohms = 2e-3, 5e-3, 3.0

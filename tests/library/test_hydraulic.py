@@ -49,6 +49,7 @@ def test_a_tank_empties_as_torricelli_says(level, area):
         assert run["hole.flow"].unit == "m^3/s"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("dp", [2e5, 300.0, -4e4, 0.0])
 def test_an_orifice_is_turbulent_far_from_rest_and_laminar_at_rest(dp):
     """``"hydraulic.orifice"``, ``"hydraulic.variable_orifice"``: the law as it is written down."""
@@ -252,6 +253,7 @@ def test_the_gas_of_an_accumulator_is_compressed_by_its_law(n):
         assert done == pytest.approx(work - ATM * (v0 - v1), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_accumulator_that_is_empty_gives_nothing_more():
     """The bladder lies at the shell; the flow then comes through a check valve."""
     p_0, n = 1e7, 1.4
@@ -486,6 +488,7 @@ def test_a_stop_gives_back_what_its_restitution_says():
             assert run["cylinder.speed"].at(0.03) == pytest.approx(-0.5 * restitution, abs=1e-9)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("spool", [1, 0, -1])
 def test_a_directional_valve_turns_the_flow_round(spool):
     """``"hydraulic.directional_valve"``: two ways and a load in a row, solved by hand."""

@@ -197,6 +197,7 @@ def test_a_rod_falls_on_a_smooth_floor(start: float) -> None:
         assert run["f.touches"].at(time / 2) == 1
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("eps", [0.0, 0.5, 1.0])
 def test_the_tip_of_a_rod_strikes_a_smooth_floor(eps: float) -> None:
     angle, drop = 0.5, 0.2
@@ -243,7 +244,7 @@ def test_a_tip_sticks_in_an_impact_if_friction_is_enough(mu: float, sticks: bool
             assert abs(given[0]) == pytest.approx(mu * given[1])
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("J", [0.5, 0.4, 1.0])
 @pytest.mark.parametrize(("v", "w"), [(3.0, 0.0), (0.0, -10.0), (2.0, 30.0)])
 def test_a_wheel_that_slips_begins_to_roll(J: float, v: float, w: float) -> None:
@@ -317,6 +318,7 @@ def test_a_spring_in_the_plane_keeps_energy_and_angular_momentum() -> None:
         assert pull == pytest.approx(-run["s.force*s.dx/s.length"].at(t), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_damped_spring_in_the_plane_comes_to_rest_at_its_length() -> None:
     parts = {
         "b": hb.Submodel("planar.rigid_body", m=1.0, y0=-1.2),

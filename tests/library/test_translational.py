@@ -166,6 +166,7 @@ def test_a_lever_on_a_frame_moves_its_ends_in_proportion(a: float, b: float) -> 
         assert run["wall.force"].at(0.5) == pytest.approx(-6 - 6 * a / b)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("a", "b", "J"), [(1.0, 2.0, 0.0), (0.5, 0.7, 0.6)])
 def test_a_lever_in_space_moves_like_three_masses_on_a_line(a: float, b: float, J: float) -> None:
     parts = {
@@ -193,6 +194,7 @@ def hanging(m: float) -> dict[str, hb.Submodel]:
     return {"m": mass(m), "w": hb.Submodel("translational.weight", m=m)}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("m1", "m2", "J"), [(2.0, 1.0, 0.0), (1.0, 3.0, 0.02), (1.0, 1.5, 0.1)])
 def test_atwoods_machine(m1: float, m2: float, J: float) -> None:
     parts = {

@@ -270,6 +270,7 @@ def test_friction_heats_by_what_is_lost() -> None:
         assert run["c.slip"].at(2) == pytest.approx(0, abs=1e-12)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("d", [0.0, 2.0])
 def test_stribeck_friction_at_steady_speeds_and_from_rest(d: float) -> None:
     friction = hb.Submodel("translational.stribeck_friction", F=1, F_rest=2.5, w_s=0.1, d=d)
@@ -324,6 +325,7 @@ def test_a_rope_pulls_and_does_not_push() -> None:
         assert run["b.speed"].at(1) == pytest.approx(1 / math.pi - 3 / 2 / math.pi)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("d", [0.0, 6.0])
 def test_a_jumper_on_an_elastic_rope(d: float) -> None:
     parts = {

@@ -295,6 +295,7 @@ def test_floats_and_arrays_agree(tree, rows):
     assert several == pytest.approx(one_by_one, rel=1e-6, abs=1e-6, nan_ok=True)
 
 
+@pytest.mark.slow
 @given(numeric_trees(), st.tuples(*[st.floats(-3, 3)] * 14))
 @settings(max_examples=300, deadline=None)
 def test_simplify_keeps_the_value(tree, row):

@@ -41,6 +41,7 @@ def side(m: hb.Model, name: str, kind: str, value: float) -> str:
 STATES = {"0": "c.e", "1": "l.f", "C": ".e", "I": ".f"}
 
 
+@pytest.mark.sampled(22)
 @pytest.mark.parametrize("forward", [True, False])
 @pytest.mark.parametrize(
     ("a", "b"), [p for p in itertools.product("01CI", repeat=2) if set(p) & {"0", "1"}]

@@ -81,6 +81,7 @@ def test_a_series_remembers_its_longest_flight() -> None:
 # -- one ball
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("eps", [1e-8, 1e-6, 0.1, 0.5, 0.9])
 def test_a_ball_comes_to_rest_at_the_closed_form(eps: float, solver: str) -> None:

@@ -148,7 +148,7 @@ def bistiff(row: Row, u: list[float], e: list[float], m: float) -> Array:
     return run.y[n:, -1]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "e"),

@@ -261,6 +261,7 @@ def test_the_fourth_order_relay_of_pole_excess_two_switches_fast_but_does_not_sl
     assert [run.final[f"x{k}.q"] for k in range(1, 5)] == pytest.approx(x, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_relay_oscillation_with_sliding_parts() -> None:
     """Third order, pole excess one (Di Bernardo, Johansson & Vasca 2001): slides in each half."""
     zeta, omega, lam, sigma, rho = 0.05, 10.0, 1.0, -1.0, 1.0
@@ -352,6 +353,7 @@ def test_fields_that_are_not_additive_take_the_product_combination() -> None:
     assert abs(run["x1.q"].at(2.5)) < 1e-14
 
 
+@pytest.mark.slow
 def test_twenty_relays_slide_at_once_within_seconds() -> None:
     n = 20
     drift = np.linspace(-0.8, 0.8, n)

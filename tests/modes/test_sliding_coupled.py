@@ -59,7 +59,7 @@ def stepped(a: np.ndarray, b: np.ndarray, c, x0, until: float, h: float) -> np.n
     return x
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_coupled_relays_agree_with_implicit_time_stepping(seed: int) -> None:
     generator = np.random.default_rng(seed)

@@ -167,6 +167,7 @@ def test_friction_by_machine_beside_friction_by_law_is_friction_by_law_twice() -
     assert one.audit().holds(1e-10)
 
 
+@pytest.mark.slow
 def test_a_relay_law_beside_a_sliding_machine_agrees_with_time_stepping() -> None:
     """Two tanks, one held at its edge by a machine, the other by a relay law."""
     m = hb.Model("held")
@@ -248,6 +249,7 @@ def ladder(seed: int) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_two_relays_and_three_diodes_agree_with_switching_in_a_band(seed: int) -> None:
     run = hb.simulate(ladder(seed), until=2.5, rtol=1e-8)

@@ -164,7 +164,7 @@ def peak_detector(source: str, r: float = 0.0) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(17)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("source", ["10", "10*sin(2*time)", "3*time"])
@@ -567,6 +567,7 @@ def test_it_says_that_such_a_machine_cannot_rest() -> None:
     assert run.status == "ok" and any("at the end of every step" in w for w in run.warnings)
 
 
+@pytest.mark.slow
 def test_the_diode_inductor_has_its_mythical_modes_and_its_times() -> None:
     run = step_run(hb.load(EXAMPLES / "diode_inductor.toml"), 0.2, 1e-4)
     located = hb.simulate(hb.load(EXAMPLES / "diode_inductor.toml"), 0.2)

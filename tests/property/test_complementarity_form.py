@@ -88,12 +88,14 @@ def test_numbers_are_those_of_the_ports(seed: int, size: int, rings: int) -> Non
     check_ports(form_of(law_net(seed, size, rings), seed, symbolic=False))
 
 
+@pytest.mark.slow
 @SETTINGS
 @given(SEEDS, st.integers(1, 5), st.integers(0, 1))
 def test_symbols_have_the_numbers_of_the_ports(seed: int, size: int, rings: int) -> None:
     check_ports(form_of(law_net(seed, size, rings), seed, symbolic=True))
 
 
+@pytest.mark.slow
 @SETTINGS
 @given(SEEDS, st.integers(1, 5), st.integers(0, 1), st.booleans())
 def test_every_branch_satisfies_the_form(seed: int, size: int, rings: int, symbolic: bool) -> None:
@@ -136,6 +138,7 @@ def test_every_branch_satisfies_the_form(seed: int, size: int, rings: int, symbo
     assume(seen)
 
 
+@pytest.mark.slow
 @SETTINGS
 @given(SEEDS, st.integers(1, 4))
 def test_a_nonlinear_graph_is_linearised_at_its_start(seed: int, size: int) -> None:

@@ -225,18 +225,21 @@ def check(seed: int, size: int, rings: int, *, symbolic: bool) -> None:
         check_mode(eq, graph, mode, rng)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), size=st.integers(1, 8), rings=st.integers(0, 2))
 @SETTINGS
 def test_numbers(seed, size, rings) -> None:
     check(seed, size, rings, symbolic=False)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), size=st.integers(1, 6), rings=st.integers(0, 1))
 @SETTINGS
 def test_symbols(seed, size, rings) -> None:
     check(seed, size, rings, symbolic=True)
 
 
+@pytest.mark.sampled(17)
 @pytest.mark.parametrize("seed", range(20))
 def test_symbols_and_numbers_agree(seed) -> None:
     net = random_net(seed, 6, rings=1, controlled=0.5)

@@ -170,6 +170,7 @@ def momentum(r: Row, run: hb.Result) -> np.ndarray:
     return np.array([run.sample(np.linspace(0, END, 21), names)[n] for n in names]).sum(axis=0)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS)
 @some(10)
 def test_free_masses_keep_their_momentum_and_never_pass(seed: int) -> None:

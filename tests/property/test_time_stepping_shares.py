@@ -216,7 +216,7 @@ rules = [
 """
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("h", [0.02, 0.01, 0.005])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_a_diode_between_coils_that_decide_without_it_is_no_problem(h: float, theta: float) -> None:
@@ -266,6 +266,7 @@ def conditions(run: hb.Result) -> float:
     return worst
 
 
+@pytest.mark.slow
 @settings(max_examples=12)
 @given(st.integers(0, 2000), st.booleans(), st.sampled_from([0.5, 0.7, 1.0]))
 def test_random_networks_keep_their_laws_and_balances(

@@ -58,6 +58,7 @@ def hybrid_matrix(rng, n):
     return (G @ G.T + K - K.T).astype(float)
 
 
+@pytest.mark.sampled(49)
 @pytest.mark.parametrize("seed", range(60))
 def test_a_p_matrix_has_the_one_solution_of_the_enumeration(seed):
     rng = np.random.default_rng(seed)

@@ -73,7 +73,7 @@ def test_linear_systems_stay_within_kofmans_bound_at_all_times(name, matrix):
     assert worst.max() > 1e-2 * tol
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_events_grow_with_the_root_of_the_quantum_that_the_order_says(name):
     order = METHODS[name].order
@@ -85,6 +85,7 @@ def test_events_grow_with_the_root_of_the_quantum_that_the_order_says(name):
     assert math.log10(counts[1] / counts[0]) == pytest.approx(1.0 / order, rel=0.12)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["liqss1", "liqss2", "liqss3"])
 def test_linearly_implicit_methods_do_not_see_the_fast_time_constant(name):
     tol = {1: 1e-3, 2: 1e-5, 3: 1e-6}[METHODS[name].order]
@@ -97,6 +98,7 @@ def test_linearly_implicit_methods_do_not_see_the_fast_time_constant(name):
         assert np.abs(step.y1 - expm(STIFF * step.t1) @ y).max() < 3.0 * tol
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["qss2", "qss3"])
 def test_explicit_methods_chatter_in_a_stiff_system(name):
     solver = started(name, linear(STIFF), [1.0, 0.0], tol=1e-5)
@@ -114,6 +116,7 @@ def van_der_pol(t, y):
     return np.array([y[1], 100.0 * (1.0 - y[0] ** 2) * y[1] - y[0]])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["qss2", "qss3", "liqss2", "liqss3"])
 def test_pendulum(name):
     steps = run(started(name, pendulum, [2.0, 0.0], tol=1e-5), 5.0)
@@ -130,7 +133,7 @@ def test_stiff_van_der_pol_through_two_relaxations():
     assert len(steps) < 5000
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", NAMES)
 def test_an_input_that_is_a_function_of_time_is_followed(name):
     # y' = -y + sin 20 t from rest
@@ -202,6 +205,7 @@ def test_steps_end_at_the_quantum_events_of_single_states():
     assert both == pytest.approx(alone, rel=1e-9)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("n", [4, 30])
 @pytest.mark.parametrize("name", ["qss2", "qss3", "liqss3"])
 def test_quadratures_of_a_ladder(name, n):
@@ -226,6 +230,7 @@ def test_quadratures_of_a_ladder(name, n):
     assert end[n] == pytest.approx(y[:n] @ y[:n] - exact @ exact, abs=1e-4)
 
 
+@pytest.mark.sampled(11)
 @pytest.mark.parametrize("part", [0.07, 0.4, 0.9])
 @pytest.mark.parametrize("name", ["qss2", "qss3", "liqss2", "liqss3"])
 def test_a_step_cut_off_keeps_the_energies_of_a_field_of_time(name, part):
@@ -275,6 +280,7 @@ def test_a_quadrature_makes_no_events():
     assert steps[-1].y1[2] == pytest.approx(1e6 * (1.5 + np.sin(6.0) / 4.0), rel=1e-4)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("unit", [1e-9, 1e9])
 @pytest.mark.parametrize("name", ["qss3", "liqss2"])
 def test_units_do_not_matter(name, unit):
@@ -357,6 +363,7 @@ def test_aliases_and_refusals():
 coefficient = st.floats(-10, 10, allow_nan=False).map(lambda a: 0.0 if abs(a) < 1e-3 else a)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.floats(-0.9, 0.9), st.lists(coefficient, min_size=1, max_size=3))
 def test_leaving_a_band_is_the_first_root_that_numpy_finds(d0, rest):

@@ -90,7 +90,7 @@ def test_lands_on_the_next_representable_time(name):
     assert solver.step(t_end).t1 == t_end
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(6)
 def test_interpolant_is_exact_at_both_ends(name):
     for step in run(started(name, y=(1 / 3, 0.1)), 1.0):
         assert np.array_equal(step.interpolant(step.t0), step.y0)
@@ -121,6 +121,7 @@ def test_the_callers_state_is_copied(name):
     assert solver.step(1.0).y0[0] == 1.0
 
 
+@pytest.mark.sampled(9)
 def test_a_field_may_reuse_its_result(name):
     buffer = np.empty(2)
 
@@ -149,7 +150,7 @@ def test_evaluations_add_up_to_the_calls_made(name):
     assert solver.retry(within).evaluations == calls - total
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(6)
 def test_same_input_same_bits(name):
     one, two = (run(started(name), 1.0) for _ in range(2))
     assert [s.t1 for s in one] == [s.t1 for s in two]
@@ -211,7 +212,7 @@ def test_a_step_needs_a_start_and_a_later_end(name):
         started(name, t=1.0).step(1.0)
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(6)
 def test_continuing_is_cheaper_than_a_jump(name):
     def evaluations(jumped):
         solver = started(name)
@@ -284,6 +285,7 @@ def test_a_state_not_finite_is_refused_by_the_start(name):
     assert (caught.value.code, caught.value.component) == ("HB-N202", 0)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.filterwarnings("error")
 def test_where_the_derivative_ceases_to_exist_the_failure_names_the_state(name):
     # y1' = -sqrt(1 - t) has no value after t = 1.

@@ -93,7 +93,7 @@ def test_events_and_final_state_are_those_of_the_reference(name):
     assert run.status == "ok"
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "until"),
     [
@@ -113,7 +113,7 @@ def test_motion_slides_along_the_surfaces_of_the_reference(name, until):
     assert bool(run.trace.slidings) == slides
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", ["falling_rod_threshold", "diode_inductor_no_mode", "bouncing_ball_no_mode"]
 )
@@ -137,7 +137,7 @@ def test_the_table_has_both_limits_of_an_event():
     assert len(rows) == 502
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", [converter, striking])
 def test_random_switched_models_run_alike(kind, seed):
