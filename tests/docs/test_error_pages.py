@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from listed import listed
 
 import hybond as hb
 
@@ -49,7 +50,7 @@ def test_the_index_lists_every_page() -> None:
     assert sorted(listed) == sorted(pages())
 
 
-@pytest.mark.parametrize("code", sorted(pages()))
+@listed("code", sorted(pages()))
 def test_a_page_says_its_code_and_what_to_do(code: str) -> None:
     text = pages()[code].read_text(encoding="utf-8")
     assert text.startswith(f"# {code}: ")

@@ -5,7 +5,7 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
-import pytest
+from listed import listed
 
 import hybond as hb
 from hybond.files import dumps, loads, to_data
@@ -27,8 +27,7 @@ def test_there_are_parts() -> None:
     assert {"electrical.diode", "electrical.resistor", "electrical.switch"} <= set(NAMES)
 
 
-@pytest.mark.sampled(89)
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_a_part_says_what_it_is(name: str) -> None:
     sheet = sheet_of(name)
     assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*\.[a-z][a-z0-9]*(_[a-z0-9]+)*", name)
@@ -40,7 +39,7 @@ def test_a_part_says_what_it_is(name: str) -> None:
     assert sheet.signals, "nothing to plot"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: str) -> None:
     model = hb.library.part(name)
     assert bool(model.ports) == (not name.startswith("control.")), "control carries no power"
@@ -49,7 +48,7 @@ def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: s
         assert port.domain in SHARED[port.shares], port.name
 
 
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_every_node_has_its_place(name: str) -> None:
     graph = hb.library.part(name).flatten()
     nodes = {n.path for n in graph.nodes if not (n.hidden or n.implied)}
@@ -58,8 +57,7 @@ def test_every_node_has_its_place(name: str) -> None:
     assert set(hb.library.part(name).layout) <= {*nodes, *hb.library.part(name).elements}
 
 
-@pytest.mark.sampled(89)
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_a_part_survives_being_written(name: str) -> None:
     model = hb.library.part(name)
     for format in ("toml", "json"):
@@ -68,13 +66,13 @@ def test_a_part_survives_being_written(name: str) -> None:
         assert again.flatten().nodes == model.flatten().nodes
 
 
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_a_part_has_no_experiment_and_needs_no_name(name: str) -> None:
     text = sheet_of(name).text
     assert not {"experiment", "name", "models"} & set(tomllib.loads(text))
     assert "\t" not in text and text.endswith("\n")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@listed("name", NAMES)
 def test_a_part_is_tried_in_a_test(name: str) -> None:
     assert f'"{name}"' in TESTS

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from listed import listed
 from scipy.optimize import linprog, nnls
 
 from hybond.solvers.lcp import (
@@ -58,8 +59,7 @@ def hybrid_matrix(rng, n):
     return (G @ G.T + K - K.T).astype(float)
 
 
-@pytest.mark.sampled(49)
-@pytest.mark.parametrize("seed", range(60))
+@listed("seed", range(60))
 def test_a_p_matrix_has_the_one_solution_of_the_enumeration(seed):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 9))
@@ -72,7 +72,7 @@ def test_a_p_matrix_has_the_one_solution_of_the_enumeration(seed):
     assert second_solution(M, q, found) is None
 
 
-@pytest.mark.parametrize("seed", range(150))
+@listed("seed", range(150))
 def test_network_matrices_are_solved_exactly_when_the_enumeration_finds_a_solution(seed):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 8))
@@ -93,7 +93,7 @@ def test_network_matrices_are_solved_exactly_when_the_enumeration_finds_a_soluti
         assert (found.ray @ M).max() <= 1e-9 and found.ray.min() >= -1e-9 and found.ray @ q < 0.0
 
 
-@pytest.mark.parametrize("seed", range(100))
+@listed("seed", range(100))
 def test_for_any_matrix_what_is_found_is_a_solution_and_a_proof_is_a_proof(seed):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 7))
@@ -178,7 +178,7 @@ def test_a_ray_from_a_wrong_start_is_not_the_last_word():
     assert found.status == "solved" and found.z == pytest.approx([0.0, 0.0, 1.0])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@listed("seed", range(20))
 def test_least_squares_with_signs_agree_with_nnls(seed):
     rng = np.random.default_rng(seed)
     A, b = rng.normal(size=(30, 12)), rng.normal(size=30)
@@ -188,7 +188,7 @@ def test_least_squares_with_signs_agree_with_nnls(seed):
     assert (found.active == (x > 0.0)).all()
 
 
-@pytest.mark.parametrize("seed", range(20))
+@listed("seed", range(20))
 def test_a_linear_programme_as_complementarity_agrees_with_highs(seed):
     # min c'x, A x >= b, x >= 0: a skew matrix, every active block is a saddle point.
     rng = np.random.default_rng(seed)
@@ -283,7 +283,7 @@ def test_the_violation_measures_what_fails():
     )
 
 
-@pytest.mark.parametrize("seed", range(20))
+@listed("seed", range(20))
 def test_semidefiniteness_agrees_with_the_eigenvalues(seed):
     rng = np.random.default_rng(seed)
     M, d = hybrid_matrix(rng, 6), 10.0 ** rng.uniform(-4, 4, 6)
@@ -304,7 +304,7 @@ def test_painleves_rod_has_two_answers_or_none():
     assert lemke([[A]], [-0.4]).status == "ray"
 
 
-@pytest.mark.parametrize("seed", range(30))
+@listed("seed", range(30))
 def test_a_second_solution_is_a_solution_and_another(seed):
     rng = np.random.default_rng(seed)
     M, q = rng.normal(size=(4, 4)) - 0.5 * np.eye(4), rng.random(4)
@@ -317,7 +317,7 @@ def test_a_second_solution_is_a_solution_and_another(seed):
         assert second is None
 
 
-@pytest.mark.parametrize("seed", range(20))
+@listed("seed", range(20))
 def test_redundant_contacts_share_forces_as_they_like_but_part_in_one_way(seed):
     rng = np.random.default_rng(seed)
     G = rng.integers(-1, 2, (8, 3)).astype(float)

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from listed import listed
 from scipy.optimize import lsq_linear
 
 from hybond.solvers.lcp import boxed, lemke, mixed
@@ -44,7 +45,7 @@ def every_choice(A, B, C, q):
     return regular, solutions
 
 
-@pytest.mark.parametrize("seed", [*range(200), 2280, 4044])  # the last: rounding took for a unit
+@listed("seed", [*range(200), 2280, 4044])  # the last: rounding took for a unit
 def test_pairs_are_refused_exactly_when_every_choice_is_singular(seed):
     rng = np.random.default_rng(seed)
     n, m = int(rng.integers(1, 6)), int(rng.integers(0, 3))
@@ -64,7 +65,7 @@ def test_pairs_are_refused_exactly_when_every_choice_is_singular(seed):
         assert again.pivots == 0 and again.z == pytest.approx(found.z)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@listed("seed", range(30))
 def test_pairs_of_a_standard_problem_mixed_up_give_its_solution(seed):
     # Rows combined, some pairs named the other way round, units changed: still w = M z + q.
     rng = np.random.default_rng(seed)
@@ -129,7 +130,7 @@ def every_boxed(M, q, low, high):
             yield z
 
 
-@pytest.mark.parametrize("seed", [*range(120), 2516, 2819])  # the last: a rounding out of the box
+@listed("seed", [*range(120), 2516, 2819])  # the last: a rounding out of the box
 def test_boxes_agree_with_the_enumeration_of_all_sides(seed):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 6))
@@ -155,7 +156,7 @@ def test_boxes_agree_with_the_enumeration_of_all_sides(seed):
         assert again.pivots == 0 and again.z == pytest.approx(found.z, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@listed("seed", range(20))
 def test_bounded_least_squares_agree_with_scipy(seed):
     rng = np.random.default_rng(seed)
     A, b = rng.normal(size=(25, 10)), 2.0 * rng.normal(size=25)
