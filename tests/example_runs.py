@@ -25,6 +25,11 @@ SHARE_RUNS = (
 """Files of tests that one worker runs."""
 
 
+PRINTED = {"c": NAMES[::3], "java": NAMES[1::3], "fmu": NAMES[2::3]}
+"""Each example is printed, compiled and run in one of these; all are run by the library, which is
+the same engine."""
+
+
 def example(name: str) -> hb.Model:
     """Return an example as its file has it."""
     return hb.load(EXAMPLES / f"{name}.toml")

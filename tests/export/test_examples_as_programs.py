@@ -1,4 +1,4 @@
-"""Every example as a C program and as a Java class: the same events, the same final state."""
+"""Examples as C programs and as Java classes: the same events, the same final state."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from example_runs import NAMES, STOPPED, example, integrated, integrated_run_of
+from example_runs import NAMES, PRINTED, STOPPED, example, integrated, integrated_run_of
 from export.programs import (
     ask,
     check,
@@ -32,7 +32,12 @@ STYLE = [
     )
 ]
 """Warnings of clang that are of style, and the option by which an older one knows no newer name."""
-EVERY = [n if n in FEW else pytest.param(n, marks=pytest.mark.slow) for n in NAMES]
+IN_C = [
+    n if n in FEW else pytest.param(n, marks=pytest.mark.slow)
+    for n in NAMES
+    if n in FEW or n in PRINTED["c"]
+]
+IN_JAVA = PRINTED["java"]
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +45,7 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """All classes are compiled at once, and run in one machine."""
     folder = tmp_path_factory.mktemp("java")
     calls = []
-    for k, name in enumerate(NAMES):
+    for k, name in enumerate(IN_JAVA):
         path = folder / f"Example{k}.java"
         hb.export(example(name), to="java", path=path, **integrated(name))
         calls.append(f'Example{k}.run(System.out, "--events"); System.out.print("\\f");')
@@ -49,11 +54,11 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     sources = map(str, sorted(folder.glob("*.java")))
     lint = ["-Xlint:all", "-Werror", "-d", str(folder)]
     subprocess.run(["javac", *lint, *sources], check=True)
-    return dict(zip(NAMES, ask("java", "-cp", folder, "All").split("\f")))
+    return dict(zip(IN_JAVA, ask("java", "-cp", folder, "All").split("\f")))
 
 
 @needs_c
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", IN_C)
 def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
     """And a strict compiler has nothing to say of it."""
     text = hb.export(example(name), to="c", **integrated(name))
@@ -64,7 +69,7 @@ def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.clang
 @pytest.mark.sampled(3)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", NAMES[::5])
 def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
     """Not of a program, and not of a unit; but that declarations stand where they are needed."""
     clang = needs.COMPILERS["clang"]
@@ -80,7 +85,7 @@ def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @needs_java
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", IN_JAVA)
 def test_an_example_as_a_java_class(name: str, printed_by_java: dict[str, str]) -> None:
     check(name, read_events(printed_by_java[name]), expected(integrated_run_of(name)))
 

