@@ -234,13 +234,15 @@ class _Specialiser:
         """Return a block without variables that nothing reads; calls that change something stay."""
         found: list[Statement] = []
         for s in block.statements:
-            if isinstance(s, Assign | Augment) and isinstance(s.target, Local):
-                if s.target.name not in read:
-                    if not self.effects.of(s.value):
-                        continue
-                    if isinstance(s.value, Call):
-                        found.append(Do(s.value, s.notes))
-                        continue
+            own = s.target if isinstance(s, Assign | Augment) else None
+            unread = isinstance(own, Local) and own.name not in read
+            if unread and isinstance(s, Assign | Augment):
+                changes = bool(self.effects.of(s.value))
+                if not changes:
+                    continue
+                if isinstance(s.value, Call):
+                    found.append(Do(s.value, s.notes))
+                    continue
             found.append(self.inner(s, read))
         return Block(tuple(found), block.below)
 
