@@ -98,6 +98,8 @@ def test():
     for name, code in codes.items():
         print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
     options = chosen or ["-n", "auto", "--dist", "loadscope"]
+    if "--all" in sys.argv and "-m" in chosen:
+        sys.exit("--all takes the tests with any mark: leave it or -m out")
     if "--all" in sys.argv:
         options += ["-m", ""]  # also those marked slow
     return max(*codes.values(), run(PYTHON, "-m", "pytest", *options), 0, key=abs)

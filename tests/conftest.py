@@ -17,12 +17,13 @@ settings.load_profile("new" if os.environ.get("HYBOND_FUZZ") else "same")
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         for mark, reason in needs.MISSING.items():
             if item.get_closest_marker(mark):
                 item.add_marker(pytest.mark.skip(reason=reason))
-    sample(items)
+    if not config.option.keyword:  # who asks for tests by name gets all of their cases
+        sample(items)
 
 
 def sample(items: list[pytest.Item]) -> None:

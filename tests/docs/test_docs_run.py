@@ -45,7 +45,14 @@ def files_of(page: str, folder: Path) -> None:
             (folder / name[1]).write_text(body, encoding="utf-8")
 
 
-@pytest.mark.parametrize(("page", "k", "body"), PROGRAMS, ids=[f"{p}-{k}" for p, k, _ in PROGRAMS])
+@pytest.mark.parametrize(
+    ("page", "k", "body"),
+    [
+        pytest.param(*block, marks=pytest.mark.c) if 'to="fmu"' in block[2] else block
+        for block in PROGRAMS
+    ],
+    ids=[f"{p}-{k}" for p, k, _ in PROGRAMS],
+)
 def test_a_python_block_of_the_pages_runs(page: str, k: int, body: str, tmp_path: Path) -> None:
     files_of(page, tmp_path)
     code, _, errors = run_program(body, tmp_path)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,16 +26,21 @@ def compile_into(target: Path, *, flags: tuple[str, ...] = ()) -> str:
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder, "engine.c")
         source.write_text(library_text(), encoding="utf-8")
+        made = Path(folder, target.name)
         whole = [*command, *FLAGS, *hidden, *flags]
         try:
             done = subprocess.run(
-                [*whole, "-o", str(target), str(source), *libraries],
+                [*whole, "-o", str(made), str(source), *libraries],
                 capture_output=True,
                 text=True,
                 timeout=TIMEOUT,
                 check=False,
                 errors="replace",
             )
+            if done.returncode == 0:
+                # whole or not at all: somebody may have the old one loaded
+                shutil.copyfile(made, target.with_suffix(".new"))
+                os.replace(target.with_suffix(".new"), target)
         except (OSError, subprocess.TimeoutExpired) as error:
             return f"{command[0]}: {error}"
     return "" if done.returncode == 0 else f"{command[0]}: {done.stderr.strip()[-2000:]}"

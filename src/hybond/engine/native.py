@@ -1,7 +1,7 @@
 """The library from Python: tables handed over, a run in slices, and what it wrote down.
 
-Any number of runs live beside each other, on the same tables or others; tables are only read. The
-interpreter's lock is released while a slice runs.
+Any number of runs live beside each other, on the same tables or others, each in one thread at a
+time; tables are only read. The interpreter's lock is released while a slice runs.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import threading
 import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from hybond.export.tables import ModelTables
 from hybond.export.tables.code import Code
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED = 0, 1, 3, 4, 7
+LONGEST_SLICE = 2**31 - 1
 SLICE = 2000
 """Steps and instants between two looks at the world outside."""
 MACHINES_OF_STEP = 2
@@ -121,7 +123,8 @@ def model_struct() -> type[ctypes.Structure]:
     """Return the record of a model as the library has it."""
     fields = [(name, _KINDS[kind]) for name, kind in columns().items()]
     found = type("ModelRecord", (ctypes.Structure,), {"_fields_": fields})
-    assert ctypes.sizeof(found) == library().hybond_model_size()
+    if ctypes.sizeof(found) != library().hybond_model_size():
+        raise Unavailable("the library has a record of models of another size")
     return found
 
 
@@ -228,6 +231,7 @@ class NativeRun:
         if not handle:
             raise MemoryError
         self._handle = ctypes.c_void_p(handle)
+        self._lock = threading.Lock()
         self._close = weakref.finalize(self, self._library.hybond_end, self._handle)
         self._seen = Seen()
         self.status = PAUSED
@@ -257,20 +261,32 @@ class NativeRun:
     ) -> Iterator[Rows]:
         """Run on to the end; yield what was written down, slice after slice.
 
+        Who leaves the loop can go on later: nothing is lost, nothing comes twice.
+
         Parameters
         ----------
         steps : int
-            Steps and instants of a slice.
+            Steps and instants of a slice; -1: all in one.
         between : callable
             Called with the time after each slice; what it raises ends the run there.
+
+        Raises
+        ------
+        ValueError
+            For a slice of no steps.
+        MemoryError
         """
+        if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
+            raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
         while self.status == PAUSED:
-            self.status = self._library.hybond_run(self._handle, steps)
-            self._look()
-            if self.status == SPENT:
-                raise MemoryError
-            yield self._rows()
-            self._library.hybond_forget(self._handle)
+            with self._lock:
+                self.status = self._library.hybond_run(self._handle, steps)
+                self._look()
+                if self.status == SPENT:
+                    raise MemoryError
+                rows = self._rows()
+                self._library.hybond_forget(self._handle)
+            yield rows
             if between is not None:
                 between(self.t)
 

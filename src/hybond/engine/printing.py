@@ -73,7 +73,7 @@ def program() -> Program:
 def digest() -> str:
     """Return what tells the sources of the library from others."""
     translate = HERE.parent / "export" / "translate"
-    paths = [*PORTABLE.glob("*.py"), *translate.glob("*.py"), HERE / "library.c", Path(__file__)]
+    paths = [*PORTABLE.glob("*.py"), *translate.glob("*.py"), *HERE.glob("*.py"), *HERE.glob("*.c")]
     text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in sorted(paths))
     return hashlib.sha256(text).hexdigest()[:16]
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.blocks import fit
 from hybond.export.portable.common_space import NEVER, find_common, keep_to_all, onto_all
 from hybond.export.portable.engine import (
     NOT_FINITE,
@@ -285,9 +284,8 @@ def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
         sizes_of(e, mode, v)
         return
     n = 2 * m.bonds
-    fit(e.work.row, n)
     for k in range(n):
-        e.work.row.at[k] = math.fabs(s.w[k])
+        s.w_size[k] = math.fabs(s.w[k])
     for part in range(s.k + 1):
         for k in range(2 * m.slots):
             s.v[k] = v[k]
@@ -298,16 +296,17 @@ def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
             sizes_of(e, own, s.v)
             for k in range(n):
                 size = math.fabs(s.coefficient[part]) * e.work.sizes[k]
-                e.work.row.at[k] = max(e.work.row.at[k], size)
+                s.w_size[k] = max(s.w_size[k], size)
     for k in range(n):
-        e.work.sizes[k] = e.work.row.at[k]
+        e.work.sizes[k] = s.w_size[k]
         e.work.w[k] = s.w[k]
 
 
 def begin_sizes(e: Engine, mode: Mode, v: Floats, x: Floats, terms: Floats) -> None:
     """Prepare for guards to be measured at the values `v`, `x` being stored, after `solve_here`.
 
-    What bond variables of a combination are measured by is found at once, into `terms`.
+    What bond variables of a combination are measured by is found at once, into `terms`; what was
+    seen of them between junction laws does not count there: sliding beside such laws is refused.
     """
     m = e.model
     if e.slide.k == 0:

@@ -14,6 +14,7 @@ from typing import Final
 from hybond.export.portable.functions import function_of, power, sign_of
 from hybond.export.portable.lookup import greatest_of, least_of, read_table, slope_of_table
 from hybond.export.portable.pairs import (
+    DEPTH,
     Stack,
     absolute,
     add,
@@ -44,8 +45,8 @@ from hybond.export.portable.pairs import (
 )
 from hybond.export.portable.words import Floats, Ints, quotient
 
-DEEPEST: Final = 256
-"""Values that the stack of numbers has room for."""
+DEEPEST: Final = DEPTH
+"""Values that the stack of numbers has room for, likewise."""
 
 END: Final = 0
 NUMBER: Final = 1  # and which one

@@ -24,8 +24,12 @@ FLOOR: Final = 13
 CEIL: Final = 14
 ATAN2: Final = 15
 MOD: Final = 16
-MOST: Final = 709.78
-"""exp() of more is infinite."""
+MOST: Final = 709.782712893384
+"""The logarithm of the largest number: exp() of more is infinite."""
+MOST_HALVED: Final = 710.4758600739439
+"""That of twice as much: sinh() and cosh() of more are infinite."""
+ROUNDED: Final = 1e-9
+"""What the logarithm of a power is known to."""
 
 
 def sign_of(a: float) -> float:
@@ -39,19 +43,25 @@ def power(a: float, b: float) -> float:
         return 1.0
     if a != a or b != b:
         return math.nan
-    if a < 0.0 and math.isfinite(b) and math.floor(b) != b:
-        return math.nan
-    odd = a < 0.0 or (a == 0.0 and math.copysign(1.0, a) < 0.0)
-    odd = odd and math.isfinite(b) and math.fabs(math.fmod(b, 2.0)) == 1.0
     size = math.fabs(a)
-    if size == 0.0:
-        if b > 0.0:
-            return -0.0 if odd else 0.0
+    if not math.isfinite(b):
+        # an infinite power is even
+        if size == 1.0:
+            return 1.0
+        return math.inf if (size > 1.0) == (b > 0.0) else 0.0
+    odd = math.copysign(1.0, a) < 0.0 and math.fabs(math.fmod(b, 2.0)) == 1.0
+    if size == 0.0 or not math.isfinite(size):
+        limit = 0.0 if (size == 0.0) == (b > 0.0) else math.inf
+        return -limit if odd else limit
+    if a < 0.0 and math.floor(b) != b:
+        return math.nan
+    if b * math.log(size) > MOST + ROUNDED:
         return -math.inf if odd else math.inf
-    if not math.isfinite(size) or not math.isfinite(b) or b * math.log(size) > MOST:
-        grows = (size > 1.0) == (b > 0.0)
-        huge = (math.inf if size != 1.0 else 1.0) if grows else 0.0
-        return -huge if odd else huge
+    if b * math.log(size) > MOST - ROUNDED:
+        # within rounding of the largest number: the last factors one by one
+        part = math.pow(size, 0.5 * b)
+        whole = part * part
+        return -whole if odd else whole
     return math.pow(a, b)
 
 
@@ -65,7 +75,9 @@ def modulo(a: float, b: float) -> float:
     if b == 0.0 or not math.isfinite(a):
         return math.nan
     rest = math.fmod(a, b)
-    return rest + b if rest != 0.0 and (rest < 0.0) != (b < 0.0) else rest
+    if rest == 0.0:
+        return math.copysign(0.0, b)
+    return rest + b if (rest < 0.0) != (b < 0.0) else rest
 
 
 def logarithm(a: float) -> float:
@@ -88,9 +100,9 @@ def function_of(which: int, a: float, b: float) -> float:
     if which == ATAN:
         return math.atan(a)
     if which == SINH:
-        return math.sinh(a) if math.fabs(a) <= MOST else a * math.inf
+        return math.sinh(a) if math.fabs(a) <= MOST_HALVED else a * math.inf
     if which == COSH:
-        return math.cosh(a) if math.fabs(a) <= MOST else math.inf
+        return math.cosh(a) if math.fabs(a) <= MOST_HALVED else math.fabs(a) * math.inf
     if which == TANH:
         return math.tanh(a)
     if which == EXP:

@@ -14,7 +14,8 @@ from typing import Final
 from hybond.export.portable.functions import function_of, power, ratio
 from hybond.export.portable.words import Floats, floats, record
 
-DEPTH: Final = 128
+DEPTH: Final = 256
+"""Pairs that the stack has room for; tables with expressions that need more are refused."""
 ROUNDING: Final = 1e-13
 """A difference below this part of its terms is rounding, hence zero."""
 IMPULSE_RTOL: Final = 1e-9

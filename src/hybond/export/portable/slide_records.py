@@ -46,6 +46,8 @@ class Slide:
     weight: Floats
     coefficient: Floats
     w: Floats
+    w_size: Floats
+    """The size of the terms that made each bond variable."""
     rate: Floats
     solution: Floats
     """Of each part, a row of bond variables."""
@@ -107,6 +109,7 @@ def make_slide(m: Model) -> Slide:
     s.weight = floats(MOST)
     s.coefficient = floats(MOST + 1)
     s.w = floats(2 * m.bonds)
+    s.w_size = floats(2 * m.bonds)
     s.rate = floats(n)
     s.solution = floats((MOST + 1) * 2 * m.bonds)
     s.part_rate = floats((MOST + 1) * n)

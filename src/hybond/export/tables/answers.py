@@ -5,26 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from hybond.export.portable import pairs
-from hybond.export.portable.functions import (
-    ACOS,
-    ASIN,
-    ATAN,
-    ATAN2,
-    CEIL,
-    COS,
-    COSH,
-    EXP,
-    FLOOR,
-    LOG,
-    LOG10,
-    MOD,
-    SIN,
-    SINH,
-    SQRT,
-    TAN,
-    TANH,
-)
 from hybond.export.portable.model import Model
+from hybond.export.tables.code import ONE, TWO
 from hybond.export.tables.make import ModelTables
 from hybond.model.expressions import (
     And,
@@ -45,25 +27,6 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.algebra import FLOATS
 
-ONE = {
-    "sin": SIN,
-    "cos": COS,
-    "tan": TAN,
-    "asin": ASIN,
-    "acos": ACOS,
-    "atan": ATAN,
-    "sinh": SINH,
-    "cosh": COSH,
-    "tanh": TANH,
-    "exp": EXP,
-    "log": LOG,
-    "log10": LOG10,
-    "sqrt": SQRT,
-    "floor": FLOOR,
-    "ceil": CEIL,
-}
-"""Functions of one number by the codes of `portable.functions`."""
-TWO = {"atan2": ATAN2, "mod": MOD}
 BINARY = {
     "+": pairs.add,
     "-": pairs.subtract,

@@ -7,7 +7,25 @@ from dataclasses import dataclass, field
 
 from hybond.errors import ModelError
 from hybond.export.portable import code as c
-from hybond.export.tables.answers import ONE, TWO
+from hybond.export.portable.functions import (
+    ACOS,
+    ASIN,
+    ATAN,
+    ATAN2,
+    CEIL,
+    COS,
+    COSH,
+    EXP,
+    FLOOR,
+    LOG,
+    LOG10,
+    MOD,
+    SIN,
+    SINH,
+    SQRT,
+    TAN,
+    TANH,
+)
 from hybond.model.expressions import (
     And,
     Binary,
@@ -26,6 +44,25 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.tree import fold
 
+ONE = {
+    "sin": SIN,
+    "cos": COS,
+    "tan": TAN,
+    "asin": ASIN,
+    "acos": ACOS,
+    "atan": ATAN,
+    "sinh": SINH,
+    "cosh": COSH,
+    "tanh": TANH,
+    "exp": EXP,
+    "log": LOG,
+    "log10": LOG10,
+    "sqrt": SQRT,
+    "floor": FLOOR,
+    "ceil": CEIL,
+}
+"""Functions of one number by the codes of `portable.functions`."""
+TWO = {"atan2": ATAN2, "mod": MOD}
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _COMPARISON = {
     "<": c.LESS,
@@ -89,7 +126,8 @@ class Code:
                 f"an expression needs {depth} intermediate values at once",
                 code="HB-E636",
                 where="expressions",
-                hint=f"at most {c.DEEPEST}: give parts of it names, as signals",
+                hint=f"at most {c.DEEPEST}: write sums and products from left to right, "
+                "what is long first",
             )
         begin = len(self.instructions)
         self.instructions += [*instructions, c.END]
@@ -158,6 +196,19 @@ class Code:
             self.numbers.append(value)
             self._place[value] = at
         return at
+
+
+def check_depths(expressions: Sequence[Expr], slot: Mapping[str, int]) -> None:
+    """Refuse expressions on pairs for which the stack has no room.
+
+    Raises
+    ------
+    ModelError
+        HB-E636.
+    """
+    code = Code(slot, len(slot))
+    for e in expressions:
+        code.add(e, paired=True)
 
 
 def _then(below: Sequence[_Part], *instruction: int) -> _Part:

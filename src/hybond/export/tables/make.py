@@ -12,6 +12,7 @@ from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
+from hybond.export.tables.code import check_depths
 from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions, number_of
 from hybond.export.tables.laws import put_laws
@@ -120,6 +121,7 @@ def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) ->
     put_contacts(t)
     _reads(t)
     _outputs(t, options.outputs)
+    check_depths(t.pairs, t.slots.index)
     return t
 
 

@@ -1,0 +1,77 @@
+"""The library by any compiler: no warning, and it runs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import needs
+import pytest
+
+from hybond.engine.build import NAME, compile_into
+from hybond.engine.native import columns, library
+
+STRICT = ("-O0", "-Wall", "-Wextra", "-pedantic", "-Werror")
+RUN = """
+import hybond as hb
+from hybond.engine.native import NativeModel, NativeRun
+from hybond.export.tables import tables_of
+for name in ("boost", "cam_follower", "planar_puck"):
+    graph = hb.load(f"{EXAMPLES}/{name}.toml").flatten()
+    run = NativeRun(NativeModel(tables_of(graph)))
+    instants = sum(len(rows.instant_time) for rows in run.slices())
+    print(name, run.status, instants, *run.y)
+"""
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def said(library: str) -> list[list[str]]:
+    """Return what runs by a library say, in a process of their own."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"EXAMPLES = {str(EXAMPLES)!r}\n{RUN}"],
+        env={**os.environ, "HYBOND_ENGINE": library},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "made_by", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in needs.COMPILERS]
+)
+def test_any_compiler_makes_a_library_that_runs(
+    made_by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """gcc and clang without a warning; runs are those of the library that is installed."""
+    command = needs.COMPILERS[made_by]
+    assert command is not None
+    monkeypatch.setenv("CC", " ".join(command))
+    flags = STRICT if made_by in ("gcc", "clang") else ()
+    assert compile_into(tmp_path / NAME, flags=flags) == ""
+    for one, other in zip(said(str(tmp_path / NAME)), said(""), strict=True):
+        assert one[:3] == other[:3]
+        assert [float(x) for x in one[3:]] == pytest.approx([float(x) for x in other[3:]], rel=1e-9)
+
+
+def test_a_library_of_other_sources_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (
+        "from hybond.engine import native, printing\n"
+        "native.digest = lambda: 'of others'\n"
+        "native.library()"
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
+    assert "was built from other sources" in done.stderr
+
+
+def test_the_columns_of_a_model_are_those_of_its_tables() -> None:
+    found = columns()
+    assert len(found) > 200
+    assert found["until"] == "float" and found["code"] == "Ints" and found["row_value"] == "Floats"
+    assert library().hybond_model_size() > 8 * 150
