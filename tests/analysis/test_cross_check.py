@@ -68,6 +68,7 @@ def test_the_diode_circuit_agrees_with_order_one() -> None:
     assert not found.reasons and not found.shares
 
 
+@pytest.mark.slow
 def test_what_a_law_adds_up_to_is_the_charge_that_went_through() -> None:
     """Charge and flux of the diode's law, from the balance of the circuit, in both engines."""
     graph = module.watched(rlcd().flatten())

@@ -94,6 +94,7 @@ def test_a_singular_pencil_is_never_solvable(right, left, blocks, seed) -> None:
     assert found.normal_rank == n - 1
 
 
+@pytest.mark.slow
 @SMALL
 @given(
     st.lists(st.sampled_from([-3.0, -2.0, -1.0, 0.0, 1.0]), min_size=1, max_size=4),

@@ -46,6 +46,7 @@ def at_rest(net: Net) -> int:
     return len(d.A) - int((values > 1e-9 * values[0]).sum())
 
 
+@pytest.mark.slow
 @MANY
 @given(seeds, sizes, st.sampled_from([0.0, 0.3]))
 def test_on_trees_paths_tell_the_rank(seed: int, size: int, controlled: float) -> None:

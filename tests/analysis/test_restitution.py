@@ -190,6 +190,7 @@ def test_closed_form_against_its_own_motion(zeta, mass, compliance):
         assert loaded.value == pytest.approx(phase.value, rel=1e-9, abs=1e-13)
 
 
+@pytest.mark.slow
 @given(st.floats(0.0, 30.0))
 def test_a_floor_that_only_pushes_gives_more_back(zeta):
     resistance = 2 * zeta
@@ -689,6 +690,7 @@ def test_newton_model_in_every_bond_direction(flips):
     assert run["v.f"].at(times(run)[0]) == pytest.approx(0.5 * 9.81 * first, rel=1e-9)
 
 
+@pytest.mark.sampled(19)
 @pytest.mark.parametrize("turned", [(), (0,), (1,), (2, 3), (4, 5), (0, 1, 2, 3, 4, 5, 6)], ids=str)
 @pytest.mark.parametrize(
     ("m1", "m2", "v1", "v2", "eps"),

@@ -56,6 +56,7 @@ def test_ten_beads(simulate):
         assert run[f"bead{k + 1}.v.f"].at(until) == pytest.approx(v[k], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_energy_is_lost_at_impacts_only(simulate):
     run = simulate("bead_column")
     lost = sum(s.energy.lost for e in run.events for s in e.steps if s.energy is not None)

@@ -104,6 +104,7 @@ def test_rigid_clutch_against_the_exact_solution(simulate):
         assert run["w2.f"].at(t) == pytest.approx(want[1], rel=1e-6)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("solver", "order"), [("euler", 1), ("rk4", 4)])
 def test_fixed_steps_converge(solver, order, simulate):
     want = exact(4.0)[1]

@@ -24,6 +24,7 @@ def impacts(run: hb.Result):
     return [e for e in run.events if e.cause == "guard"]
 
 
+@pytest.mark.slow
 def test_first_impact_of_the_ball(ball):
     hit = impacts(ball)[0]
     assert hit.t == pytest.approx(0.4515236409857308, rel=1e-9)
@@ -141,6 +142,7 @@ def flights(A, w, until):
     return found
 
 
+@pytest.mark.sampled(1)
 def test_a_block_on_a_vibrating_table(simulate, solver):
     run = simulate("ball_on_shaker", solver=solver)
     expected = [t for pair in flights(5e-3, 60.0, 0.5) for t in pair if t < 0.5]
@@ -203,6 +205,7 @@ def test_newtons_cradle_hands_the_motion_on(simulate):
 # -- an oscillator between two stops
 
 
+@pytest.mark.slow
 def test_end_stops(simulate):
     run = simulate("end_stops")
     k, room, eps = 50.0, 0.02, 0.6

@@ -188,7 +188,7 @@ class TestSubmodules:
             got = [run[s].at(t, side="left") for s in signals]
             assert got == pytest.approx(x, rel=1e-5, abs=1e-5)
 
-    @pytest.mark.sampled(2)
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("block", [9.6e-3, 5.1e-3, 6.3e-3])
     def test_blocked_arm_charges_or_passes_by_until_its_current_ends(self, simulate, block):
         run = simulate("mmc_arm", parameters={"t_block": block}, until=block + 1e-3)

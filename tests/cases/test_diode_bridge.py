@@ -60,7 +60,7 @@ def test_is_a_plain_oscillator(ground, solver):
     assert run["R.e"].at(t.tolist()) == pytest.approx(np.abs(exact(t)), abs=2e-6)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", list(itertools.product([False, True], repeat=4)))
 def test_direction_of_bonds_does_not_matter(turned):
     # half of the cases with a ground node, each diode turned and not turned in both halves
@@ -70,6 +70,7 @@ def test_direction_of_bonds_does_not_matter(turned):
     assert len(run.events) == 4
 
 
+@pytest.mark.slow
 def test_pairs_change_over_where_the_voltage_is_zero(simulate, modes_of):
     run = simulate("diode_bridge")
     zero = math.atan2(W, 500.0) / W
@@ -81,6 +82,7 @@ def test_pairs_change_over_where_the_voltage_is_zero(simulate, modes_of):
     assert run["C.e"].at(TIMES) == pytest.approx(PUBLISHED, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_every_diode_conducts_or_blocks(simulate):
     run = simulate("diode_bridge")
     t = np.linspace(0.0, 5e-3, 301).tolist()

@@ -71,6 +71,7 @@ def test_published_diode_is_left_without_a_mode(simulate, solver):
     assert [e.cause for e in run.events] == ["start", "time"]
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("t_off", [1e-6, 1e-5, 1e-4])
 def test_opening_below_the_threshold(t_off, simulate, modes_of, solver):
     current = 1.0 - math.exp(-100.0 * t_off)

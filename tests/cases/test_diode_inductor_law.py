@@ -22,7 +22,7 @@ def test_conducts_until_the_current_has_run_out(simulate, modes_of, solver):
     assert run["node.e"].at(0.1) == pytest.approx(-0.7)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("t_off", [1e-6, 1e-4, 1e-2])
 def test_law_and_machine_agree_where_both_settle(t_off, simulate, solver):
     law = simulate("diode_inductor_law", parameters={"t_off": t_off}, solver=solver)

@@ -75,6 +75,7 @@ def test_overshoot_is_proportional_to_the_inertia(simulate):
     assert found[1] / found[0] == pytest.approx(2.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_an_edge_below_both_steady_levels_keeps_the_pipe_running(simulate):
     """The pipe takes so little that the level stays above the edge."""
     run = simulate(

@@ -10,7 +10,7 @@ TURNING = [13.317821, -11.317821, 9.317821, -7.317821, 5.317821, -3.317821, 1.31
 REST = 0.682179
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["friction_oscillator", "backwards"])
 def test_turning_points_and_rest(name, simulate, solver):
     """The same with the bond of the friction drawn the other way round."""

@@ -47,6 +47,7 @@ def motion(until, lever):
         hits.append((t, area))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("lever", [L / 2, -L / 2])
 def test_against_its_equations(lever, simulate, solver):
     """With the tip on either side; as it is published, the slip turns round in the first impact."""

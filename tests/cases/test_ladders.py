@@ -131,6 +131,7 @@ def test_charges_are_those_of_a_small_step_method(n, periods):
     assert got == pytest.approx(finer, abs=1e-9 * C * V)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("n", "periods"), SIZES)
 def test_charge_only_climbs(n, periods):
     """What the capacitors hold is what each diode has passed on, and none ever takes it back."""

@@ -62,6 +62,7 @@ def clutch_reference(until):
         events.append((t, "conducts" if on else "blocks"))
 
 
+@pytest.mark.sampled(1)
 def test_one_way_clutch(simulate, solver):
     run = simulate("one_way_clutch", solver=solver)
     expected, end = clutch_reference(6.0)
@@ -75,6 +76,7 @@ def test_one_way_clutch(simulate, solver):
     assert (run["w2.f"].at(t) - run["w1.f"].at(t)).min() >= -1e-6
 
 
+@pytest.mark.sampled(1)
 def test_check_valve(simulate, solver):
     run = simulate("check_valve", solver=solver)
     L, R, C, G = 2e7, 2e8, 2e-9, 1e-9

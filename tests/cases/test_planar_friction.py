@@ -39,7 +39,7 @@ def states(run: hb.Result, machine: int = 0) -> list[str]:
     return [own.states[e.steps[-1].mode[machine]] for e in run.events]
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("angle", [0.0, 0.3, 1.6, 2.5, -2.0])
 def test_a_block_stops_on_a_straight_line(angle: float) -> None:
     c, s = along(angle)
@@ -218,6 +218,7 @@ def test_time_stepping_comes_closer_with_its_step(theta: float) -> None:
     assert 1.9 < off[0] / off[1] < 2.1 and 1.9 < off[1] / off[2] < 2.1
 
 
+@pytest.mark.slow
 def test_time_stepping_has_the_same_disk_along_every_direction() -> None:
     for angle in (0.0, 0.4, 2.0, -1.1):
         c, s = along(angle)

@@ -82,6 +82,7 @@ def test_capacitor_on_a_sine_keeps_its_peak(solver):
     assert run.final["C.e"] == pytest.approx(10.0, rel=1e-12)
 
 
+@pytest.mark.sampled(1)
 def test_capacitor_behind_a_resistor_lags_and_never_overshoots(solver):
     m = hb.Model("lag", domain="electrical")
     m.add(V=hb.Se(f"10*sin({W}*time)"), d=hb.One(law="diode"), C=hb.C("20 uF"))
@@ -111,7 +112,7 @@ class TestThyristors:
     Z = math.hypot(R, W * L)
     PHI = math.atan2(W * L, R)
 
-    @pytest.mark.sampled(2)
+    @pytest.mark.sampled(1)
     @pytest.mark.parametrize("alpha", [math.radians(20), math.radians(60), math.radians(70)])
     def test_mean_voltage_in_continuous_conduction(self, alpha, simulate):
         run = simulate("thyristor_rectifier", parameters={"alpha": alpha})
@@ -197,6 +198,7 @@ def six_pulses(*, line: str | None, load: dict[str, object]) -> hb.Model:
 class TestSixPulses:
     """Three phases of 100 V peak."""
 
+    @pytest.mark.slow
     def test_commutation_takes_the_overlap_angle(self):
         """With a constant current each commutation begins at a multiple of 60 degrees."""
         line, current = 1e-3, 10.0
@@ -273,7 +275,7 @@ bonds = ["grid -> line -> rs", "line -> ls", "line -> a", "b -> line", "a -> d1 
 """
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("order", ["1234", "4321", "2413", "3142"])
 def test_a_bridge_that_floats_between_pulses_shares_the_voltage_and_says_so(order: str) -> None:
     # between pulses all four block; the source floats, and the shares of d1 and d4 are no one's

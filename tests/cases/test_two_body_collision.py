@@ -12,6 +12,7 @@ def collide(simulate, m1, m2, v1, v2, e, **options):
     return simulate("two_body_collision", parameters=values, **options)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("values", "after"),
     [

@@ -137,6 +137,7 @@ def test_parallel_closed_switches_are_named_and_no_others(build) -> None:
         assert assign(graph, tuple(int(i != k) for i in range(4))).conflicts == ()
 
 
+@pytest.mark.slow
 def test_conflict_in_a_long_ladder_is_told_by_its_own_chain(build) -> None:
     kinds, bonds = {"V": "Se"}, []
     for k in range(1000):

@@ -89,6 +89,7 @@ def random_parts(draw: random.Random) -> tuple[dict[str, str], list[str], list[s
     return kinds, bonds, draw.sample(able, draw.randint(1, min(2, len(able))))
 
 
+@pytest.mark.slow
 def test_it_is_found_exactly_where_exhaustive_search_finds_one(build) -> None:
     counts = {True: 0, False: 0}
     for seed in range(500):

@@ -10,6 +10,7 @@ from hybond.causality.reference import reference_mode
 from hybond.causality.strokes import Strokes
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None)
 @given(written(junctions=5, leaves=2))
 def test_invariant_strokes_are_those_of_every_causality_of_every_mode(build, given_graph) -> None:
@@ -54,6 +55,7 @@ def test_dynamic_bonds_are_those_that_switching_flips(build, given_graph) -> Non
         assert set(region.switches) == {n for b in region.bonds for n in found.through[b]}
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(written(junctions=6, leaves=2), st.randoms(use_true_random=False))
 def test_invariant_bonds_do_not_depend_on_the_order_of_elements(build, given_graph, random) -> None:

@@ -91,6 +91,7 @@ def test_record_accounts_for_the_strokes_it_has(build, given_graph, data) -> Non
             assert all(record.reasons[b].parent < 0 for b in reason.ruled_out)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(written(junctions=8, leaves=2), st.randoms(use_true_random=False))
 def test_numbers_do_not_depend_on_the_order_of_elements(build, given_graph, random) -> None:

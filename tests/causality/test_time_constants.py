@@ -83,6 +83,7 @@ def random_graph(build, draw: random.Random):
     return build(kinds, bonds, values=values, switches=switches, reverse=reverse)
 
 
+@pytest.mark.slow
 def test_they_are_the_finite_eigenvalues_of_the_pencil(build) -> None:
     compared = dependent = 0
     for seed in range(600):

@@ -178,6 +178,7 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path):
     assert caught.value.code == "HB-F132"
 
 
+@pytest.mark.slow
 def test_a_bomb_of_subcircuits(tmp_path):
     rows = ["Title", "V1 a 0 1", "R1 a 0 1"]
     for k in range(30):

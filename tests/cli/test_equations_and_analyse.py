@@ -70,6 +70,7 @@ def test_restitution_and_the_simplified_model(circuit: Any) -> None:
     assert circuit("analyse", "bouncing_ball.toml", *words, "--write", "newton.toml").code == 1
 
 
+@pytest.mark.slow
 def test_coverage_names_what_no_mode_covers(circuit: Any) -> None:
     words = ("--coverage", "ball.p=-3..1", "--at", "height=0 mm")
     done = circuit("analyse", "bouncing_ball_no_mode.toml", *words)

@@ -7,6 +7,7 @@ import pytest
 import hybond as hb
 
 
+@pytest.mark.slow
 def test_it_lists_every_part_under_its_domain(shell: Any) -> None:
     done = shell("library")
     assert done.code == 0

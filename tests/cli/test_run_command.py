@@ -128,6 +128,7 @@ def test_tables_hold_both_limits_of_an_event(shell: Any) -> None:
     assert table["t"][-1] == 1.5 and len(table["height"]) == len(table["t"])
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "suffix, magic", [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")]
 )

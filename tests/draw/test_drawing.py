@@ -54,7 +54,7 @@ def test_no_text_overlaps_text(example: Any, strokes: Any) -> None:
             assert not box_a.overlaps(box_b), (a, b)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_no_text_is_crossed_by_a_line(example: Any, strokes: Any) -> None:
     for drawing in variants(example, strokes):
         lines = [m for g in drawing.scene.groups for m in g.marks if isinstance(m, Line)]
@@ -72,6 +72,7 @@ def test_no_bond_passes_through_a_node(example: Any) -> None:
             assert extent_of(letters).cut((line.points[0], line.points[1])) is None
 
 
+@pytest.mark.sampled(1)
 def test_everything_is_on_the_page(example: Any, strokes: Any) -> None:
     for drawing in variants(example, strokes):
         page = Box(0, 0, drawing.scene.width, drawing.scene.height)

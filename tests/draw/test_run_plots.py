@@ -21,6 +21,7 @@ def lines(ax: Any, marker: str) -> list[Any]:
     return [line for line in ax.lines if line.get_marker() == marker]
 
 
+@pytest.mark.slow
 def test_line_is_broken_at_a_jump_with_both_limits(bouncing: Any, tmp_path: Path) -> None:
     run = bouncing(4, 0.5)
     figure = plot_run(run, ["v.f"], path=tmp_path / "run.png")
@@ -76,6 +77,7 @@ def test_mythical_steps_write_no_impulse(run_of: Any) -> None:
     assert len(impulses_of(run, "e")) == 0
 
 
+@pytest.mark.slow
 def test_thousands_of_events_are_drawn_without_circles(switched: Any, tmp_path: Path) -> None:
     figure = plot_run(switched(2000), ["_node$.e"], path=tmp_path / "dense.png")
     ax = figure.axes[0]

@@ -55,6 +55,7 @@ def test_two_crossings_in_one_step(depth, rtol) -> None:
     assert times(run) == [pytest.approx(1.0 - math.sqrt(depth), rel=1e-9, abs=slack)]
 
 
+@pytest.mark.sampled(19)
 @pytest.mark.parametrize("where", [0.5, 0.7, 1.0, 1.37, 1.9])
 @pytest.mark.parametrize("guard", ["s < 0", "s <= 0"])
 def test_a_touch_is_told_from_a_miss(guard, where) -> None:
@@ -108,6 +109,7 @@ def test_fifty_machines_at_one_instant() -> None:
     assert event.t == pytest.approx(math.pi / 6, rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 def test_fifty_machines_at_fifty_instants() -> None:
     m = base()
     levels = [math.exp(-0.02 * (k + 1)) for k in range(50)]

@@ -69,6 +69,7 @@ def test_pendulum_in_cartesian_coordinates(inertia, way) -> None:
     assert energy_drift(run) < 1e-8
 
 
+@pytest.mark.slow
 def test_pendulum_that_starts_with_a_wrong_velocity_is_projected() -> None:
     m = pendulum(0.0)
     m.elements["mx"] = hb.I(2.0, f=3.0)

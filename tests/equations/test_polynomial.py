@@ -29,6 +29,7 @@ def test_a_product_divides_exactly(p: Polynomial, q: Polynomial) -> None:
             divide(p, q)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(polynomials, polynomials, st.booleans())
 def test_division_is_exact_just_when_sympy_has_no_remainder(
@@ -55,6 +56,7 @@ def test_division_is_exact_just_when_sympy_has_no_remainder(
         assert other(found) == quotient
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(polynomials)
 def test_split_multiplies_back(p: Polynomial) -> None:

@@ -250,6 +250,7 @@ shared = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(shared, shared, st.sampled_from(["a", "b"]))
 def test_operands_with_factors_in_common(p: Rational, q: Rational, atom: str) -> None:
@@ -335,6 +336,7 @@ def test_inverse_of_a_random_matrix_is_that_of_sympy(entries: list[str]) -> None
     assert (matrix * inverse).applyfunc(sympy.cancel) == sympy.eye(4)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_determinant_of_a_ladder(n: int) -> None:
     """Nodes to ground through G, to the next one through R: pivots, and their product."""

@@ -83,6 +83,7 @@ def balanced(latex: str) -> bool:
     return depth == 0 and latex.count(r"\left") == latex.count(r"\right")
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(trees, trees)
 def test_text_reads_back_as_the_same_function(e: Expr, f: Expr) -> None:
@@ -165,6 +166,7 @@ def test_caller_names_the_atoms_within_formulas_too() -> None:
     assert sympy.simplify(to_sympy(r, meaning=atoms.meaning) - k * sympy.sqrt(m) / 2) == 0
 
 
+@pytest.mark.slow
 def test_same_text_in_every_run() -> None:
     script = (
         "from hybond.equations.symbolic.rational import Rational as Q\n"

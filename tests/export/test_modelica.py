@@ -102,7 +102,7 @@ def test_every_example_is_written_or_refused_with_its_reason(name: str) -> None:
     assert words <= {*known.split(), *declared}
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", sorted(AGREE))
 def test_a_modelica_tool_finds_the_same_motion(name: str) -> None:
     model = load(name)
@@ -122,7 +122,7 @@ def test_a_modelica_tool_finds_the_same_motion(name: str) -> None:
         assert off.max() <= AGREE[name] * max(largest, 1e-300), path
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name",
     ["diode_inductor", "falling_rod", "end_stops", "clutch_rigid", "half_bridge", "stick_slip"],
@@ -148,6 +148,7 @@ def test_a_modelica_tool_finds_the_same_events(name: str) -> None:
     assert compared > 20
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["falling_rod_threshold", "bouncing_ball_no_mode"])
 def test_where_time_cannot_advance_the_tool_says_so_at_the_same_instant(name: str) -> None:
     model = load(name)
@@ -161,6 +162,7 @@ def test_where_time_cannot_advance_the_tool_says_so_at_the_same_instant(name: st
     assert found is not None and float(found[1]) == pytest.approx(at, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_impacts_that_accumulate_end_the_run_instead_of_passing_the_floor() -> None:
     model = load("bouncing_ball_contact")
     limit = hb.simulate(model).accumulations[0].t

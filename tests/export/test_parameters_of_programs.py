@@ -67,7 +67,7 @@ def refusal(program: Path, *words: str) -> str:
     return done.stderr
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @needs_c
 @pytest.mark.parametrize(("name", "values"), CASES, ids=[name for name, _ in CASES])
 def test_a_program_with_other_parameters(

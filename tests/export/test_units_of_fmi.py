@@ -158,6 +158,7 @@ def test_the_same_model_gives_the_same_description(driven: Path) -> None:
             assert a.read(name) == b.read(name)
 
 
+@pytest.mark.slow
 def test_a_unit_is_a_block_of_another_model(driven: Path) -> None:
     m = hb.Model("outer")
     m.signal(seen="motor.speed")

@@ -60,6 +60,7 @@ def test_the_schema_refers_to_itself_only() -> None:
     assert set(re.findall(r'"\$ref": "([^#])', text)) == set()
 
 
+@pytest.mark.slow
 def test_the_schema_accepts_the_examples_and_refuses_faults() -> None:
     jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
     check = jsonschema.Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8")))

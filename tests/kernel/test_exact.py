@@ -126,6 +126,7 @@ def test_an_oscillator_keeps_its_energy_over_a_thousand_periods(kernel):
     assert y[-1, :2] == pytest.approx([1.0, 0.0], abs=1e-11)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "options", [{"progress": lambda t, n: None}, {"max_step": 0.01}, {"atol": 1e-9}]
 )
@@ -147,6 +148,7 @@ def chain(n):
     return m
 
 
+@pytest.mark.slow
 def test_what_is_too_large_is_left_to_the_reference(kernel):
     below, above = (hb.simulate(chain(n), 0.3, solver="exact") for n in (flow.LARGEST - 2, 70))
     assert below.stats["marched"] == below.stats["steps"]
@@ -188,6 +190,7 @@ def test_modes_of_both_kinds_in_one_passage(kernel):
     assert b.method.startswith("1 mode propagated exactly; 1 mode left to rk45: laws that")
 
 
+@pytest.mark.slow
 def test_a_stiff_transient_after_each_event(kernel):
     """A nanosecond beside a second: what died away is not seen, whatever the kernel's levels."""
     m = hb.Model("stiff", domain="electrical")

@@ -15,6 +15,7 @@ def phase(k: int, t: float) -> float:
     return 100 * math.sin(100 * math.pi * t - 2 * math.pi * k / 3)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("drop", "bulk"), [(0.0, 0.0), (0.7, 0.5)])
 def test_a_bridge_of_four_diodes_rectifies(drop: float, bulk: float) -> None:
     m = hb.Model("rectifier", domain="electrical")
@@ -47,6 +48,7 @@ def three_phases(bridge: object) -> hb.Model:
 LINES = ("s.a - b.a", "s.b - b.b", "s.c - b.c", "b.plus - p", "n - b.minus")
 
 
+@pytest.mark.slow
 def test_a_three_phase_bridge_gives_what_is_between_the_highest_and_the_lowest() -> None:
     m = three_phases(hb.Submodel("electrical.three_phase_bridge"))
     m.add(load=hb.Submodel("electrical.resistor", R=10))
@@ -66,7 +68,7 @@ def test_a_three_phase_bridge_gives_what_is_between_the_highest_and_the_lowest()
         assert len([e for e in run.events if e.cause == "guard"]) == 6
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("degrees", [0, 30, 75])
 def test_a_thyristor_bridge_has_the_mean_voltage_of_its_angle(degrees: float) -> None:
     # a current that does not pause: a source of it stands for a large inductance
@@ -84,6 +86,7 @@ def test_a_thyristor_bridge_has_the_mean_voltage_of_its_angle(degrees: float) ->
         assert mean == pytest.approx(expected, rel=1e-6), way.name
 
 
+@pytest.mark.slow
 def test_a_leg_with_an_inductive_load_has_the_mean_of_its_duty() -> None:
     m = hb.Model("leg", domain="electrical")
     m.add(V=hb.Se("100 V"), hot=hb.Zero(), cold=hb.Zero(), zero=hb.Se(0), x=hb.Zero())
@@ -106,6 +109,7 @@ def test_a_leg_with_an_inductive_load_has_the_mean_of_its_duty() -> None:
         assert run["leg.current_lower"].at(2.5e-3) == -run["l.current"].at(2.5e-3)
 
 
+@pytest.mark.slow
 def test_in_the_dead_time_of_a_leg_its_diodes_carry_the_current() -> None:
     m = hb.Model("leg", domain="electrical")
     m.add(V=hb.Se("100 V"), hot=hb.Zero(), cold=hb.Zero(), zero=hb.Se(0), x=hb.Zero())
@@ -139,6 +143,7 @@ def inverting(part: object, r1: float, r2: float, volts: str) -> hb.Model:
 PINS = ("cold - u.plus", "n - u.minus", "u.out - y", "u.ground - cold")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("gain", [1e6, 10.0])
 def test_an_inverting_amplifier_has_the_gain_of_its_resistors(gain: float) -> None:
     part = hb.Submodel("electrical.op_amp_ideal", gain=gain)

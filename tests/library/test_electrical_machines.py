@@ -99,7 +99,7 @@ def test_every_direction_at_a_power_transformer_is_the_same_transformer() -> Non
     assert np.ptp(found, axis=0) == pytest.approx([0, 0], abs=1e-9)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("k", [0.9, -0.5, 0.0])
 def test_coupled_coils_follow_their_linear_equations(k: float) -> None:
     l1, l2, ohms = 2e-3, 5e-3, 3.0
@@ -169,6 +169,7 @@ def test_a_series_machine_at_rest_makes_the_square_of_its_current() -> None:
         assert run["m.torque"].at(0.02) == pytest.approx(0.02 * amperes**2, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_separately_excited_machine_runs_up_to_the_speed_of_its_field() -> None:
     m = on_a_shaft(hb.Submodel("electrical.dc_machine", drag=0, R_f=12, L_f=1))
     m.elements["brake"] = hb.Se(0, domain="rotational")
@@ -226,6 +227,7 @@ def test_a_driven_synchronous_motor_has_parks_currents(start: float) -> None:
             assert total == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_synchronous_motor_that_runs_down_in_a_short_circuit_keeps_energy() -> None:
     m = synchronous(("0", "0", "0"))
     m.elements["m"] = hb.Submodel(spinning(200.0))

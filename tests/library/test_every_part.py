@@ -5,6 +5,7 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
+import pytest
 from listed import listed
 
 import hybond as hb
@@ -27,6 +28,7 @@ def test_there_are_parts() -> None:
     assert {"electrical.diode", "electrical.resistor", "electrical.switch"} <= set(NAMES)
 
 
+@pytest.mark.sampled(39)
 @listed("name", NAMES)
 def test_a_part_says_what_it_is(name: str) -> None:
     sheet = sheet_of(name)
@@ -39,6 +41,7 @@ def test_a_part_says_what_it_is(name: str) -> None:
     assert sheet.signals, "nothing to plot"
 
 
+@pytest.mark.sampled(99)
 @listed("name", NAMES)
 def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: str) -> None:
     model = hb.library.part(name)
@@ -48,6 +51,7 @@ def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: s
         assert port.domain in SHARED[port.shares], port.name
 
 
+@pytest.mark.sampled(135)
 @listed("name", NAMES)
 def test_every_node_has_its_place(name: str) -> None:
     graph = hb.library.part(name).flatten()
@@ -57,6 +61,7 @@ def test_every_node_has_its_place(name: str) -> None:
     assert set(hb.library.part(name).layout) <= {*nodes, *hb.library.part(name).elements}
 
 
+@pytest.mark.sampled(52)
 @listed("name", NAMES)
 def test_a_part_survives_being_written(name: str) -> None:
     model = hb.library.part(name)

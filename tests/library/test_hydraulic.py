@@ -49,7 +49,7 @@ def test_a_tank_empties_as_torricelli_says(level, area):
         assert run["hole.flow"].unit == "m^3/s"
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("dp", [2e5, 300.0, -4e4, 0.0])
 def test_an_orifice_is_turbulent_far_from_rest_and_laminar_at_rest(dp):
     """``"hydraulic.orifice"``, ``"hydraulic.variable_orifice"``: the law as it is written down."""
@@ -107,6 +107,7 @@ def test_a_column_of_fluid_is_set_going_against_a_turbulent_resistance():
         assert run["bend.flow"].at(t) == pytest.approx(expected, rel=1e-7, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_compressible_volume_fills_until_a_relief_valve_opens():
     """``"hydraulic.volume"``, ``"hydraulic.flow_source"``, ``"hydraulic.relief_valve"``."""
     flow, C, p_set = 1e-4, 1e-3 / 1.4e9, 5e6
@@ -181,6 +182,7 @@ def test_an_ideal_check_valve_without_resistance_keeps_a_tank_full():
         assert run["high.level"].at(60) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_valve_that_closes_stops_the_column_with_an_impulse():
     """``"hydraulic.valve"``: the momentum of the column is the impulse of pressure."""
     for m in line(
@@ -488,7 +490,7 @@ def test_a_stop_gives_back_what_its_restitution_says():
             assert run["cylinder.speed"].at(0.03) == pytest.approx(-0.5 * restitution, abs=1e-9)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("spool", [1, 0, -1])
 def test_a_directional_valve_turns_the_flow_round(spool):
     """``"hydraulic.directional_valve"``: two ways and a load in a row, solved by hand."""

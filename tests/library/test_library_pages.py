@@ -27,7 +27,7 @@ def made() -> dict[str, str]:
     return {path.as_posix(): text for path, text in maker().pages().items()}
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("domain", DOMAINS)
 def test_the_pages_of_a_domain_are_fresh(domain: str, made: dict[str, str]) -> None:
     mine = [p for p in made if p == f"library/{domain}.md" or f"/library/{domain}_" in p]

@@ -57,6 +57,7 @@ def test_a_coil_on_a_core_is_an_inductance_of_its_turns_squared_times_the_permea
         assert run.audit().holds(1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("gap", ["1 mm", "0.2 mm"])
 def test_reluctances_add_in_a_row_and_permeances_side_by_side(gap):
     """``"magnetic.air_gap"``, ``"magnetic.leakage"``: what a step of current rate meets."""

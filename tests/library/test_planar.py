@@ -77,6 +77,7 @@ def test_a_body_on_a_pin_through_a_point_has_steiners_inertia(a: float, b: float
         assert run["p.y"].at(0.5) == pytest.approx(0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_free_body_flies_a_parabola_and_turns_evenly() -> None:
     parts = {
         "b": hb.Submodel("planar.rigid_body", vx0=2, vy0=3, w0=4, x0=1, y0=5),
@@ -244,7 +245,7 @@ def test_a_tip_sticks_in_an_impact_if_friction_is_enough(mu: float, sticks: bool
             assert abs(given[0]) == pytest.approx(mu * given[1])
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("J", [0.5, 0.4, 1.0])
 @pytest.mark.parametrize(("v", "w"), [(3.0, 0.0), (0.0, -10.0), (2.0, 30.0)])
 def test_a_wheel_that_slips_begins_to_roll(J: float, v: float, w: float) -> None:

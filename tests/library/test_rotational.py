@@ -162,6 +162,7 @@ def test_a_rack_and_pinion_moves_a_mass(r: float) -> None:
         assert run["g.force"].unit == "N"
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("J", "start"), [(2.25, 60.0), (3.0, 150.0), (0.75, 5.0)])
 def test_a_pendulum_has_the_period_of_the_elliptic_integral(J: float, start: float) -> None:
     # m = 1 kg, l = 1.5 m: J = 2.25 kg m^2 is a point mass

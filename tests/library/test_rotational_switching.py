@@ -111,6 +111,7 @@ def test_a_one_way_clutch_drives_and_never_brakes(J1: float, J2: float) -> None:
         assert lost(run) == pytest.approx(J1 * J2 / (J1 + J2) * 32)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("eps", [0.0, 0.3])
 @pytest.mark.parametrize("teeth", [24, 90])
 def test_a_ratchet_catches_at_the_last_tooth_passed(teeth: int, eps: float) -> None:

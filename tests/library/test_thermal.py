@@ -226,6 +226,7 @@ def test_true_bonds_make_entropy_and_keep_the_heat():
         assert run["wall.produced"].unit == "W/K"
 
 
+@pytest.mark.slow
 def test_a_heater_gives_entropy_by_the_temperature_it_meets():
     """``"thermal.entropy_heater"``, ``"thermal.entropy_ambient"``: as a pseudo heater."""
     C, G, P = 1e3, 2.0, 100.0

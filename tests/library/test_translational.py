@@ -194,7 +194,7 @@ def hanging(m: float) -> dict[str, hb.Submodel]:
     return {"m": mass(m), "w": hb.Submodel("translational.weight", m=m)}
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("m1", "m2", "J"), [(2.0, 1.0, 0.0), (1.0, 3.0, 0.02), (1.0, 1.5, 0.1)])
 def test_atwoods_machine(m1: float, m2: float, J: float) -> None:
     parts = {

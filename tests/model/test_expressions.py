@@ -87,6 +87,7 @@ def numeric_trees():
     return st.recursive(leaf, grow, max_leaves=12)
 
 
+@pytest.mark.slow
 @given(numeric_trees())
 @settings(max_examples=150, deadline=None)
 def test_text_reads_back_as_the_same_tree(tree):
@@ -452,6 +453,7 @@ def test_latex():
         assert to_latex(parse(text)) == latex
 
 
+@pytest.mark.slow
 @given(numeric_trees())
 @settings(max_examples=200, deadline=None)
 def test_latex_brackets_are_paired(tree):

@@ -49,6 +49,7 @@ def test_a_pair_in_a_submodel() -> None:
     assert hb.simulate(graph, until=1).status == "ok"
 
 
+@pytest.mark.slow
 def test_a_limit_in_units_and_in_numbers() -> None:
     for limit in (3.5, "3.5", "3.5 N", "3500 mN", "7*0.5"):
         m = hb.Model("block", domain="translational")

@@ -34,6 +34,7 @@ def same_events(run: hb.Result, want: hb.Result, names: list[str]) -> None:
 # -- global automaton
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("example", "names"),
     [("diode_inductor", ["L.f"]), ("clutch", []), ("half_bridge", ["L.f"]), ("falling_rod", [])],

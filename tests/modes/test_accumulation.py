@@ -81,7 +81,7 @@ def test_a_series_remembers_its_longest_flight() -> None:
 # -- one ball
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("eps", [1e-8, 1e-6, 0.1, 0.5, 0.9])
 def test_a_ball_comes_to_rest_at_the_closed_form(eps: float, solver: str) -> None:
@@ -223,6 +223,7 @@ def test_on_a_vibrating_table_it_lands_and_takes_off() -> None:
 # -- several machines
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "which",
     [
@@ -285,6 +286,7 @@ def test_two_contacts_of_one_body_share_no_more_than_is_known() -> None:
     assert run["h"].at(2.9) == pytest.approx(0.0, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_a_relay_that_slides_meanwhile_goes_on_sliding() -> None:
     m = balls((0.5, 1.0))
     drive = '-(if R.state == "above" then 1 else -1) + 0.5*sin(3*time)'

@@ -58,6 +58,7 @@ def springs(row: Row, u: list[float], k: list[float], m: float) -> Array:
     return run.y[n:, -1]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "k"),
@@ -148,7 +149,7 @@ def bistiff(row: Row, u: list[float], e: list[float], m: float) -> Array:
     return run.y[n:, -1]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "e"),
@@ -182,7 +183,7 @@ def test_a_mirrored_impact_is_the_mirrored_impact() -> None:
     assert after[3] > after[2] > 0
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "k", "of"),

@@ -17,7 +17,7 @@ def pushed(power: int) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("power", [3, 4, 8])

@@ -49,6 +49,7 @@ def together(C: str, L: str, mass: str, *, nonlinear: bool = False) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("sizes", SIZES)
 @pytest.mark.parametrize("options", [{}, {"kernel": False}], ids=["kernel", "reference"])

@@ -38,6 +38,7 @@ def rhythm():
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kernel", [True, False])
 def test_the_last_segments_are_those_of_a_run_that_keeps_all(kernel):
     whole, part = (hb.simulate(rhythm(), 60.0, keep=k, kernel=kernel) for k in (None, 20))
@@ -170,6 +171,7 @@ def test_times_of_events_come_without_their_records():
     assert run.events[3:5][0].t == times[3]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kernel", [True, False])
 def test_steps_without_an_event_do_not_fill_the_memory(kernel):
     # L/R is 1e-12 s: an explicit method goes on at that pace long after all has died out

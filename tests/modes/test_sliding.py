@@ -751,6 +751,7 @@ def test_a_blow_ends_sticking_and_the_joined_bodies_stick_again() -> None:
     assert run.audit().holds(1e-11)
 
 
+@pytest.mark.slow
 def test_a_nonlinear_model_slides_on_a_curved_surface() -> None:
     """x' = -y, y' = x, pulled onto the circle x^2 + y^2 = 1 by a relay along the radius."""
     inward = signum("r")

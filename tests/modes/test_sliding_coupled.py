@@ -59,7 +59,7 @@ def stepped(a: np.ndarray, b: np.ndarray, c, x0, until: float, h: float) -> np.n
     return x
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(4))
 def test_coupled_relays_agree_with_implicit_time_stepping(seed: int) -> None:
     generator = np.random.default_rng(seed)
@@ -135,6 +135,7 @@ def switching(draw, most: int = 4):
     return a, b
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(switching())
 def test_a_p_matrix_leaves_one_way_and_pivoting_finds_it(system) -> None:
@@ -152,6 +153,7 @@ def test_a_p_matrix_leaves_one_way_and_pivoting_finds_it(system) -> None:
         assert way.weights == pytest.approx(expected[0], abs=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(switching(3))
 def test_a_start_on_all_surfaces_goes_the_one_way_or_tells_of_several(system) -> None:

@@ -300,6 +300,7 @@ def test_closing_and_opening_at_once_is_one_event_with_a_pinnacle(guards) -> Non
     assert run.audit().holds(1e-9)
 
 
+@pytest.mark.slow
 def test_a_stop_that_an_input_leads_away_from_does_not_hide_the_other_stop() -> None:
     # an amplifier between two stops; at 2 ms the input jumps, and with it what is asked of it
     part = hb.library.part("electrical.op_amp")

@@ -164,7 +164,7 @@ def peak_detector(source: str, r: float = 0.0) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("source", ["10", "10*sin(2*time)", "3*time"])
@@ -351,6 +351,7 @@ def stored_energy(run: hb.Result) -> np.ndarray:
     return np.concatenate([[storage.energy(y[:n]) for y in s.y] for s in run.segments])
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(ladders(), st.floats(1e-3, 3.0))
 def test_the_implicit_scheme_never_creates_energy(model: hb.Model, h: float) -> None:
@@ -458,6 +459,7 @@ def test_signals_between_points_are_linear() -> None:
     assert run.weight("contact", "open", 0.05) == 1.0
 
 
+@pytest.mark.slow
 def test_the_error_estimate_is_of_the_size_of_the_error() -> None:
     located = hb.simulate(rlcd(), 0.005)
     for h in (2e-5, 5e-6):
@@ -498,6 +500,7 @@ def test_enough_steps_are_not_called_coarse() -> None:
     assert run.warnings == () and run.final["c.e"] > 8.0
 
 
+@pytest.mark.slow
 def test_a_law_of_impacts_that_is_not_its_own_is_not_ignored_silently() -> None:
     def of_impacts(run: hb.Result) -> list[str]:
         return [w for w in run.warnings if "impact = " in w]

@@ -82,6 +82,7 @@ def check_ports(form) -> None:
         assert form.properties.semidefinite and form.properties.passive
 
 
+@pytest.mark.slow
 @SETTINGS
 @given(SEEDS, st.integers(1, 6), st.integers(0, 2))
 def test_numbers_are_those_of_the_ports(seed: int, size: int, rings: int) -> None:

@@ -79,6 +79,7 @@ def growth(stored: np.ndarray) -> float:
     return float(np.diff(stored).max(initial=0.0)) / max(float(stored.max(initial=0.0)), 1e-12)
 
 
+@pytest.mark.slow
 @given(seed=SEEDS, sources=st.booleans())
 @some(24)
 def test_located_events_keep_every_condition(seed: int, sources: bool) -> None:
@@ -104,6 +105,7 @@ def test_steps_keep_every_condition_at_their_ends(seed: int, sources: bool, h: f
         assert growth(energies(run)) < 1e-9
 
 
+@pytest.mark.slow
 @given(seed=SEEDS, sources=st.booleans())
 @some(14)
 def test_two_starts_never_part(seed: int, sources: bool) -> None:

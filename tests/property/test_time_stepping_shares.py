@@ -160,6 +160,7 @@ def least_on_legs(x: float, y: float) -> np.ndarray:
     return best
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("x", "y"), [(0.0, 0.0), (0.3, 0.1), (0.5, 0.45), (0.7, -0.25)])
 def test_a_table_on_four_legs(x: float, y: float) -> None:
     run = stepped(table(x, y), 0.5, 0.01)
@@ -281,6 +282,7 @@ def test_random_networks_keep_their_laws_and_balances(
         assert audit.created <= 1e-11
 
 
+@pytest.mark.slow
 def test_a_network_that_rounding_once_refused() -> None:
     for h in (0.02, 0.01):
         assert stepped(network(2, sources=True), 2.0, h, theta=1.0).status == "ok"

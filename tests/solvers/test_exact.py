@@ -180,7 +180,7 @@ def test_discharge(engine):
     assert abs(run.audit().energy) < 1e-8
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("r", [0.0, 0.5, 4.0, 9.0])
 def test_ringing_critical_and_creeping(r, engine):
     """At r = 4 the matrix has one eigenvector only."""
@@ -193,6 +193,7 @@ def test_ringing_critical_and_creeping(r, engine):
     assert_true(run, "C", true)
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize(
     ("source", "particular"),
     [
@@ -213,6 +214,7 @@ def test_driven_coils(source, particular, engine):
     assert abs(run.audit().energy) < 1e-8
 
 
+@pytest.mark.sampled(1)
 def test_steps_do_not_miss_a_source_whose_periods_fit_the_run(engine):
     """States that hardly move leave the steps long; powers must still see the source."""
     m = hb.Model("lamp", domain="electrical")
@@ -293,6 +295,7 @@ def test_free_flight_needs_one_step(engine):
     assert run["height"].at(1.3) == pytest.approx(3.0 - 0.5 * 9.81 * 1.69, rel=1e-14)
 
 
+@pytest.mark.sampled(1)
 def test_an_oscillator_keeps_its_energy(engine):
     run = simulated(ringing(0.0, c=1.0), 400.0 * math.pi, rtol=1e-5, engine=engine)
     y = run.segments[0].y
@@ -467,6 +470,7 @@ def test_a_large_motion_that_is_not_coupled_changes_nothing(kernel):
     assert run["c.q"].at(0.01) == pytest.approx(want, rel=1e-10)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize(
     ("rate", "until", "want"),

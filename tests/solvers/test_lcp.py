@@ -59,6 +59,7 @@ def hybrid_matrix(rng, n):
     return (G @ G.T + K - K.T).astype(float)
 
 
+@pytest.mark.sampled(30)
 @listed("seed", range(60))
 def test_a_p_matrix_has_the_one_solution_of_the_enumeration(seed):
     rng = np.random.default_rng(seed)
@@ -72,6 +73,7 @@ def test_a_p_matrix_has_the_one_solution_of_the_enumeration(seed):
     assert second_solution(M, q, found) is None
 
 
+@pytest.mark.sampled(119)
 @listed("seed", range(150))
 def test_network_matrices_are_solved_exactly_when_the_enumeration_finds_a_solution(seed):
     rng = np.random.default_rng(seed)
@@ -317,6 +319,7 @@ def test_a_second_solution_is_a_solution_and_another(seed):
         assert second is None
 
 
+@pytest.mark.sampled(16)
 @listed("seed", range(20))
 def test_redundant_contacts_share_forces_as_they_like_but_part_in_one_way(seed):
     rng = np.random.default_rng(seed)

@@ -45,6 +45,7 @@ def every_choice(A, B, C, q):
     return regular, solutions
 
 
+@pytest.mark.sampled(181)
 @listed("seed", [*range(200), 2280, 4044])  # the last: rounding took for a unit
 def test_pairs_are_refused_exactly_when_every_choice_is_singular(seed):
     rng = np.random.default_rng(seed)
@@ -130,6 +131,7 @@ def every_boxed(M, q, low, high):
             yield z
 
 
+@pytest.mark.sampled(82)
 @listed("seed", [*range(120), 2516, 2819])  # the last: a rounding out of the box
 def test_boxes_agree_with_the_enumeration_of_all_sides(seed):
     rng = np.random.default_rng(seed)

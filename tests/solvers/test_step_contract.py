@@ -62,6 +62,7 @@ def started(name, y=(1.0, 0.0), t=0.0, field=oscillator, t_bound=10.0, **options
     return solver
 
 
+@pytest.mark.sampled(10)
 def test_steps_follow_one_another_and_land_exactly(name):
     steps = run(started(name, t=0.1), 0.7)
     assert steps[0].t0 == 0.1
@@ -90,7 +91,7 @@ def test_lands_on_the_next_representable_time(name):
     assert solver.step(t_end).t1 == t_end
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 def test_interpolant_is_exact_at_both_ends(name):
     for step in run(started(name, y=(1 / 3, 0.1)), 1.0):
         assert np.array_equal(step.interpolant(step.t0), step.y0)
@@ -121,7 +122,7 @@ def test_the_callers_state_is_copied(name):
     assert solver.step(1.0).y0[0] == 1.0
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(6)
 def test_a_field_may_reuse_its_result(name):
     buffer = np.empty(2)
 
@@ -134,6 +135,7 @@ def test_a_field_may_reuse_its_result(name):
     assert np.array_equal(ours.y1, other.y1)
 
 
+@pytest.mark.sampled(7)
 def test_evaluations_add_up_to_the_calls_made(name):
     calls = 0
 
@@ -150,7 +152,7 @@ def test_evaluations_add_up_to_the_calls_made(name):
     assert solver.retry(within).evaluations == calls - total
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 def test_same_input_same_bits(name):
     one, two = (run(started(name), 1.0) for _ in range(2))
     assert [s.t1 for s in one] == [s.t1 for s in two]
@@ -176,6 +178,7 @@ def test_retry_ends_where_asked_as_accurately_as_the_step(name, part):
     assert local(again) <= max(1.3 * local(step), 1.5e-7)
 
 
+@pytest.mark.sampled(7)
 def test_retry_may_be_repeated_and_the_next_step_goes_on_from_it(name):
     solver = started(name)
     solver.step(1.0)
@@ -212,7 +215,7 @@ def test_a_step_needs_a_start_and_a_later_end(name):
         started(name, t=1.0).step(1.0)
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 def test_continuing_is_cheaper_than_a_jump(name):
     def evaluations(jumped):
         solver = started(name)
@@ -235,6 +238,7 @@ def test_continuing_unchanged_gives_the_same_bits_as_not_stopping(name):
         assert b.y1 == pytest.approx(a.y1, rel=1e-13, abs=1e-13)
 
 
+@pytest.mark.sampled(7)
 def test_a_state_moved_without_a_jump_still_gets_its_own_derivative(name):
     solver = started(name)
     run(solver, 0.5)
@@ -244,6 +248,7 @@ def test_a_state_moved_without_a_jump_still_gets_its_own_derivative(name):
     )
 
 
+@pytest.mark.sampled(7)
 def test_the_number_of_states_may_change_at_a_jump(name):
     solver = started(name)
     run(solver, 0.5)
@@ -253,6 +258,7 @@ def test_the_number_of_states_may_change_at_a_jump(name):
     )
 
 
+@pytest.mark.sampled(8)
 def test_a_jump_changes_the_field(name):
     # y' = 1 to t = 1, then y' = -2: a solver that kept the old derivative would be off.
     solver = make(name, step=0.25)
@@ -285,7 +291,7 @@ def test_a_state_not_finite_is_refused_by_the_start(name):
     assert (caught.value.code, caught.value.component) == ("HB-N202", 0)
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.filterwarnings("error")
 def test_where_the_derivative_ceases_to_exist_the_failure_names_the_state(name):
     # y1' = -sqrt(1 - t) has no value after t = 1.

@@ -80,6 +80,7 @@ def mixed_problems(count: int):
         yield A, B, C, generator.normal(size=rows), generator.integers(0, 2, size=n).astype(bool)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("warm", [False, True])
 def test_mixed_problems_are_solved_as_by_the_reference(warm):
     seen = []

@@ -70,6 +70,7 @@ def test_diodes_and_thyristors_in_both_directions(bond, law, monkeypatch):
     assert len(a.events) > 4
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("limit", ["3 N", "2 [N] + 0.3*abs(spring.e)"])
 def test_friction_whose_limit_follows_a_force(limit, monkeypatch):
     m = hb.Model("oscillator", domain="translational")
@@ -91,6 +92,7 @@ def test_a_block_in_the_plane_slips_stops_and_holds(push, monkeypatch):
     assert_the_same(m, monkeypatch, until=4)
 
 
+@pytest.mark.slow
 def test_a_contact_on_a_moving_table_with_nonlinear_storage(monkeypatch):
     """The response of a nonlinear graph is made of differences."""
     m = hb.Model("hammer", domain="translational")

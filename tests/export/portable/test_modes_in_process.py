@@ -66,7 +66,7 @@ def compared(name, until=None):
     return code, run
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name",
     [
@@ -137,7 +137,7 @@ def test_the_table_has_both_limits_of_an_event():
     assert len(rows) == 502
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", [converter, striking])
 def test_random_switched_models_run_alike(kind, seed):
