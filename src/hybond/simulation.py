@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,25 +19,24 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive
 from hybond.modes.fitting import fitting
-from hybond.modes.impacts.laws import IMPACT_LAWS
 from hybond.modes.journal import Journal
 from hybond.modes.motion import Limits
-from hybond.modes.sliding.bands import CHOICES, Choice, banded
-from hybond.names import did_you_mean
+from hybond.modes.sliding.bands import Choice, banded
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
+from hybond.programs.start import start_of
 from hybond.result import Result, Status
+from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
 from hybond.solvers import make_solver
 from hybond.solvers.choose import AUTO, STEPPING
-from hybond.units import parse_unit, try_quantity
+from hybond.trace import Trace
 
 if TYPE_CHECKING:
+    from hybond.engine.run import LibraryRun, Settings
     from hybond.modes.stepping.executive import TimeStepping
 
 Vector = NDArray[np.float64]
 
-RTOL = 1e-8
-"""Default relative tolerance."""
 NEGLIGIBLE = 1e-6
 """A stored quantity is measured against at least this part of what the system's energy would
 make of it, so that rounding in an idle storage does not steer the step size."""
@@ -67,6 +67,7 @@ def simulate(
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool = True,
+    engine: Literal["auto", "library", "reference"] = "auto",
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -122,6 +123,10 @@ def simulate(
         Whether the compiled kernel takes steps, and settles events between them, where there is one
         and it was made for that. The results are the same but for rounding; `Result.kernel` says
         how much it did.
+    engine : {"auto", "library", "reference"}
+        What makes the run: the compiled library wherever it can (default), the library or a
+        refusal that says what it cannot (HB-S118), or the reference, with the kernel if `kernel`.
+        The results are the same but for rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -166,9 +171,11 @@ def simulate(
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
     fixed = name in ("euler", "rk4")
-    given_step = _seconds(step if step is not None else experiment.get("step"), "step")
-    longest = _seconds(max_step if max_step is not None else experiment.get("max_step"), "max_step")
-    choice, band = _sliding(sliding, hysteresis, experiment)
+    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
+    longest = seconds_of(
+        max_step if max_step is not None else experiment.get("max_step"), "max_step"
+    )
+    choice, band = sliding_of(sliding, hysteresis, experiment)
     if band is not None:
         graph = banded(graph, band)
     chosen = ""
@@ -214,7 +221,8 @@ def simulate(
             executive.trace.warn(ignored)
         executive.trace.kernel = f"not used: {ONLY}"
         try:
-            return _finish(graph, program, executive, end, name, on_error)
+            begin = partial(executive.run, start_of(program))
+            return _finish(graph, program, executive.trace, begin, end, name, on_error)
         finally:
             executive.sampling.close()
     if theta is not None:
@@ -224,6 +232,42 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
+    if engine != "reference":
+        from hybond.engine.run import Declined, LibraryRun, Settings
+
+        run = _by_library(
+            graph,
+            Settings(
+                until=end,
+                solver=name,
+                rtol=rtol,
+                atol=atol,
+                max_step=math.inf if longest is None else longest,
+                event_tol=limits.event_tol,
+                slides=choice == "filippov",
+                max_events=limits.max_events,
+                max_steps=limits.max_steps,
+                max_writes=writes,
+            ),
+            impact=impact_of(impact, experiment)[0],
+            progress=progress,
+            keep=keep,
+            journal=journal,
+        )
+        # the reference refuses a step for these itself
+        if isinstance(run, LibraryRun) and (fixed or step is None):
+            try:
+                run.trace.kernel = "the library"
+                return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
+            except Declined as declined:
+                run = str(declined)
+        if engine == "library":
+            raise UsageError(
+                f"the library cannot make this run: {run}",
+                code="HB-S118",
+                where="engine",
+                hint="leave engine out: the reference takes what the library cannot",
+            )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,
@@ -243,7 +287,7 @@ def simulate(
         max_writes=writes,
         progress=progress,
         sliding=choice == "filippov",
-        impact=_impact(impact, experiment),
+        impact=impact_of(impact, experiment),
         rtol=rtol,
         started=scale.start,
         march=fast if isinstance(fast, Marcher) else None,
@@ -253,68 +297,46 @@ def simulate(
     )
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
-        return _finish(graph, program, executive, end, name, on_error, chosen)
+        begin = partial(executive.run, start_of(program))
+        return _finish(graph, program, executive.trace, begin, end, name, on_error, chosen)
     finally:
         executive.sampling.close()
         if executive.journal is not None:
             executive.journal.close()
 
 
-def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
-    """Return when a run ends, s: as asked for, or as the experiment says.
+def _by_library(
+    graph: FlatGraph,
+    settings: Settings,
+    *,
+    impact: str,
+    progress: Callable[[float, int], None] | None,
+    keep: int | None,
+    journal: str | Path | None,
+) -> LibraryRun | str:
+    """Return a run by the library that has not begun, or why there is none."""
+    from hybond.engine.native import Unavailable
+    from hybond.engine.run import LibraryRun
+    from hybond.export.tables.options import METHODS
 
-    Raises
-    ------
-    UsageError
-        HB-S106 if neither says so, or it is no time after 0.
-
-    Examples
-    --------
-    >>> end_of(None, {"until": "50 ms"})
-    0.05
-    """
-    end = _seconds(until if until is not None else experiment.get("until"), "until")
-    if end is None or not 0.0 < end < math.inf:
-        raise UsageError(
-            "the run has no end time" if end is None else f"until = {end:g} s",
-            code="HB-S106",
-            where="until",
-            hint='give until="1 s", or [experiment] until in the file',
+    if settings.solver not in METHODS:
+        return f"solver {settings.solver!r}"
+    if impact != "newton":
+        return f"impact law {impact!r}"
+    try:
+        tables = settings.tables(graph)
+        return LibraryRun(
+            tables,
+            progress=progress,
+            keep=keep,
+            journal=None if journal is None else _opened(journal, graph),
         )
-    return end
-
-
-def tolerances_of(
-    rtol: float | None, atol: float | None, experiment: Mapping[str, Any]
-) -> tuple[float, float | None]:
-    """Return relative and absolute tolerance, as asked for or as the experiment says.
-
-    Raises
-    ------
-    UsageError
-        HB-S107.
-
-    Examples
-    --------
-    >>> tolerances_of(None, None, {"atol": 1e-6})
-    (1e-08, 1e-06)
-    """
-    rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
-    if not 1e-14 <= rtol < 1.0:
-        raise UsageError(
-            f"rtol = {rtol:g} is out of range", code="HB-S107", where="rtol", hint="1e-12 to 1e-2"
-        )
-    atol = atol if atol is not None else experiment.get("atol")
-    if atol is None:
-        return rtol, None
-    if not 0.0 <= float(atol) < math.inf:
-        raise UsageError(
-            f"atol = {float(atol):g} is out of range",
-            code="HB-S107",
-            where="atol",
-            hint="leave it out, or give a positive number in SI",
-        )
-    return rtol, float(atol)
+    except Unavailable as error:
+        return str(error)
+    except HybondError as error:
+        if not error.code.startswith("HB-E6"):
+            raise
+        return error.why
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
@@ -340,7 +362,8 @@ def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
 def _finish(
     graph: FlatGraph,
     program: Program,
-    executive: Executive | TimeStepping,
+    trace: Trace,
+    go: Callable[[], str],
     end: float,
     name: str,
     on_error: str,
@@ -350,15 +373,15 @@ def _finish(
     status: Status = "error"
     failure: HybondError | None = None
     try:
-        status = "accumulation" if executive.run(start_of(program)) == "accumulation" else "ok"
+        status = "accumulation" if go() == "accumulation" else "ok"
     except KeyboardInterrupt:
         status = "interrupted"
     except HybondError as error:
         failure = error
     for warning in (*graph.warnings, *program.warnings):
-        executive.trace.warn(warning)
-    executive.trace.method = "; ".join(t for t in (chosen, executive.trace.method) if t)
-    result = Result(program, executive.trace, status, end, name, failure)
+        trace.warn(warning)
+    trace.method = "; ".join(t for t in (chosen, trace.method) if t)
+    result = Result(program, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result
         raise failure
@@ -435,25 +458,6 @@ class ErrorScale:
         return tolerance
 
 
-def start_of(program: Program) -> Vector:
-    """Return the state at t = 0 as the model gives it, before it is settled."""
-    graph = program.graph
-    y = np.zeros(program.nx + program.ns + 2)
-    equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
-    co_energy = np.zeros(program.nx)
-    wanted = [s for s in graph.storages if s.start_is == "co-energy"]
-    for s in graph.storages:
-        if s.start_is == "stored":
-            y[s.index] = s.start
-        else:
-            co_energy[s.index] = s.start
-    for s in wanted:
-        y[s.index] = equations.storage.stored(co_energy, s.index, graph)
-    for i in graph.integrals:
-        y[program.nx + i.index] = i.start
-    return y
-
-
 def stepping_step(step: float | None) -> float:
     """Return the step of time-stepping.
 
@@ -491,27 +495,13 @@ def stepping_theta(theta: object) -> float:
     return float(theta)
 
 
-def _impact(impact: str | None, experiment: Mapping[str, Any]) -> tuple[str, float]:
-    """Return the law of impacts and, for springs, the exponent of their force."""
-    name = str(impact if impact is not None else experiment.get("impact", "newton"))
-    known = (*IMPACT_LAWS, "lzb_hertz")
-    if name not in known:
-        raise UsageError(
-            f"there is no impact law {name!r}",
-            code="HB-J205",
-            where="impact",
-            hint=did_you_mean(name, known) or ", ".join(known),
-        )
-    return ("lzb", 1.5) if name == "lzb_hertz" else (name, 1.0)
-
-
 def _ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | None:
     """Return what time-stepping has to say on a law of impacts that is not its own."""
     name = impact if impact is not None else experiment.get("impact")
     if name is None:
         return None
     # refuse names that are nobody's
-    _impact(str(name), experiment)
+    impact_of(str(name), experiment)
     if name == STEPPING_IMPACT:
         return None
     return (
@@ -519,47 +509,3 @@ def _ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | 
         f"law for all contacts at once ({STEPPING_IMPACT!r}), and where several contacts meet at "
         "once the result may differ; take a solver that locates events, or leave impact out"
     )
-
-
-def _sliding(
-    sliding: Choice | None, hysteresis: float | str | None, experiment: Mapping[str, Any]
-) -> tuple[str, float | None]:
-    """Return what to do on a switching surface, and the band if there is one."""
-    choice = str(sliding if sliding is not None else experiment.get("sliding", "filippov"))
-    given = hysteresis if hysteresis is not None else experiment.get("hysteresis")
-    if choice not in CHOICES:
-        raise UsageError(
-            f"sliding = {choice!r}", code="HB-S111", where="sliding", hint=", ".join(CHOICES)
-        )
-    if choice != "hysteresis":
-        if hysteresis is not None:
-            raise UsageError(
-                f'hysteresis is given, but sliding = "{choice}"',
-                code="HB-S111",
-                where="hysteresis",
-                hint='sliding = "hysteresis"',
-            )
-        return choice, None
-    quantity = try_quantity(str(given)) if given is not None else None
-    band = given if isinstance(given, float | int) else quantity.value if quantity else None
-    if band is None or not 0.0 < band < math.inf:
-        raise UsageError(
-            "the switching with hysteresis has no band"
-            if given is None
-            else f"hysteresis = {given!r}",
-            code="HB-S111",
-            where="hysteresis",
-            hint='half the width of the band, such as hysteresis = 1e-3 or "1 mm"',
-        )
-    return choice, float(band)
-
-
-def _seconds(value: Any, where: str) -> float | None:
-    if value is None or isinstance(value, float | int):
-        return None if value is None else float(value)
-    quantity = try_quantity(str(value))
-    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
-        raise UsageError(
-            f"{value!r} is not a time", code="HB-S106", where=where, hint='write 0.2 or "200 ms"'
-        )
-    return quantity.value

@@ -29,7 +29,7 @@ from hybond.modes.settle import Settler
 from hybond.names import did_you_mean
 from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
-from hybond.simulation import start_of
+from hybond.programs.start import start_of
 from hybond.trace import Trace
 
 Vector = NDArray[np.float64]

@@ -18,12 +18,14 @@ typedef struct HybondRun {
     Run *r;
     Report *log;
     int status;
+    bool settling; /* whether it was an instant that could not be settled */
 } HybondRun;
 
 /* What is read of a run: the numbers of the record Seen in native.py. */
 typedef struct HybondSeen {
     const double *y;
     const int *state;
+    const int *tried;
     double t;
     double energy;
     int status;
@@ -34,12 +36,13 @@ typedef struct HybondSeen {
     const char *why;
     const char *place;
     double fault_t;
-    int steps, instants, visits, fireds, hits;
+    int settling, rejected;
+    int stuck_machine, stuck_events, stuck_why;
+    double stuck_t, stuck_ratio;
+    int steps, instants, visits, fireds, hits, reads, overs, opens, slids;
     const double *step_time, *step_state, *step_dense;
-    const int *step_place;
-    const double *instant_time, *instant_state;
-    const int *instant_place, *visit, *fired, *hit;
-    const double *hit_area;
+    const double *instant_time, *instant_state, *visit_energy, *hit_area, *read;
+    const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
 } HybondSeen;
 
 SHOWN const char *hybond_source(void);
@@ -104,6 +107,10 @@ SHOWN int hybond_run(HybondRun *run, int slice)
     }
     run->r->slice = slice;
     run->status = run_to_end(run->e, run->r);
+    if (run->status == REFUSED) {
+        run->settling = run->log->settling;
+        report_broken(run->e, run->log, run->r->instant);
+    }
     return run->status;
 }
 
@@ -139,6 +146,23 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->fired = log->fired->at;
     seen->hit = log->hit->at;
     seen->hit_area = log->hit_area->at;
+    seen->tried = e->trial->state;
+    seen->settling = run->settling;
+    seen->rejected = log->rejected;
+    seen->stuck_machine = e->landings->stuck_machine;
+    seen->stuck_events = e->landings->stuck_events;
+    seen->stuck_why = e->landings->stuck_why;
+    seen->stuck_t = e->landings->limit_t;
+    seen->stuck_ratio = e->landings->limit_ratio;
+    seen->visit_energy = log->visit_energy->at;
+    seen->reads = log->reads;
+    seen->read = log->read->at;
+    seen->overs = log->overs;
+    seen->over = log->over->at;
+    seen->opens = log->opens;
+    seen->open = log->open->at;
+    seen->slids = log->slids;
+    seen->slid = log->slid->at;
 }
 
 /* Forget the rows of the log that were read. */

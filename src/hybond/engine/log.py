@@ -19,10 +19,12 @@ from hybond.export.portable.blocks import (
     make_places,
 )
 from hybond.export.portable.engine import Engine
-from hybond.export.portable.instant import START, Instant
+from hybond.export.portable.instant import MYTHICAL, START, Instant, note_step
 from hybond.export.portable.stepping import RADAU
 from hybond.export.portable.words import Floats, floats, record
 
+BROKEN: Final = 16
+"""What the cause of an instant is more than it was, if it could not be settled."""
 TERMS: Final = 4
 """Coefficients of a step's polynomial, of ``x`` to ``x^4`` with ``x = (t - t0)/(t1 - t0)``."""
 
@@ -31,14 +33,21 @@ TERMS: Final = 4
 class Report:
     """Rows of the log.
 
-    Of steps: `step_time` holds t0, t1, t; `step_state` y0, y1, y; `step_dense` the coefficients,
-    power by power; `step_place` the number of instants before it, then the surfaces slid on, then
-    the state of each machine, then whether it has landed. Of instants: `instant_time` t, and the
-    largest energy seen before; `instant_state` the state before and after; `instant_place` the
-    cause, how many modes were visited, transitions and impulses, then the state of each machine
-    after it, then whether it has landed. Behind them in `visit`, `fired`, `hit` and `hit_area`: of
-    each mode visited its kind, and how many transitions and impulses belong to it; of each
-    transition its machine, source and target; of each impulse its bond variable, and the area.
+    Of steps: `step_time` holds t0, t1, t and the next timed event; `step_state` y0, y1, y;
+    `step_dense` the coefficients, power by power; `step_place` the number of instants before it,
+    how many surfaces are slid on, then the state of each machine, then whether it has landed.
+
+    Of instants: `instant_time` t, and the largest energy seen before; `instant_state` the state
+    before and after; `instant_place` the cause, how many modes were visited, how many surfaces are
+    slid on from there (their numbers in `slid`), then the state of each machine after it, then
+    whether it has landed.
+
+    Of each mode visited, `visit`: its kind, how many transitions, impulses and open bond variables
+    belong to it, and whether its energy is known, before, after and given by sources in
+    `visit_energy`. Of each transition, `fired`: machine, source, target, why (see
+    `portable.told`), how many values were read and rules passed over. Of each value, `read`: finite
+    part, impulse, and whether it has one. Of each impulse, `hit`: its bond variable, and in
+    `hit_area` the area and what would be none.
     """
 
     steps: int
@@ -59,6 +68,19 @@ class Report:
     hits: int
     hit: Places
     hit_area: Block
+    visit_energy: Block
+    reads: int
+    read: Block
+    overs: int
+    over: Places
+    opens: int
+    open: Places
+    slids: int
+    slid: Places
+    rejected: int
+    """Steps that were too long."""
+    settling: bool
+    """Whether an instant is being settled."""
     energy: float
     left: Floats
 
@@ -77,6 +99,12 @@ def make_report(e: Engine) -> Report:
     r.fired = make_places(16)
     r.hit = make_places(16)
     r.hit_area = make_block(16)
+    r.visit_energy = make_block(16)
+    r.read = make_block(16)
+    r.over = make_places(16)
+    r.open = make_places(16)
+    r.slid = make_places(16)
+    r.settling = True
     r.left = floats(e.states)
     return r
 
@@ -89,12 +117,17 @@ def forget_rows(r: Report) -> None:
     r.visits = 0
     r.fireds = 0
     r.hits = 0
+    r.reads = 0
+    r.overs = 0
+    r.opens = 0
+    r.slids = 0
 
 
 def report_step(e: Engine, r: Report) -> None:
     """Write down the step that ended at the present time."""
     s = e.step
     n = e.states
+    r.rejected += s.rejected
     if e.model.method != RADAU or e.curved:
         write_step(e, r, s.t0, s.t1, e.t)
         at = (r.steps - 1) * n
@@ -136,13 +169,14 @@ def write_step(e: Engine, r: Report, t0: float, t1: float, t: float) -> None:
     machines = e.model.machines
     k = r.steps
     r.steps += 1
-    grow_block(r.step_time, 3 * r.steps)
+    grow_block(r.step_time, 4 * r.steps)
     grow_block(r.step_state, 3 * n * r.steps)
     grow_block(r.step_dense, TERMS * n * r.steps)
     grow_places(r.step_place, (2 + 2 * machines) * r.steps)
-    r.step_time.at[3 * k] = t0
-    r.step_time.at[3 * k + 1] = t1
-    r.step_time.at[3 * k + 2] = t
+    r.step_time.at[4 * k] = t0
+    r.step_time.at[4 * k + 1] = t1
+    r.step_time.at[4 * k + 2] = t
+    r.step_time.at[4 * k + 3] = e.next_break
     at = (2 + 2 * machines) * k
     r.step_place.at[at] = r.instants_before + r.instants
     r.step_place.at[at + 1] = e.slide.many
@@ -166,6 +200,7 @@ def report_end(e: Engine, r: Report) -> None:
 
 def keep_left(e: Engine, r: Report) -> None:
     """Keep the state at the left limit of what may be an event."""
+    r.settling = True
     r.energy = e.energy
     for k in range(e.states):
         r.left[k] = e.y[k]
@@ -173,50 +208,107 @@ def keep_left(e: Engine, r: Report) -> None:
 
 def report_event(e: Engine, r: Report, i: Instant) -> None:
     """Write down an instant at which something changed."""
+    write_instant(e, r, i, i.cause)
+    for step in range(i.steps):
+        write_visit(r, i, step)
+    # what a landing leaves is where it begins from, if another follows at once
+    keep_left(e, r)
+    r.settling = False
+
+
+def report_broken(e: Engine, r: Report, i: Instant) -> None:
+    """Write down an instant at which a run was refused, as far as it was settled.
+
+    Its cause is BROKEN more; the last mode visited is the one that was being tried.
+    """
+    if not r.settling:
+        return
+    r.settling = False
+    if i.steps == 0 and i.waiting == 0:
+        return
+    if i.waiting > 0:
+        note_step(i, MYTHICAL)
+    write_instant(e, r, i, i.cause + BROKEN)
+    for step in range(i.steps):
+        write_visit(r, i, step)
+
+
+def write_instant(e: Engine, r: Report, i: Instant, cause: int) -> None:
+    """Write a row of an instant, but for the modes visited."""
     n = e.states
     machines = e.model.machines
     k = r.instants
     r.instants += 1
     grow_block(r.instant_time, 2 * r.instants)
     grow_block(r.instant_state, 2 * n * r.instants)
-    grow_places(r.instant_place, (4 + 2 * machines) * r.instants)
+    grow_places(r.instant_place, (3 + 2 * machines) * r.instants)
     r.instant_time.at[2 * k] = i.t
     r.instant_time.at[2 * k + 1] = r.energy
     for j in range(n):
         r.instant_state.at[2 * n * k + j] = e.y[j] if i.cause == START else r.left[j]
         r.instant_state.at[2 * n * k + n + j] = e.y[j]
-    at = (4 + 2 * machines) * k
-    r.instant_place.at[at] = i.cause
+    at = (3 + 2 * machines) * k
+    r.instant_place.at[at] = cause
     r.instant_place.at[at + 1] = i.steps
-    r.instant_place.at[at + 2] = i.first.at[i.steps]
-    r.instant_place.at[at + 3] = i.hit_first.at[i.steps]
+    r.instant_place.at[at + 2] = e.slide.many
     for machine in range(machines):
-        r.instant_place.at[at + 4 + machine] = e.state[machine]
-        r.instant_place.at[at + 4 + machines + machine] = e.landed[machine]
-    for step in range(i.steps):
-        write_visit(r, i, step)
-    # what a landing leaves is where it begins from, if another follows at once
-    keep_left(e, r)
+        r.instant_place.at[at + 3 + machine] = e.state[machine]
+        r.instant_place.at[at + 3 + machines + machine] = e.landed[machine]
+    for j in range(e.slide.many):
+        grow_places(r.slid, r.slids + 1)
+        r.slid.at[r.slids] = e.slide.surface[j]
+        r.slids += 1
 
 
 def write_visit(r: Report, i: Instant, step: int) -> None:
     """Write down a mode visited at an instant."""
-    grow_places(r.visit, 3 * (r.visits + 1))
-    first = i.first.at[step]
-    beyond = i.first.at[step + 1]
-    r.visit.at[3 * r.visits] = i.kind.at[step]
-    r.visit.at[3 * r.visits + 1] = beyond - first
-    r.visit.at[3 * r.visits + 2] = i.hit_first.at[step + 1] - i.hit_first.at[step]
+    grow_places(r.visit, 5 * (r.visits + 1))
+    grow_block(r.visit_energy, 3 * (r.visits + 1))
+    at = 5 * r.visits
+    r.visit.at[at] = i.kind.at[step]
+    r.visit.at[at + 1] = i.first.at[step + 1] - i.first.at[step]
+    r.visit.at[at + 2] = i.hit_first.at[step + 1] - i.hit_first.at[step]
+    r.visit.at[at + 3] = i.open_first.at[step + 1] - i.open_first.at[step]
+    r.visit.at[at + 4] = i.energies.at[step]
+    for j in range(3):
+        known = i.energies.at[step] != 0
+        r.visit_energy.at[3 * r.visits + j] = i.energy.at[3 * step + j] if known else 0.0
     r.visits += 1
-    for f in range(first, beyond):
-        grow_places(r.fired, 3 * (r.fireds + 1))
-        r.fired.at[3 * r.fireds] = i.machine.at[f]
-        r.fired.at[3 * r.fireds + 1] = i.source.at[f]
-        r.fired.at[3 * r.fireds + 2] = i.target.at[f]
-        r.fireds += 1
+    for f in range(i.first.at[step], i.first.at[step + 1]):
+        write_fired(r, i, f)
     for h in range(i.hit_first.at[step], i.hit_first.at[step + 1]):
         grow_places(r.hit, r.hits + 1)
-        grow_block(r.hit_area, r.hits + 1)
+        grow_block(r.hit_area, 2 * (r.hits + 1))
         r.hit.at[r.hits] = i.hit_bond.at[h]
-        r.hit_area.at[r.hits] = i.hit_area.at[h]
+        r.hit_area.at[2 * r.hits] = i.hit_area.at[h]
+        r.hit_area.at[2 * r.hits + 1] = i.hit_floor.at[h]
         r.hits += 1
+    for k in range(i.open_first.at[step], i.open_first.at[step + 1]):
+        grow_places(r.open, r.opens + 1)
+        r.open.at[r.opens] = i.open.at[k]
+        r.opens += 1
+
+
+def write_fired(r: Report, i: Instant, f: int) -> None:
+    """Write down a transition, with what is told of it."""
+    told = i.told
+    row = i.reason.at[f]
+    grow_places(r.fired, 6 * (r.fireds + 1))
+    at = 6 * r.fireds
+    r.fired.at[at] = i.machine.at[f]
+    r.fired.at[at + 1] = i.source.at[f]
+    r.fired.at[at + 2] = i.target.at[f]
+    r.fired.at[at + 3] = told.why.at[row]
+    r.fired.at[at + 4] = told.first.at[row + 1] - told.first.at[row]
+    r.fired.at[at + 5] = told.over_first.at[row + 1] - told.over_first.at[row]
+    r.fireds += 1
+    for k in range(told.first.at[row], told.first.at[row + 1]):
+        grow_block(r.read, 3 * (r.reads + 1))
+        r.read.at[3 * r.reads] = told.finite.at[k]
+        r.read.at[3 * r.reads + 1] = told.impulse.at[k]
+        r.read.at[3 * r.reads + 2] = float(told.strikes.at[k])
+        r.reads += 1
+    for k in range(told.over_first.at[row], told.over_first.at[row + 1]):
+        grow_places(r.over, r.overs + 1)
+        r.over.at[r.overs] = told.over.at[k]
+        r.overs += 1

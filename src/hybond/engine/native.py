@@ -30,7 +30,7 @@ SLICE = 2000
 """Steps and instants between two looks at the world outside."""
 MACHINES_OF_STEP = 2
 """Where the states of machines begin in a row of `step_place`."""
-MACHINES_OF_INSTANT = 4
+MACHINES_OF_INSTANT = 3
 
 _KINDS: dict[str, Any] = {
     "int": ctypes.c_int,
@@ -50,23 +50,32 @@ _NAMES = {
 }
 
 
+_ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
+_COUNTS = ("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids")
+_FLOATS = (
+    *("step_time", "step_state", "step_dense"),
+    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
+)
+_INTS = ("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid")
+
+
 class Seen(ctypes.Structure):
     """What is read of a run: as `HybondSeen` in ``library.c``."""
 
     _fields_ = (
         ("y", ctypes.POINTER(ctypes.c_double)),
         ("state", ctypes.POINTER(ctypes.c_int)),
+        ("tried", ctypes.POINTER(ctypes.c_int)),
         ("t", ctypes.c_double),
         ("energy", ctypes.c_double),
         *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
         *((name, ctypes.c_char_p) for name in ("code", "why", "place")),
         ("fault_t", ctypes.c_double),
-        *((name, ctypes.c_int) for name in ("steps", "instants", "visits", "fireds", "hits")),
-        *((n, ctypes.POINTER(ctypes.c_double)) for n in ("step_time", "step_state", "step_dense")),
-        ("step_place", ctypes.POINTER(ctypes.c_int)),
-        *((n, ctypes.POINTER(ctypes.c_double)) for n in ("instant_time", "instant_state")),
-        *((n, ctypes.POINTER(ctypes.c_int)) for n in ("instant_place", "visit", "fired", "hit")),
-        ("hit_area", ctypes.POINTER(ctypes.c_double)),
+        *((n, ctypes.c_int) for n in _ENDS),
+        *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
+        *((n, ctypes.c_int) for n in _COUNTS),
+        *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
+        *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
     )
 
 
@@ -171,8 +180,8 @@ class Rows:
 
     Parameters
     ----------
-    step_time : array, shape (steps, 3)
-        Begin and end of each step, and where it was ended, s.
+    step_time : array, shape (steps, 4)
+        Begin and end of each step, where it was ended, and the next timed event, s.
     step_state : array, shape (steps, 3, states)
         The state there.
     step_dense : array, shape (steps, 4, states)
@@ -180,10 +189,14 @@ class Rows:
     instant_time : array, shape (instants, 2)
     instant_state : array, shape (instants, 2, states)
         Before and after.
-    instant_place : array of int, shape (instants, 4 + 2 machines)
-    visit, fired : arrays of int, shape (any, 3)
+    instant_place : array of int, shape (instants, 3 + 2 machines)
+    visit : array of int, shape (visits, 5)
+    visit_energy : array, shape (visits, 3)
+    fired : array of int, shape (transitions, 6)
+    read : array, shape (values, 3)
     hit : array of int, shape (hits,)
-    hit_area : array, shape (hits,)
+    hit_area : array, shape (hits, 2)
+    over, open, slid : arrays of int
     """
 
     step_time: NDArray[np.float64]
@@ -194,9 +207,14 @@ class Rows:
     instant_state: NDArray[np.float64]
     instant_place: NDArray[np.intc]
     visit: NDArray[np.intc]
+    visit_energy: NDArray[np.float64]
     fired: NDArray[np.intc]
+    read: NDArray[np.float64]
     hit: NDArray[np.intc]
     hit_area: NDArray[np.float64]
+    over: NDArray[np.intc]
+    open: NDArray[np.intc]
+    slid: NDArray[np.intc]
 
 
 class NativeRun:
@@ -256,8 +274,49 @@ class NativeRun:
         seen = self._seen
         return tuple((text or b"").decode() for text in (seen.code, seen.why, seen.place))  # type: ignore[return-value]
 
+    @property
+    def fault_t(self) -> float:
+        """When that was, s."""
+        return float(self._seen.fault_t)
+
+    @property
+    def mode(self) -> tuple[int, ...]:
+        """The state of each machine: in the mode that is being tried, or in which time passes."""
+        seen = self._seen
+        states = seen.tried if seen.settling else seen.state
+        return tuple(states[k] for k in range(self.model.record.machines))
+
+    @property
+    def stuck(self) -> tuple[int, int, int, float, float]:
+        """Of events that accumulate: machine or -1, how many, why, their limit, s, the ratio."""
+        s = self._seen
+        return s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
+
+    @property
+    def energy(self) -> float:
+        """The largest energy that the run has seen, J."""
+        return float(self._seen.energy)
+
+    @property
+    def rejected(self) -> int:
+        """Steps that were tried and found too long."""
+        return int(self._seen.rejected)
+
+    @property
+    def evaluations(self) -> int:
+        """How often the rates of the state were evaluated."""
+        return int(self._seen.evaluations)
+
+    @property
+    def modes_made(self) -> int:
+        """Modes whose equations were made."""
+        return int(self._seen.modes_made)
+
     def slices(
-        self, *, steps: int = SLICE, between: Callable[[float], None] | None = None
+        self,
+        *,
+        steps: int | Callable[[], int] = SLICE,
+        between: Callable[[float], None] | None = None,
     ) -> Iterator[Rows]:
         """Run on to the end; yield what was written down, slice after slice.
 
@@ -265,8 +324,8 @@ class NativeRun:
 
         Parameters
         ----------
-        steps : int
-            Steps and instants of a slice; -1: all in one.
+        steps : int or callable
+            Steps and instants of a slice; -1: all in one. A callable is asked before each.
         between : callable
             Called with the time after each slice; what it raises ends the run there.
 
@@ -276,11 +335,13 @@ class NativeRun:
             For a slice of no steps.
         MemoryError
         """
-        if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
-            raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
+        if isinstance(steps, int):
+            _check_slice(steps)
         while self.status == PAUSED:
+            many = steps if isinstance(steps, int) else steps()
+            _check_slice(many)
             with self._lock:
-                self.status = self._library.hybond_run(self._handle, steps)
+                self.status = self._library.hybond_run(self._handle, many)
                 self._look()
                 if self.status == SPENT:
                     raise MemoryError
@@ -294,18 +355,28 @@ class NativeRun:
         s = self._seen
         n, machines = s.states, self.model.record.machines
         return Rows(
-            _floats(s.step_time, s.steps, 3),
+            _floats(s.step_time, s.steps, 4),
             _floats(s.step_state, s.steps, 3, n),
             _floats(s.step_dense, s.steps, 4, n),
             _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
             _floats(s.instant_time, s.instants, 2),
             _floats(s.instant_state, s.instants, 2, n),
             _ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
-            _ints(s.visit, s.visits, 3),
-            _ints(s.fired, s.fireds, 3),
+            _ints(s.visit, s.visits, 5),
+            _floats(s.visit_energy, s.visits, 3),
+            _ints(s.fired, s.fireds, 6),
+            _floats(s.read, s.reads, 3),
             _ints(s.hit, s.hits),
-            _floats(s.hit_area, s.hits),
+            _floats(s.hit_area, s.hits, 2),
+            _ints(s.over, s.overs),
+            _ints(s.open, s.opens),
+            _ints(s.slid, s.slids),
         )
+
+
+def _check_slice(steps: int) -> None:
+    if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
+        raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
 
 
 def _floats(begin: Any, *shape: int) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from hybond.export.translate.modules import Program, load, load_texts
 HERE = Path(__file__).parent
 PORTABLE = HERE.parent / "export" / "portable"
 ROOTS = (
-    *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows"),
+    *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
     *("run_code", "run_pair_code"),
 )
 """What `library.c` calls, and what evaluates expressions."""

@@ -35,14 +35,14 @@ class Journal:
 
     def event(self, event: Event) -> None:
         """Write an event."""
-        self._row(event.t, event.cause, event.steps[-1].mode, event.after.tolist())
+        self.row(event.t, event.cause, event.steps[-1].mode, event.after.tolist())
 
     def passage(self, passage: Passage, causes: Sequence[Cause]) -> None:
         """Write the events of a passage, with the cause of each segment's end."""
         stored = passage.after[:, : passage.before.shape[1]].tolist()
         for k, changed in enumerate(passage.changed.tolist()):
             if changed:
-                self._row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
+                self.row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
 
     def flush(self) -> None:
         """Let others see what there is."""
@@ -52,7 +52,8 @@ class Journal:
         """End the file."""
         self._file.close()
 
-    def _row(self, t: float, cause: str, mode: Mode, stored: list[float]) -> None:
+    def row(self, t: float, cause: str, mode: Mode, stored: list[float]) -> None:
+        """Write an event: the mode in which time goes on, and what is stored and integrated."""
         states = [m.states[k] for m, k in zip(self.graph.machines, mode, strict=True)]
         self._writer.writerow([repr(float(t)), cause, *states, *map(repr, stored)])
         self.written += 1

@@ -16,7 +16,8 @@ from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.simulation import end_of, simulate
+from hybond.run_options import end_of
+from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.member import Member, Task, member_of, run_of
 from hybond.sweep.processes import MOST, cores, in_processes, stays

@@ -28,7 +28,8 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.simulation import RTOL, simulate
+from hybond.run_options import RTOL
+from hybond.simulation import simulate
 from hybond.solvers.choose import ALIASES, SOLVERS, STEPPING
 from hybond.units import parse_unit, try_quantity
 

@@ -21,7 +21,8 @@ from hybond.model.graph import FlatGraph, Integral, Machine, Mode, Rule, Storage
 from hybond.model.laws import Law
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
-from hybond.simulation import simulate, start_of
+from hybond.programs.start import start_of
+from hybond.simulation import simulate
 
 RTOL, STIFF_RTOL = 1e-10, 1e-11
 """Relative tolerances of the simulated contact phase."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from hybond.errors import ModelError
 from hybond.model.graph import FlatGraph, Mode
-from hybond.simulation import end_of, simulate
+from hybond.run_options import end_of
+from hybond.simulation import simulate
 
 PART = 1e-9
 """Part of the experiment that is run to see how the start settles."""

@@ -8,6 +8,7 @@ import math
 from typing import Final
 
 from hybond.export.portable.dopri import spacing
+from hybond.export.portable.functions import power
 from hybond.export.portable.landing_records import LAST_TIMES, Landings
 from hybond.export.portable.words import Floats
 
@@ -55,6 +56,8 @@ def limit_of(g: Landings, times: Floats, machine: int, n: int) -> bool:
     end = aitken(times[first + n - 1 - 2 * stride], times[first + n - 1 - stride], last)
     g.limit_t = end
     g.limit_left = end - last
+    shrunk = before / (times[first + 1] - times[first])
+    g.limit_ratio = power(shrunk, 1.0 / float(n - 2))
     return True
 
 
@@ -119,5 +122,7 @@ def chatters(g: Landings, machine: int, until: float) -> bool:
     last = g.others[first + LAST_TIMES - 1]
     room = CHATTERING * since_start(last, until)
     if last - g.others[first] <= room:
+        g.limit_t = last
+        g.limit_ratio = math.nan
         return True
     return limit_of(g, g.others, machine, LAST_TIMES) and g.limit_left <= room

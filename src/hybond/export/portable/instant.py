@@ -12,6 +12,7 @@ from hybond.export.portable.blocks import (
     make_block,
     make_places,
 )
+from hybond.export.portable.told import BY_LAW, Told, add_row, forget_told, make_told
 from hybond.export.portable.words import record
 
 MYTHICAL: Final = 0
@@ -38,17 +39,30 @@ class Instant:
     """Of each step: the impulses that passed, in `hit_bond` and `hit_area`."""
     hit_bond: Places
     hit_area: Block
+    hit_floor: Block
+    """Below what size an impulse of that kind counts as none."""
+    energies: Places
+    """Whether the energy of each step is known: before, after, and what sources gave."""
+    energy: Block
+    opens: int
+    open_first: Places
+    open: Places
+    """Of each step: bond variables that its equations leave open."""
     first: Places
     """Of each step: its transitions."""
     fired: int
     machine: Places
     source: Places
     target: Places
+    reason: Places
+    """Of each transition: its row in `told`."""
+    told: Told
     # what fired last, on its way to a step
     waiting: int
     wait_machine: Places
     wait_source: Places
     wait_target: Places
+    wait_reason: Places
 
 
 def make_instant() -> Instant:
@@ -58,13 +72,21 @@ def make_instant() -> Instant:
     i.hit_first = make_places(16)
     i.hit_bond = make_places(16)
     i.hit_area = make_block(16)
+    i.hit_floor = make_block(16)
+    i.energies = make_places(16)
+    i.energy = make_block(16)
+    i.open_first = make_places(16)
+    i.open = make_places(16)
     i.first = make_places(16)
     i.machine = make_places(16)
     i.source = make_places(16)
     i.target = make_places(16)
+    i.reason = make_places(16)
+    i.told = make_told()
     i.wait_machine = make_places(16)
     i.wait_source = make_places(16)
     i.wait_target = make_places(16)
+    i.wait_reason = make_places(16)
     return i
 
 
@@ -76,16 +98,21 @@ def begin_instant(i: Instant, t: float, cause: int) -> None:
     i.hits = 0
     i.fired = 0
     i.waiting = 0
+    i.opens = 0
+    forget_told(i.told)
 
 
 def note_fired(i: Instant, machine: int, source: int, target: int) -> None:
-    """Note a transition into the mode that is tried next."""
+    """Note a transition into the mode that is tried next; why may be told behind it."""
     grow_places(i.wait_machine, i.waiting + 1)
     grow_places(i.wait_source, i.waiting + 1)
     grow_places(i.wait_target, i.waiting + 1)
+    grow_places(i.wait_reason, i.waiting + 1)
     i.wait_machine.at[i.waiting] = machine
     i.wait_source.at[i.waiting] = source
     i.wait_target.at[i.waiting] = target
+    row = add_row(i.told, BY_LAW)
+    i.wait_reason.at[i.waiting] = row
     i.waiting += 1
 
 
@@ -94,12 +121,14 @@ def drop_fired(i: Instant) -> None:
     i.waiting = 0
 
 
-def note_hit(i: Instant, bond: int, area: float) -> None:
-    """Note an impulse of the step that is noted next."""
+def note_hit(i: Instant, bond: int, area: float, floor: float) -> None:
+    """Note an impulse of the step that is noted next, and what would be none."""
     grow_places(i.hit_bond, i.hits + 1)
     grow_block(i.hit_area, i.hits + 1)
+    grow_block(i.hit_floor, i.hits + 1)
     i.hit_bond.at[i.hits] = bond
     i.hit_area.at[i.hits] = area
+    i.hit_floor.at[i.hits] = floor
     i.hits += 1
 
 
@@ -117,9 +146,32 @@ def note_step(i: Instant, kind: int) -> int:
     i.hit_first.at[0] = 0
     i.hit_first.at[i.steps + 1] = i.hits
     i.first.at[i.steps] = i.fired
+    grow_places(i.energies, i.steps + 1)
+    grow_places(i.open_first, i.steps + 2)
+    i.energies.at[i.steps] = 0
+    i.open_first.at[i.steps] = i.opens
+    i.open_first.at[i.steps + 1] = i.opens
     i.steps += 1
     append_fired(i)
     return i.steps - 1
+
+
+def add_energy(i: Instant, before: float, after: float, given: float) -> None:
+    """Note the energy of the last step: stored before and after, and what sources gave."""
+    at = 3 * (i.steps - 1)
+    grow_block(i.energy, at + 3)
+    i.energies.at[i.steps - 1] = 1
+    i.energy.at[at] = before
+    i.energy.at[at + 1] = after
+    i.energy.at[at + 2] = given
+
+
+def add_open(i: Instant, bond: int) -> None:
+    """Note a bond variable that the equations of the last step leave open."""
+    grow_places(i.open, i.opens + 1)
+    i.open.at[i.opens] = bond
+    i.opens += 1
+    i.open_first.at[i.steps] = i.opens
 
 
 def append_fired(i: Instant) -> None:
@@ -128,9 +180,11 @@ def append_fired(i: Instant) -> None:
         grow_places(i.machine, i.fired + 1)
         grow_places(i.source, i.fired + 1)
         grow_places(i.target, i.fired + 1)
+        grow_places(i.reason, i.fired + 1)
         i.machine.at[i.fired] = i.wait_machine.at[k]
         i.source.at[i.fired] = i.wait_source.at[k]
         i.target.at[i.fired] = i.wait_target.at[k]
+        i.reason.at[i.fired] = i.wait_reason.at[k]
         i.fired += 1
     i.waiting = 0
     i.first.at[i.steps] = i.fired

@@ -36,6 +36,7 @@ from hybond.export.portable.instant import (
     CONTINUOUS,
     PINNACLE,
     Instant,
+    add_energy,
     begin_instant,
     note_fired,
     note_step,
@@ -47,12 +48,21 @@ from hybond.export.portable.pairs import ROUNDING
 from hybond.export.portable.products import all_finite
 from hybond.export.portable.rest import find_moved, find_rest, still_stored
 from hybond.export.portable.settle import Settling, settle
+from hybond.export.portable.storage import energy_of
+from hybond.export.portable.telling import supplied_by_jump
+from hybond.export.portable.told import LANDS, add_read, say_why
 from hybond.export.portable.trial import a_priori
 from hybond.export.portable.values import begin_field, evaluate, field
 from hybond.export.portable.words import Floats
 
 FEW_EVENTS: Final = 1e-13
 """What counts as no time for a crowd of events, as a part of the run."""
+SILENT: Final = 0
+"""Why events accumulate that nothing was landed for: impacts follow each other too fast."""
+CHATTERS: Final = 1
+"""Other events of a machine have a limit."""
+NO_TIME: Final = 2
+"""No time passes between many of them."""
 SLOW: Final = 1e-3
 LIVELY: Final = 10.0
 FADING: Final = 1000.0
@@ -285,6 +295,7 @@ def would_rest(e: Engine, g: Landings) -> bool:
             return False
         if not some_found or g.limit_t > g.found_t:
             g.found_t = g.limit_t
+            g.found_ratio = g.limit_ratio
         some_found = True
     return some_found
 
@@ -326,6 +337,7 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
         if not (told and g.limit_left <= room):
             g.limit_t = e.t
             g.limit_left = 0.0
+            g.limit_ratio = math.nan
         return True
     left = flight / (1.0 - ratio) if ratio < 1.0 else math.inf
     if told:
@@ -335,6 +347,7 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
     if not told:
         g.limit_t = e.t + left
         g.limit_left = left
+        g.limit_ratio = math.nan
     return True
 
 
@@ -342,6 +355,10 @@ def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     """Land the chosen contacts, and settle the instant at their limit. As Landings._put_down."""
     m = e.model
     begin_instant(i, e.t, ACCUMULATION)
+    many = 0
+    for k in range(g.touches):
+        many += g.chosen[k]
+    own_limits = many > 1
     left = 0
     for k in range(g.touches):
         contact = g.touch_contact[k]
@@ -358,9 +375,13 @@ def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
             e.landed[machine] = 1
             g.any_landed = True
         note_fired(i, machine, e.state[machine], m.contact_rest[contact])
+        tell_landing(g, i, machine, own_limits)
         restart(g, machine, g.found_t)
     g.touches = left
     note_step(i, CONTINUOUS)
+    if m.tells != 0:
+        before = energy_of(e, e.y)
+        add_energy(i, before, energy_of(e, g.x), supplied_by_jump(e))
     if g.any_landed:
         find_moved(e, g.held)
     for k in range(m.storages):
@@ -382,6 +403,22 @@ def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     g.event_times[g.events % CROWD] = e.t
     g.events += 1
     return 1
+
+
+def tell_landing(g: Landings, i: Instant, machine: int, own: bool) -> None:
+    """Tell of the transition noted last how many impacts came to an end, and where.
+
+    Of several machines that land at once each has its `own` limit, if its instants tell one.
+    """
+    t = g.found_t
+    ratio = g.found_ratio
+    if own and limit_of(g, g.times, machine, g.kept[machine]):
+        t = g.limit_t
+        ratio = g.limit_ratio
+    say_why(i.told, LANDS)
+    add_read(i.told, float(g.count[machine]), 0.0, False)
+    add_read(i.told, t, 0.0, False)
+    add_read(i.told, ratio, 0.0, False)
 
 
 def carry_over(e: Engine, g: Landings) -> int:
@@ -449,8 +486,25 @@ def stuck(e: Engine) -> bool:
     m = e.model
     g = e.landings
     for k in range(m.machines):
-        if fell_silent(g, k, e.until) or chatters(g, k, e.until):
+        g.stuck_machine = k
+        g.limit_t = e.t
+        g.limit_ratio = math.nan
+        if fell_silent(g, k, e.until):
+            if not limit_of(g, g.times, k, g.kept[k]):
+                g.limit_t = e.t
+                g.limit_ratio = math.nan
+            g.stuck_events = g.count[k]
+            g.stuck_why = SILENT
             return True
+        if chatters(g, k, e.until):
+            g.stuck_events = g.other_kept[k]
+            g.stuck_why = CHATTERS
+            return True
+    g.stuck_machine = -1
+    g.limit_t = e.t
+    g.limit_ratio = math.nan
+    g.stuck_events = CROWD
+    g.stuck_why = NO_TIME
     if g.events < CROWD:
         return False
     first = g.event_times[g.events % CROWD]

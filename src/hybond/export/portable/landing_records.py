@@ -53,8 +53,16 @@ class Landings:
     # a limit: when, and what is left to it
     limit_t: float
     limit_left: float
+    limit_ratio: float
+    """Of the intervals that shrink towards it; nan: it is not known."""
     found_t: float
-    found_left: float
+    found_ratio: float
+
+    # where events accumulate that nothing was landed for: whose they are, and why
+    stuck_machine: int
+    """-1: nobody's."""
+    stuck_events: int
+    stuck_why: int
 
     # room to work in
     state: Ints

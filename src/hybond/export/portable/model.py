@@ -76,6 +76,17 @@ class Model:
     atom_zero: Ints
     """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
 
+    tells: int
+    """1: what explains an event is written down with it."""
+    told_first: Ints
+    """Of each rule: the pairs that show what its guard reads."""
+    told_pair: Ints
+    givers: int
+    """Sources that can give energy at a jump: their own bond variable, the other, a sign."""
+    giver_own: Ints
+    giver_other: Ints
+    giver_sign: Floats
+
     # what each pair reads: guards in all their forms, then rates of integrated signals, gaps
     read_first: Ints
     read_slot: Ints
@@ -356,6 +367,8 @@ class Model:
     event_tol: float
     max_writes: int
     max_events: int
+    max_steps: int
+    """Between two events."""
     method: int
     """0: rk45, 1: radau."""
     slides: int

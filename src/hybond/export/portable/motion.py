@@ -92,6 +92,8 @@ class Run:
     """Whether time passes in a mode: a run in slices was paused there."""
     beyond: float
     """How many of the last steps have touched a place where a law has no value."""
+    taken: int
+    """Steps since the last instant."""
     slice: int
     """Steps and instants that this slice of the run still has; -1: as many as it takes."""
 
@@ -224,6 +226,10 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if m.disks > 0 and follow(e) != OK:
             return -1
+        r.taken += 1
+        if r.taken > m.max_steps:
+            say_fault(e, "HB-N409", "too many steps without an event", "")
+            return -1
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND:
             return -1
@@ -272,6 +278,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
+    r.taken = 0
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 

@@ -29,6 +29,7 @@ from hybond.export.portable.interval import interval_after
 from hybond.export.portable.model import machine_name, rule_text, value
 from hybond.export.portable.paired import holds
 from hybond.export.portable.sampling import sample
+from hybond.export.portable.telling import tell_branch, tell_fired, tell_kept, tell_trial
 from hybond.export.portable.trial import a_priori, measure_trial, refuse_pair, show_trial
 from hybond.export.portable.words import Floats, Ints, floats, ints, record
 
@@ -104,12 +105,14 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             if fired_any or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
                 note_hits(e, i)
                 note_step(i, MYTHICAL)
+                tell_trial(e, i, g.x, False)
             elif written >= 0:
                 i.kind.at[written] = PINNACLE
             drop_fired(i)
             for k in range(m.machines):
                 if g.target[k] != e.trial.state[k]:
                     note_fired(i, k, e.trial.state[k], g.target[k])
+                    tell_fired(e, i, k)
             for k in range(m.machines):
                 g.entered[k] = g.target[k]
             if enter(e, t, g.x, g.s, g.entered, True, False) != OK:
@@ -141,6 +144,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     if i.steps == 0 and i.cause == START:
         drop_fired(i)
         note_step(i, CONTINUOUS)
+        tell_trial(e, i, g.x, True)
     for k in range(m.storages):
         e.y[k] = g.x[k]
     for k in range(m.integrals):
@@ -160,7 +164,12 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     note_hits(e, i)
     if e.trial.struck:
         write_struck(e, i)
+        tell_trial(e, i, g.x, True)
     written = note_step(i, CONTINUOUS)
+    if e.trial.struck:
+        tell_kept(e, i)
+    else:
+        tell_trial(e, i, g.x, True)
     for k in range(m.storages):
         g.x[k] = e.trial.x[k]
     for k in range(m.integrals):
@@ -177,7 +186,7 @@ def note_hits(e: Engine, i: Instant) -> None:
         return
     for k in range(2 * m.bonds):
         if e.trial.jump[m.bond_slot + k] != 0.0:
-            note_hit(i, k, e.trial.jump[m.bond_slot + k])
+            note_hit(i, k, e.trial.jump[m.bond_slot + k], e.floor[k])
 
 
 def write_struck(e: Engine, i: Instant) -> None:
@@ -193,12 +202,14 @@ def write_struck(e: Engine, i: Instant) -> None:
                 known = True
         if not known:
             note_fired(i, k, e.trial.state[k], e.trial.through[k])
+            tell_branch(e, i, k, e.trial.state[k])
     kept = 0
     for f in range(i.waiting):
         if i.wait_source.at[f] != i.wait_target.at[f]:
             i.wait_machine.at[kept] = i.wait_machine.at[f]
             i.wait_source.at[kept] = i.wait_source.at[f]
             i.wait_target.at[kept] = i.wait_target.at[f]
+            i.wait_reason.at[kept] = i.wait_reason.at[f]
             kept += 1
     i.waiting = kept
     note_step(i, PINNACLE)
@@ -213,6 +224,7 @@ def by_law(e: Engine, state: Ints, i: Instant) -> None:
     for k in range(m.machines):
         if m.is_law[k] != 0 and state[k] != e.trial.state[k]:
             note_fired(i, k, state[k], e.trial.state[k])
+            tell_branch(e, i, k, state[k])
 
 
 def is_kept(e: Engine, g: Settling) -> bool:

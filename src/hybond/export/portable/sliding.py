@@ -21,6 +21,7 @@ from hybond.export.portable.instant import (
     MYTHICAL,
     PINNACLE,
     Instant,
+    add_energy,
     append_fired,
     is_struck,
     note_fired,
@@ -28,6 +29,14 @@ from hybond.export.portable.instant import (
 )
 from hybond.export.portable.model import value
 from hybond.export.portable.surface import is_of_state, put_read, surface_rate, surface_value
+from hybond.export.portable.told import (
+    PUSHED_BACK,
+    SLIDES_OFF,
+    SLIDES_ON,
+    THROWN_BACK,
+    add_read,
+    say_why,
+)
 from hybond.export.portable.values import evaluate
 from hybond.export.portable.ways_on import (
     A_WAY,
@@ -372,6 +381,9 @@ def go_on_sliding(e: Engine, i: Instant, slid: int) -> int:
     if is_struck(i, last) and differs and s.many == 0:
         i.kind.at[last] = PINNACLE
         note_step(i, CONTINUOUS)
+        if i.energies.at[last] != 0:
+            left = i.energy.at[3 * last + 1]
+            add_energy(i, left, left, 0.0)
     else:
         append_fired(i)
     return OK
@@ -393,8 +405,12 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
         now = s.mark[machine]
         if stays:
             note_fired(i, machine, s.settled[machine], SLIDING)
+            say_why(i.told, SLIDES_ON)
+            add_read(i.told, float(surface), 0.0, False)
         elif now == m.surface_below[surface] or now == m.surface_above[surface]:
             note_fired(i, machine, SLIDING, now)
+            say_why(i.told, SLIDES_OFF)
+            add_read(i.told, float(surface), 0.0, False)
     for machine in range(m.machines):
         if s.settled[machine] == s.mark[machine]:
             continue
@@ -404,4 +420,6 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
             known = known or m.surface_machine[surface] == machine
         if not known:
             note_fired(i, machine, s.settled[machine], s.mark[machine])
+            if m.is_law[machine] == 0:
+                say_why(i.told, PUSHED_BACK if s.many + slid > 0 else THROWN_BACK)
     return i.waiting

@@ -16,8 +16,9 @@ from hybond.export.tables.code import check_depths
 from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions, number_of
 from hybond.export.tables.laws import put_laws
-from hybond.export.tables.options import options_of
+from hybond.export.tables.options import Options, options_of
 from hybond.export.tables.surfaces import put_surfaces
+from hybond.export.tables.told import put_told
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -40,7 +41,7 @@ from hybond.model.resolve import affine_in_time, prior
 from hybond.modes.guards import magnitude, seen_in_motion
 from hybond.programs.interval import discrete_names, interval_after
 from hybond.programs.program import Program
-from hybond.simulation import start_of
+from hybond.programs.start import start_of
 
 MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
@@ -90,8 +91,18 @@ class ModelTables:
     note: str = ""
 
 
-def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) -> ModelTables:
+def tables_of(
+    graph: FlatGraph,
+    plain: FlatGraph | None = None,
+    *,
+    options: Options | None = None,
+    tells: bool = False,
+    **given: Any,
+) -> ModelTables:
     """Return the tables of a model; `given` are options of the run, by name.
+
+    They are taken from the experiment unless all of them are there, `options`. With `tells` the run
+    writes down what explains its events: what guards read, energies.
 
     If the numbers of the graph know of which parameters they are made, those in the tables do as
     well; `plain` is then the same graph without that, for what is tried out.
@@ -103,7 +114,7 @@ def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) ->
         Python, HB-E631 an element that says too many things; those of `options.options_of`.
     """
     plain = plain or graph
-    options = options_of(graph, plain, given)
+    options = options or options_of(graph, plain, given)
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
@@ -119,6 +130,7 @@ def tables_of(graph: FlatGraph, plain: FlatGraph | None = None, **given: Any) ->
     _check_gaps(plain)
     put_surfaces(t)
     put_contacts(t)
+    put_told(t, tells=tells)
     _reads(t)
     _outputs(t, options.outputs)
     check_depths(t.pairs, t.slots.index)

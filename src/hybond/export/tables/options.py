@@ -13,7 +13,8 @@ from hybond.model.graph import FlatGraph
 from hybond.modes.fitting import fitting
 from hybond.modes.sliding.bands import banded
 from hybond.programs.program import Program
-from hybond.simulation import _impact, _seconds, _sliding, end_of, start_of, tolerances_of
+from hybond.programs.start import start_of
+from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
 from hybond.solvers.choose import AUTO
 
 POINTS = 500
@@ -61,7 +62,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
             where="solver",
             hint=", ".join(METHODS),
         )
-    impact, _ = _impact(None, experiment)
+    impact, _ = impact_of(None, experiment)
     if impact != "newton":
         raise UsageError(
             f"an export has no impact law {impact!r}",
@@ -69,10 +70,10 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
             where="impact",
             hint='impact = "newton"',
         )
-    choice, band = _sliding(None, None, experiment)
+    choice, band = sliding_of(None, None, experiment)
     if band is not None:
         graph = banded(graph, band)
-    longest = _seconds(given.get("max_step", experiment.get("max_step")), "max_step")
+    longest = seconds_of(given.get("max_step", experiment.get("max_step")), "max_step")
     if longest is not None and not longest > 0.0:
         raise UsageError(
             f"max_step of {longest:g} s: it must be positive",
@@ -98,6 +99,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
         "event_tol": float(experiment.get("event_tol", 1e-12)),
         "max_writes": int(experiment.get("max_writes", 1000)),
         "max_events": int(experiment.get("max_events", 1_000_000)),
+        "max_steps": int(experiment.get("max_steps", 4_000_000)),
         "method": METHODS[name],
         "slides": int(choice == "filippov"),
     }
