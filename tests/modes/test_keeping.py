@@ -82,7 +82,7 @@ def test_a_journal_is_written_up_to_an_error(tmp_path):
 
 
 def test_an_interrupted_journal_has_each_event_once(tmp_path, monkeypatch):
-    row, rows = Journal._row, []
+    row, rows = Journal.row, []
 
     def stopped(self, *given):
         row(self, *given)
@@ -90,7 +90,7 @@ def test_an_interrupted_journal_has_each_event_once(tmp_path, monkeypatch):
         if len(rows) == 30:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(Journal, "_row", stopped)
+    monkeypatch.setattr(Journal, "row", stopped)
     file = tmp_path / "events.csv"
     run = hb.simulate(rhythm(), 60.0, journal=file)
     times = [float(line.split(",")[0]) for line in file.read_text().splitlines()[1:]]

@@ -163,12 +163,13 @@ def _cycle(
     lines: list[str] = []
     if broken is not None:
         found, k = broken
-        visited: list[tuple[Mode, tuple[Fired, ...]]] = []
         mode = found.before(k)
+        visited: list[tuple[Mode, tuple[Fired, ...]]] = [(mode, ())]
         for v in range(int(found.visit[k]), int(found.visit[k + 1])):
             mode = explain.entered(found, v, mode)
             visited.append((mode, explain.fired(found, v)))
-        visited = visited[-_period([m for m, _ in visited]) :]
+        visited = visited[-_period([m for m, _ in visited]) - 1 :]
+        visited[0] = (visited[0][0], ())
         focus = {f.machine for _, fired in visited for f in fired}
         for mode, fired in visited:
             why = "; ".join(_fired_text(f) for f in fired)
@@ -181,11 +182,11 @@ def _cycle(
 
 
 def _period(modes: list[Mode]) -> int:
-    """Return after how many modes the last ones come again."""
-    for period in range(1, len(modes) // 2 + 1):
-        if modes[-period:] == modes[-2 * period : -period]:
+    """Return how many modes before the last it was there before."""
+    for period in range(1, len(modes)):
+        if modes[-1] == modes[-1 - period]:
             return period
-    return len(modes)
+    return len(modes) - 1
 
 
 def _fired_text(fired: Fired) -> str:
