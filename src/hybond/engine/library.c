@@ -40,7 +40,7 @@ typedef struct HybondSeen {
     int stuck_machine, stuck_events, stuck_why;
     double stuck_t, stuck_ratio;
     int steps, instants, visits, fireds, hits, reads, overs, opens, slids;
-    const double *step_time, *step_state, *step_dense;
+    const double *step_time, *step_until, *step_state, *step_dense;
     const double *instant_time, *instant_state, *visit_energy, *hit_area, *read;
     const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
 } HybondSeen;
@@ -136,6 +136,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->fireds = log->fireds;
     seen->hits = log->hits;
     seen->step_time = log->step_time->at;
+    seen->step_until = log->step_until->at;
     seen->step_state = log->step_state->at;
     seen->step_dense = log->step_dense->at;
     seen->step_place = log->step_place->at;

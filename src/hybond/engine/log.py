@@ -33,8 +33,8 @@ TERMS: Final = 4
 class Report:
     """Rows of the log.
 
-    Of steps: `step_time` holds t0, t1, t and the next timed event; `step_state` y0, y1, y;
-    `step_dense` the coefficients, power by power; `step_place` the number of instants before it,
+    Of steps: `step_time` holds t0, t1, t; `step_until` the next timed event; `step_state` y0, y1,
+    y; `step_dense` the coefficients, power by power; `step_place` the number of instants before it,
     how many surfaces are slid on, then the state of each machine, then whether it has landed.
 
     Of instants: `instant_time` t, and the largest energy seen before; `instant_state` the state
@@ -52,6 +52,7 @@ class Report:
 
     steps: int
     step_time: Block
+    step_until: Block
     step_state: Block
     step_dense: Block
     step_place: Places
@@ -89,6 +90,7 @@ def make_report(e: Engine) -> Report:
     """Return an empty log."""
     r = Report()
     r.step_time = make_block(48)
+    r.step_until = make_block(16)
     r.step_state = make_block(48 * e.states)
     r.step_dense = make_block(64 * e.states)
     r.step_place = make_places(16 * (2 + 2 * e.model.machines))
@@ -169,14 +171,15 @@ def write_step(e: Engine, r: Report, t0: float, t1: float, t: float) -> None:
     machines = e.model.machines
     k = r.steps
     r.steps += 1
-    grow_block(r.step_time, 4 * r.steps)
+    grow_block(r.step_time, 3 * r.steps)
+    grow_block(r.step_until, r.steps)
     grow_block(r.step_state, 3 * n * r.steps)
     grow_block(r.step_dense, TERMS * n * r.steps)
     grow_places(r.step_place, (2 + 2 * machines) * r.steps)
-    r.step_time.at[4 * k] = t0
-    r.step_time.at[4 * k + 1] = t1
-    r.step_time.at[4 * k + 2] = t
-    r.step_time.at[4 * k + 3] = e.next_break
+    r.step_time.at[3 * k] = t0
+    r.step_time.at[3 * k + 1] = t1
+    r.step_time.at[3 * k + 2] = t
+    r.step_until.at[k] = e.next_break
     at = (2 + 2 * machines) * k
     r.step_place.at[at] = r.instants_before + r.instants
     r.step_place.at[at + 1] = e.slide.many

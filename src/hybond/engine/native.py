@@ -53,7 +53,7 @@ _NAMES = {
 _ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
 _COUNTS = ("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids")
 _FLOATS = (
-    *("step_time", "step_state", "step_dense"),
+    *("step_time", "step_until", "step_state", "step_dense"),
     *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
 )
 _INTS = ("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid")
@@ -180,8 +180,10 @@ class Rows:
 
     Parameters
     ----------
-    step_time : array, shape (steps, 4)
-        Begin and end of each step, where it was ended, and the next timed event, s.
+    step_time : array, shape (steps, 3)
+        Begin and end of each step, and where it was ended, s.
+    step_until : array, shape (steps,)
+        The next timed event, s.
     step_state : array, shape (steps, 3, states)
         The state there.
     step_dense : array, shape (steps, 4, states)
@@ -200,6 +202,7 @@ class Rows:
     """
 
     step_time: NDArray[np.float64]
+    step_until: NDArray[np.float64]
     step_state: NDArray[np.float64]
     step_dense: NDArray[np.float64]
     step_place: NDArray[np.intc]
@@ -355,7 +358,8 @@ class NativeRun:
         s = self._seen
         n, machines = s.states, self.model.record.machines
         return Rows(
-            _floats(s.step_time, s.steps, 4),
+            _floats(s.step_time, s.steps, 3),
+            _floats(s.step_until, s.steps),
             _floats(s.step_state, s.steps, 3, n),
             _floats(s.step_dense, s.steps, 4, n),
             _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),

@@ -44,9 +44,15 @@ class Steps:
     """Steps in order; the columns are those of `Rows`."""
 
     time: Vector
+    until: Vector
     state: Vector
     dense: Vector
     place: NDArray[np.intc]
+
+    def part(self, first: int, last: int) -> Steps:
+        """Return the steps from `first` to `last` - 1."""
+        k = slice(first, last)
+        return Steps(self.time[k], self.until[k], self.state[k], self.dense[k], self.place[k])
 
     @staticmethod
     def joined(parts: Sequence[Steps]) -> Steps:
@@ -54,10 +60,11 @@ class Steps:
         if len(parts) == 1:
             return parts[0]
         return Steps(
-            *(
-                np.concatenate([getattr(p, name) for p in parts])
-                for name in ("time", "state", "dense", "place")
-            )
+            np.concatenate([p.time for p in parts]),
+            np.concatenate([p.until for p in parts]),
+            np.concatenate([p.state for p in parts]),
+            np.concatenate([p.dense for p in parts]),
+            np.concatenate([p.place for p in parts]),
         )
 
 
@@ -150,7 +157,9 @@ class Records:
         if len(rows.step_time):
             self.t = float(rows.step_time[-1, 2])
             self.steps += len(rows.step_time)
-            new = Steps(rows.step_time, rows.step_state, rows.step_dense, rows.step_place)
+            new = Steps(
+                rows.step_time, rows.step_until, rows.step_state, rows.step_dense, rows.step_place
+            )
             self._add_steps(new)
         return found
 
@@ -165,19 +174,19 @@ class Records:
 
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""
-        key = np.column_stack([new.place[:, 0], new.time[:, 3]])
+        key = np.column_stack([new.place[:, 0], new.until])
         if self._waiting:
             last = self._waiting[-1]
-            if (key[-1] == (last.place[-1, 0], last.time[-1, 3])).all():
+            if (key[0] == (last.place[-1, 0], last.until[-1])).all() and (key == key[0]).all():
                 self._waiting.append(new)
                 return
             new = Steps.joined([*self._waiting, new])
-            key = np.column_stack([new.place[:, 0], new.time[:, 3]])
+            key = np.column_stack([new.place[:, 0], new.until])
         changes = np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1
         begins = [0, *changes.tolist()]
         self._note_segments(new, begins)
         at = begins[-1]
-        self._waiting = [Steps(new.time[at:], new.state[at:], new.dense[at:], new.place[at:])]
+        self._waiting = [new.part(at, len(new.time))]
 
     def _note_segments(self, steps: Steps, begins: list[int]) -> None:
         """Note segments; each begins at a step, and ends where the next one does."""

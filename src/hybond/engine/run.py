@@ -23,8 +23,9 @@ from hybond.trace import Accumulation, Trace
 
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
-FIRST = 100
-"""Steps of the first slice."""
+FIRST = 1
+"""Steps of the first slice; each may be longer than the one before by GROWS."""
+GROWS = 2.0
 MOST = 1_000_000
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
@@ -143,7 +144,7 @@ class LibraryRun:
         for rows in self._native.slices(steps=lambda: self._slice):
             took = time.perf_counter() - begin
             fits = self._slice * LOOKED / max(took, 1e-6)
-            self._slice = int(min(max(fits, 0.25 * self._slice, 1.0), 4.0 * self._slice, MOST))
+            self._slice = int(min(max(fits, 0.25 * self._slice, 1.0), GROWS * self._slice, MOST))
             instants = self.records.add(rows)
             if self.journal is not None and instants is not None:
                 _write(self.journal, instants)
