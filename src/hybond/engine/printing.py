@@ -17,6 +17,8 @@ HERE = Path(__file__).parent
 PORTABLE = HERE.parent / "export" / "portable"
 ROOTS = (
     *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows"),
+    *("make_look", "look_into", "points_at", "points_within", "ask_for"),
+    *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
     *("run_code", "run_pair_code"),
 )
 """What `library.c` calls, and what evaluates expressions."""
@@ -66,6 +68,8 @@ def program() -> Program:
     names = [m.name for m in found.modules if m.name != "report"]
     texts = {name: (PORTABLE / f"{name}.py").read_text(encoding="utf-8") for name in names}
     texts["report"] = (HERE / "log.py").read_text(encoding="utf-8")
+    for name in ("asked", "look", "energies"):
+        texts[name] = (HERE / f"{name}.py").read_text(encoding="utf-8")
     return load_texts(texts)
 
 
