@@ -182,7 +182,7 @@ def floats(a: ArrayLike, dimensions: int, name: str) -> Vector:
     ------
     ValueError
     """
-    found = np.ascontiguousarray(a, dtype=np.float64)
+    found = np.asarray(a, dtype=np.float64, order="C")
     if found.ndim != dimensions or not np.isfinite(found).all():
         raise ValueError(f"{name}: finite numbers in {dimensions} dimensions")
     return found
