@@ -14,7 +14,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.modes.audit import Audit, audit
+from hybond.modes.audit import Audit, audit, energies_of
 from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import values_of_steps
@@ -174,6 +174,8 @@ class Result:
         index = next(m.index for m in self.graph.machines if m.path == machine)
         if segment.bonds is not None:
             return float(segment.mode[index] == wanted[index])
+        if self.trace.signals is not None:
+            return self.trace.signals.weight(segment, t, index, wanted[index])
         equations = equations_of(self.program, segment)
         if isinstance(equations, Combined):
             shares = equations.shares(t, equations.onto(t, segment.at(t)))
@@ -267,6 +269,11 @@ class Result:
         return found
 
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
+        signals = self.trace.signals
+        if signals is not None:
+            names = list(names)
+            values = signals.of(segment, [self.expression(name) for name in names], t)
+            return dict(zip(names, values, strict=True))
         interval = segment.interval
         assert isinstance(interval, Interval)
         if segment.bonds is not None:
@@ -336,6 +343,7 @@ class Result:
         for index, which in by_segment.items():
             segment = self.segments[index]
             plain = segment.bonds is None and segment.sliding is None
+            plain = plain and self.trace.signals is None
             held = segment.interval if self.program.selective else None
             key = (segment.mode, segment.landed, held) if plain else index
             groups.setdefault(key, []).append((segment, which))
@@ -398,6 +406,10 @@ class Result:
 
         event = self.trace.events[-1]
         mode = event.steps[-1].mode
+        if self.trace.signals is not None:
+            expressions = [self.expression(n) for n in names]
+            found = self.trace.signals.after(event.t, event.after, mode, expressions)
+            return dict(zip(names, found, strict=True))
         interval = interval_after(self.graph, event.t)
         equations = self.program.equations(mode, interval, event.t)
         v = self.program.evaluate(event.t, event.after, interval, equations)
@@ -425,6 +437,30 @@ class Result:
         times = self.trace.events.times
         nearest = min(range(len(times)), key=lambda k: abs(times[k] - t))
         return str(EventTable(self.graph, (self.events[nearest],)))
+
+    def energies(self, segment: Segment) -> Vector:
+        """Return energy supplied by sources and dissipated by resistors within a segment.
+
+        Parameters
+        ----------
+        segment : Segment
+
+        Returns
+        -------
+        array, shape (points, 2)
+            J, from where the segment begins up to each of its accepted points.
+
+        Examples
+        --------
+        >>> import hybond as hb
+        >>> m = hb.Model("rc", domain="electrical")
+        >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+        >>> m.bond("node -> c", "node -> r")
+        >>> run = hb.simulate(m, until="20 s")
+        >>> run.energies(run.segments[0])[-1].round(9).tolist()
+        [0.0, 0.05]
+        """
+        return energies_of(self.trace, segment)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 
+ENGINE: Literal["auto", "library", "reference"] = "auto"
+"""What makes runs that do not say what should."""
 NEGLIGIBLE = 1e-6
 """A stored quantity is measured against at least this part of what the system's energy would
 make of it, so that rounding in an idle storage does not steer the step size."""
@@ -66,8 +68,8 @@ def simulate(
     impact: str | None = None,
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
-    kernel: bool = True,
-    engine: Literal["auto", "library", "reference"] = "auto",
+    kernel: bool | None = None,
+    engine: Literal["auto", "library", "reference"] | None = None,
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -120,13 +122,12 @@ def simulate(
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
     kernel : bool
-        Whether the compiled kernel takes steps, and settles events between them, where there is one
-        and it was made for that. The results are the same but for rounding; `Result.kernel` says
-        how much it did.
+        Of the reference, which this asks for: whether its compiled kernel takes steps, and settles
+        events between them, where there is one and it was made for that.
     engine : {"auto", "library", "reference"}
         What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S118), or the reference, with the kernel if `kernel`.
-        The results are the same but for rounding; `Result.kernel` says which it was.
+        refusal that says what it cannot (HB-S118), or the reference. The results are the same but
+        for rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -232,6 +233,9 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
+    engine = engine or ("auto" if kernel is None else "reference")
+    if engine == "auto":
+        engine = ENGINE
     if engine != "reference":
         from hybond.engine.run import Declined, LibraryRun, Settings
 
@@ -278,7 +282,7 @@ def simulate(
         max_step=math.inf if longest is None else longest,
     )
     fast: Marcher | str = "the reference was asked for"
-    if kernel:
+    if kernel is not False:
         fast = marcher(program, method, scale, reporting=progress is not None)
     executive = Executive(
         program,

@@ -21,8 +21,9 @@ def energy_drift(run: hb.Result) -> float:
     segment = run.segments[-1]
     storage = run.program.equations(segment.mode, segment.interval, 0.0).storage
     nx = run.program.nx
-    e = np.array([storage.energy(y[:nx]) + y[-1] - y[-2] for y in segment.y])
-    return float(np.ptp(e)) / max(np.abs(e).max(), np.abs(segment.y[:, -2:]).max())
+    given, lost = run.energies(segment).T
+    e = np.array([storage.energy(y[:nx]) for y in segment.y]) + lost - given
+    return float(np.ptp(e)) / max(np.abs(e).max(), given.max(), lost.max())
 
 
 def pendulum(inertia: float, way: int = 0, mass: float = 2.0, length: float = 1.5) -> hb.Model:

@@ -15,6 +15,12 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "property")]
 
 
+@pytest.fixture(autouse=True)
+def _the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let runs be made by the reference, whose steps the kernel takes."""
+    monkeypatch.setattr("hybond.simulation.ENGINE", "reference")
+
+
 @pytest.fixture(scope="session")
 def kernel() -> ctypes.CDLL:
     found = library()

@@ -20,13 +20,13 @@ for name in ("rope_and_disc", "buck", "friction_oscillator", "bouncing_rod", "en
              "half_bridge", "cockcroft_walton", "bouncing_ball_air", "diode_bridge"):
     for solver in ("rk45", "radau", "exact"):
         file = pathlib.Path(sys.argv[1]) / f"{name}.toml"
-        run = hb.simulate(hb.load(file), on_error="return", solver=solver)
+        run = hb.simulate(hb.load(file), on_error="return", solver=solver, kernel=True)
         print(name, run.kernel)
 """
 ONE_RUN = """
 import hybond as hb, pathlib, sys
 file = pathlib.Path(sys.argv[1]) / "rope_and_disc.toml"
-print("rope_and_disc", hb.simulate(hb.load(file)).kernel)
+print("rope_and_disc", hb.simulate(hb.load(file), kernel=True).kernel)
 """
 
 
@@ -79,7 +79,7 @@ def test_any_compiler_makes_a_kernel_that_runs(compiler, monkeypatch, tmp_path):
     assert build.compile_into(target) == ""
     code = """
 import hybond as hb, sys
-run = hb.simulate(hb.load(sys.argv[1] + "/half_bridge.toml"), solver="rk45")
+run = hb.simulate(hb.load(sys.argv[1] + "/half_bridge.toml"), solver="rk45", kernel=True)
 print(run.stats["steps"], run.stats["marched"], run.final["L.p"])
 """
     done = python(code, env={"HYBOND_KERNEL": str(target)})

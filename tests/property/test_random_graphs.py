@@ -78,10 +78,14 @@ def audit(run: hb.Result, net: Net, dense: Dense, times: np.ndarray) -> None:
         x = state(run, net, segment.at(float(t)))
         want = dense.w(x, float(t))
         np.testing.assert_allclose(w, want, rtol=1e-8, atol=1e-8 * (1 + np.abs(want).max()))
-    energy = [dense.energy(state(run, net, y)) + y[-1] - y[-2] for y in segment.y]
+    metered = run.energies(segment)
+    energy = [
+        dense.energy(state(run, net, y)) + lost - given
+        for y, (given, lost) in zip(segment.y, metered, strict=True)
+    ]
     gross = max(
         max(dense.energy(state(run, net, y)) for y in segment.y),
-        float(np.abs(segment.y[:, -2:]).max()),
+        float(np.abs(metered).max()),
         1e-12,
     )
     assert np.ptp(energy) <= 10 * RTOL * gross * len(segment.t) ** 0.5 + 1e-14

@@ -180,3 +180,145 @@ SHOWN void hybond_end(HybondRun *run)
         free(run);
     }
 }
+
+/* Looking into motions that are known: an engine of its own, which no run sees. */
+typedef struct HybondLook {
+    Arena arena;
+    const Model *model;
+    Engine *e;
+    Look *l;
+    Meter *meter;
+} HybondLook;
+
+/* Points with their states, or, where `step` is not NULL, in steps: as `Points` in look.py. */
+typedef struct HybondPoints {
+    int many;
+    const double *t, *y;
+    const int *accepted, *step;
+    const double *step_time, *step_state, *step_dense;
+} HybondPoints;
+
+SHOWN HybondLook *hybond_look_begin(const Model *model);
+SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const int *landed,
+                           int surfaces, const int *surface, double energy);
+SHOWN int hybond_look_modes(HybondLook *look, int *state);
+SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
+                             const int *slot, double *out);
+SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
+                            const int *slot, double *share, double *out);
+SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, double *out);
+SHOWN int hybond_look_energies(HybondLook *look, const HybondPoints *points, const double *end,
+                               double *out);
+SHOWN void hybond_look_fault(const HybondLook *look, const char **texts, double *t);
+SHOWN void hybond_look_end(HybondLook *look);
+
+static bool can_look(HybondLook *look)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return false;
+    }
+    look->e = make_engine(&look->arena, look->model);
+    look->l = make_look(look->e);
+    look->meter = make_meter(&look->arena);
+    return true;
+}
+
+/* Make ready for looking; NULL where there is no memory for it. */
+SHOWN HybondLook *hybond_look_begin(const Model *model)
+{
+    HybondLook *look = calloc(1, sizeof(HybondLook));
+    if (look == NULL) {
+        return NULL;
+    }
+    look->model = model;
+    if (!can_look(look)) {
+        release(&look->arena);
+        free(look);
+        return NULL;
+    }
+    return look;
+}
+
+SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const int *landed,
+                           int surfaces, const int *surface, double energy)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return SPENT;
+    }
+    return look_into(look->e, look->l, t, state, landed, surfaces, surface, energy);
+}
+
+/* The states of machines in each mode that is combined, and how many modes these are; NULL asks
+ * for their number alone. */
+SHOWN int hybond_look_modes(HybondLook *look, int *state)
+{
+    return state == NULL ? look->e->slide->k + 1 : parts_of(look->e, state);
+}
+
+static void take_points(HybondLook *look, const HybondPoints *p)
+{
+    if (p->step != NULL) {
+        points_within(look->l, p->many, p->t, p->step, p->step_time, p->step_state, p->step_dense);
+    } else {
+        points_at(look->l, p->many, p->t, p->y, p->accepted);
+    }
+}
+
+SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
+                             const int *slot, double *out)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return SPENT;
+    }
+    take_points(look, points);
+    ask_for(look->l, many, slot);
+    return look_values(look->e, look->l, out);
+}
+
+SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
+                            const int *slot, double *share, double *out)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return SPENT;
+    }
+    take_points(look, points);
+    ask_for(look->l, many, slot);
+    return look_parts(look->e, look->l, share, out);
+}
+
+SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, double *out)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return SPENT;
+    }
+    take_points(look, points);
+    return look_powers(look->e, look->l, look->meter, out);
+}
+
+SHOWN int hybond_look_energies(HybondLook *look, const HybondPoints *points, const double *end,
+                               double *out)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return SPENT;
+    }
+    take_points(look, points);
+    return look_energies(look->e, look->l, look->meter, end, out);
+}
+
+/* Why and when a look was refused: code, reason, place. */
+SHOWN void hybond_look_fault(const HybondLook *look, const char **texts, double *t)
+{
+    const Fault *fault = look->e->fault;
+    texts[0] = fault->code;
+    texts[1] = fault->why;
+    texts[2] = fault->place;
+    *t = look->e->t;
+}
+
+SHOWN void hybond_look_end(HybondLook *look)
+{
+    if (look != NULL) {
+        release(&look->arena);
+        free(look);
+    }
+}

@@ -202,8 +202,15 @@ def report_end(e: Engine, r: Report) -> None:
 
 
 def keep_left(e: Engine, r: Report) -> None:
-    """Keep the state at the left limit of what may be an event."""
+    """Keep the state at the left limit of what may be an event: there the last step was ended."""
+    if r.steps > 0 and r.step_time.at[3 * r.steps - 1] == e.t:
+        write_end(e, r, e.y)
     r.settling = True
+    note_left(e, r)
+
+
+def note_left(e: Engine, r: Report) -> None:
+    """Note the present state as that before what happens next."""
     r.energy = e.energy
     for k in range(e.states):
         r.left[k] = e.y[k]
@@ -215,7 +222,7 @@ def report_event(e: Engine, r: Report, i: Instant) -> None:
     for step in range(i.steps):
         write_visit(r, i, step)
     # what a landing leaves is where it begins from, if another follows at once
-    keep_left(e, r)
+    note_left(e, r)
     r.settling = False
 
 

@@ -17,6 +17,8 @@ HERE = Path(__file__).parent
 PORTABLE = HERE.parent / "export" / "portable"
 ROOTS = (
     *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
+    *("make_look", "look_into", "points_at", "points_within", "ask_for"),
+    *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
     *("run_code", "run_pair_code"),
 )
 """What `library.c` calls, and what evaluates expressions."""
@@ -49,7 +51,9 @@ static void evaluate_pair(const Model *m, int k, Stack *s)
 }
 """,
 }
-PRINTED = ("log.py", "printing.py", "library.c")
+PORTABLE_HERE = ("asked", "look", "energies")
+"""Modules of this room beside those that exports have; `log` stands in for `report`."""
+PRINTED = ("log.py", *(f"{name}.py" for name in PORTABLE_HERE), "printing.py", "library.c")
 """What of this room the library is made of."""
 NAMES = {
     "machine_name": "machine_names",
@@ -68,6 +72,8 @@ def program() -> Program:
     names = [m.name for m in found.modules if m.name != "report"]
     texts = {name: (PORTABLE / f"{name}.py").read_text(encoding="utf-8") for name in names}
     texts["report"] = (HERE / "log.py").read_text(encoding="utf-8")
+    for name in PORTABLE_HERE:
+        texts[name] = (HERE / f"{name}.py").read_text(encoding="utf-8")
     return load_texts(texts)
 
 

@@ -145,6 +145,8 @@ class Records:
         self._waiting: list[Steps] = []
         """Those of the segment that is not over."""
         self._instants = 0
+        self._surfaces_of: list[tuple[int, ...]] = []
+        """The numbers of the surfaces of each sliding."""
         self._slid: tuple[int, ...] = ()
         self._slides: list[tuple[int, int | None]] = [(0, None)]
         """From which instant on which of the trace's slidings lasts."""
@@ -215,6 +217,7 @@ class Records:
             Interpolants(steps, first, last),
             landed,
             sliding,
+            None if sliding is None else self._surfaces_of[sliding],
         )
 
     # -- events
@@ -286,6 +289,7 @@ class Records:
         number: int | None = None
         if slid:
             number = len(self.trace.slidings)
+            self._surfaces_of.append(slid)
             surfaces = tuple(self._surfaces[j] for j in slid)
             mode: Mode = tuple(found.states[k].tolist())
             self.trace.slidings.append(

@@ -14,6 +14,7 @@ from types import FrameType
 from hybond.engine.faults import Fault, error_of
 from hybond.engine.native import ACCUMULATES, REFUSED, NativeModel, NativeRun
 from hybond.engine.records import CAUSES, Instants, Records
+from hybond.engine.signals import Signals
 from hybond.errors import HybondError
 from hybond.export.tables import ModelTables, tables_of
 from hybond.export.tables.options import METHODS, Options
@@ -110,7 +111,9 @@ class LibraryRun:
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
-        self._native = NativeRun(NativeModel(tables))
+        model = NativeModel(tables)
+        self._native = NativeRun(model)
+        self.trace.signals = Signals(model, self.trace)
 
     def run(self) -> str:
         """Run to the end; return ``"ok"`` or ``"accumulation"``.

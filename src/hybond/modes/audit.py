@@ -16,7 +16,7 @@ from hybond.modes.stepping.values import created_by_steps
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
-from hybond.trace import Trace
+from hybond.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
 
@@ -78,6 +78,13 @@ class Audit:
         )
 
 
+def energies_of(trace: Trace, segment: Segment) -> Vector:
+    """Return energy supplied and dissipated in a segment up to its points, J, (points, 2)."""
+    if trace.signals is not None:
+        return trace.signals.energies(segment)
+    return np.asarray(segment.y[:, -2:] - segment.y[0, -2:])
+
+
 def audit(program: Program, trace: Trace) -> Audit:
     """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out."""
     graph = program.graph
@@ -124,13 +131,9 @@ def audit(program: Program, trace: Trace) -> Audit:
             created += made
             largest = max(largest, size_of)
             continue
-        equations = equations_of(program, segment)
-        if isinstance(equations, Combined):
-            # averages of effort and flow are not the average power: each mode has its own
-            w = equations.each(segment.t, segment.y)
-        else:
-            values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
-            w = values[program.slots.w]
+        signals = trace.signals
+        w = _bond_variables(program, segment) if signals is None else signals.bonds(segment)
+        metered = energies_of(trace, segment)
         flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
         totals.append(total)
@@ -139,8 +142,8 @@ def audit(program: Program, trace: Trace) -> Audit:
         flux = size.reshape(len(segment.t), -1).max(axis=1)
         passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
         through = max(through, float(passing.sum()))
-        stored = np.array([equations.storage.energy(y[: program.nx]) for y in segment.y])
-        supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
+        stored = np.array([storage.energy(y[: program.nx]) for y in segment.y])
+        supplied, dissipated = metered.T
         balance = stored + dissipated - supplied
         passed = np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum()
         largest = max(largest, float(np.abs(stored).max(initial=0.0)), float(passed))
@@ -162,3 +165,14 @@ def audit(program: Program, trace: Trace) -> Audit:
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
     return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0))
+
+
+def _bond_variables(program: Program, segment: Segment) -> Vector:
+    """Return bond variables at the points of a segment, shape (2 bonds, points times modes)."""
+    equations = equations_of(program, segment)
+    if isinstance(equations, Combined):
+        # averages of effort and flow are not the average power: each mode has its own
+        return np.asarray(equations.each(segment.t, segment.y))
+    assert isinstance(segment.interval, Interval)
+    values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
+    return np.asarray(values[program.slots.w])

@@ -211,6 +211,18 @@ class Model:
     point_at: Floats
     point_weight: Floats
 
+    # where power enters and leaves, over bonds on which effort times flow is power
+    suppliers: int
+    """Bonds of sources."""
+    supplier_bond: Ints
+    supplier_sign: Ints
+    """1 if the bond points away from the source."""
+    dissipators: int
+    """Ports of resistors."""
+    dissipator_bond: Ints
+    dissipator_sign: Ints
+    """1 if the bond points at the resistor."""
+
     # signals, inputs, time
     integral_rate: Ints
     """Pair ``rules + k`` is the same on pairs."""

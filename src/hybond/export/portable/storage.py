@@ -60,14 +60,18 @@ GAUSS: Final = float_table(
 def co_energy(m: Model, v: Floats, z: Floats) -> None:
     """Put the effort of each C and the flow of each I, power inward, into `z`."""
     for k in range(m.storages):
-        law = m.co_energy[k]
-        if law >= 0:
-            z[k] = value(m, law, v)
-            continue
-        total = 0.0
-        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            total += m.stiff_constant[i] * v[m.stored_slot + m.stiff_other[i]]
-        z[k] = total
+        z[k] = co_energy_of(m, k, v)
+
+
+def co_energy_of(m: Model, k: int, v: Floats) -> float:
+    """Return the co-energy variable of port k, which reads what its storage stores only."""
+    law = m.co_energy[k]
+    if law >= 0:
+        return value(m, law, v)
+    total = 0.0
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        total += m.stiff_constant[i] * v[m.stored_slot + m.stiff_other[i]]
+    return total
 
 
 def stiff(m: Model, i: int, v: Floats) -> float:

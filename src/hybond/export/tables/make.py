@@ -17,6 +17,7 @@ from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions, number_of
 from hybond.export.tables.laws import put_laws
 from hybond.export.tables.options import Options, options_of
+from hybond.export.tables.powers import put_powers
 from hybond.export.tables.surfaces import put_surfaces
 from hybond.export.tables.told import put_told
 from hybond.model.expressions import (
@@ -124,6 +125,7 @@ def tables_of(
     _elements(t)
     _junctions(t)
     _storages(t, plain)
+    put_powers(t)
     _signals(t)
     _priors(t)
     put_laws(t)
