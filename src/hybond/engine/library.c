@@ -9,7 +9,16 @@
 #define SHOWN __attribute__((visibility("default")))
 #endif
 
-enum { SPENT = 4 }; /* beside OK, REFUSED, ACCUMULATES and PAUSED: memory came to an end */
+/* Beside OK, REFUSED, ACCUMULATES and PAUSED: memory came to an end; there was no answer. */
+enum { SPENT = 4, RAISED = 8 };
+
+/* What a run asks: the record Question in calls.py. Who answers sets `answered`. */
+typedef struct HybondQuestion {
+    double t;
+    double answer;
+    double *values;
+    int what, piece, answered;
+} HybondQuestion;
 
 typedef struct HybondRun {
     Arena arena;
@@ -18,6 +27,9 @@ typedef struct HybondRun {
     Run *r;
     Report *log;
     int status;
+    HybondQuestion *question;
+    void (*ask)(int);
+    bool raised;
 } HybondRun;
 
 /* What is read of a run: the numbers of the record Seen in native.py. */
@@ -46,6 +58,7 @@ SHOWN const char *hybond_source(void);
 SHOWN const char *const *hybond_columns(void);
 SHOWN int hybond_model_size(void);
 SHOWN HybondRun *hybond_begin(const Model *model);
+SHOWN void hybond_ask(HybondRun *run, HybondQuestion *question, void (*ask)(int));
 SHOWN int hybond_run(HybondRun *run, int slice);
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen);
 SHOWN void hybond_forget(HybondRun *run);
@@ -95,12 +108,43 @@ SHOWN HybondRun *hybond_begin(const Model *model)
     return run;
 }
 
+/* Say whom a run asks for inputs and blocks. */
+SHOWN void hybond_ask(HybondRun *run, HybondQuestion *question, void (*ask)(int))
+{
+    run->question = question;
+    run->ask = ask;
+}
+
+/* Ask; where there is no answer the run ends here, as where memory does. The arena is a run's, which
+ * begins with it. */
+static double ask_run(Arena *arena, int what, int k, double t, int piece, double *values)
+{
+    HybondRun *run = (HybondRun *)arena;
+    HybondQuestion *question = run->question;
+    if (question != NULL) {
+        question->t = t;
+        question->what = what;
+        question->piece = piece;
+        question->values = values;
+        question->answered = 0;
+        run->ask(k);
+        if (question->answered) {
+            return question->answer;
+        }
+    }
+    run->raised = true;
+    longjmp(arena->spent, 1);
+}
+
 /* Run on by so many steps and instants, -1: to the end; return the status. */
 SHOWN int hybond_run(HybondRun *run, int slice)
 {
+    if (run->raised) {
+        return RAISED;
+    }
     if (setjmp(run->arena.spent) != 0) {
-        run->status = SPENT;
-        return SPENT;
+        run->status = run->raised ? RAISED : SPENT;
+        return run->status;
     }
     run->r->slice = slice;
     run->status = run_to_end(run->e, run->r);
