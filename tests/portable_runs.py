@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.engine.calls import Calls
 from hybond.export.portable import motion
 from hybond.export.portable.engine import REFUSED, Engine, make_engine
 from hybond.export.portable.report import make_report
@@ -31,9 +32,11 @@ class PortableRun:
 
 def portable(model, monkeypatch, **options) -> PortableRun:
     """Run a model in the exported runtime, in Python."""
-    tables = tables_of(model.flatten(), **options)
+    tables = tables_of(model.flatten(), calling=True, **options)
     m = answered(tables)
     e = make_engine(m)
+    if m.called or m.blocks:
+        e.calls.answers = Calls(tables)
     events = []
 
     def note(engine, report, i):

@@ -21,6 +21,7 @@ from hybond.modes.executive import Executive
 from hybond.modes.fitting import fitting
 from hybond.modes.journal import Journal
 from hybond.modes.motion import Limits
+from hybond.modes.sampling import Runner
 from hybond.modes.sliding.bands import Choice, banded
 from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
@@ -239,6 +240,7 @@ def simulate(
     if engine != "reference":
         from hybond.engine.run import Declined, LibraryRun, Settings
 
+        runners = runners_of(graph, fmus=fmus)
         run = _by_library(
             graph,
             Settings(
@@ -257,6 +259,7 @@ def simulate(
             progress=progress,
             keep=keep,
             journal=journal,
+            runners=runners,
         )
         # the reference refuses a step for these itself
         if isinstance(run, LibraryRun) and (fixed or step is None):
@@ -265,6 +268,9 @@ def simulate(
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
             except Declined as declined:
                 run = str(declined)
+            finally:
+                for runner in runners.values():
+                    runner.close()
         if engine == "library":
             raise UsageError(
                 f"the library cannot make this run: {run}",
@@ -317,6 +323,7 @@ def _by_library(
     progress: Callable[[float, int], None] | None,
     keep: int | None,
     journal: str | Path | None,
+    runners: Mapping[str, Runner],
 ) -> LibraryRun | str:
     """Return a run by the library that has not begun, or why there is none."""
     from hybond.engine.native import Unavailable
@@ -334,6 +341,7 @@ def _by_library(
             progress=progress,
             keep=keep,
             journal=None if journal is None else _opened(journal, graph),
+            runners=runners,
         )
     except Unavailable as error:
         return str(error)

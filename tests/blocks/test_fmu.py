@@ -10,6 +10,8 @@ import needs
 import pytest
 
 import hybond as hb
+from hybond.engine.native import OK, NativeModel, NativeRun, Unavailable
+from hybond.export.tables import tables_of
 
 XML2 = """<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="gain" guid="{1}">
@@ -76,6 +78,35 @@ def test_a_unit_is_its_difference_equation(unit: Callable[[int], Path], version:
         for _ in range(100):
             x += 1e-4 * 20 * (held - x)
     assert run["lag.u"].unit == ("1/s" if version == 2 else "")
+
+
+@pytest.mark.c
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_unit_runs_by_the_library(unit: Callable[[int], Path], version: int) -> None:
+    """What it sets drives an integral: of steps of 10 ms, in two runs beside each other."""
+    pytest.importorskip("fmpy")
+    m = plant()
+    m.block(lag=hb.FMU(unit(version), every="10 ms", inputs={"y": "w.f"}, parameters={"kp": 20}))
+    m.signal(path=hb.Integral("lag.u"))
+    try:
+        model = NativeModel(tables_of(m.flatten(), calling=True, until=0.25))
+        runs = [NativeRun(model, fmus=True) for _ in range(2)]
+    except Unavailable as why:
+        pytest.skip(str(why))
+    for _ in zip(*(run.slices(steps=7) for run in runs), strict=True):
+        pass
+    x = total = 0.0
+    for n in range(25):
+        total += 0.01 * x
+        for _ in range(100):
+            x += 1e-4 * 20 * (2.0 * n * 0.01 - x)
+    for run in runs:
+        assert run.status == OK
+        (at,) = [k for k, s in enumerate(model.tables.stored) if s == "path"]
+        assert run.y[at] == pytest.approx(total, rel=1e-9)
+    with pytest.raises(hb.UsageError) as caught:
+        NativeRun(model)
+    assert caught.value.code == "HB-S117"
 
 
 @pytest.mark.c

@@ -9,10 +9,27 @@
 #define SHOWN __attribute__((visibility("default")))
 #endif
 
-enum { SPENT = 4 }; /* beside OK, REFUSED, ACCUMULATES and PAUSED: memory came to an end */
+/* Beside OK, REFUSED, ACCUMULATES and PAUSED: memory came to an end; there was no answer. */
+enum { SPENT = 4, RAISED = 8 };
+
+/* What a run asks: the record Question in calls.py. Who answers sets `answered`. */
+typedef struct HybondQuestion {
+    double t;
+    double answer;
+    double *values;
+    int what, piece, answered;
+} HybondQuestion;
+
+/* Memory, and whom to ask: what a run and who looks into it begin with. */
+typedef struct HybondOwn {
+    Arena arena;
+    HybondQuestion *question;
+    void (*ask)(int);
+    bool raised;
+} HybondOwn;
 
 typedef struct HybondRun {
-    Arena arena;
+    HybondOwn own;
     const Model *model;
     Engine *e;
     Run *r;
@@ -49,6 +66,7 @@ SHOWN const char *hybond_source(void);
 SHOWN const char *const *hybond_columns(void);
 SHOWN int hybond_model_size(void);
 SHOWN HybondRun *hybond_begin(const Model *model);
+SHOWN void hybond_ask(void *who, HybondQuestion *question, void (*ask)(int));
 SHOWN int hybond_run(HybondRun *run, int slice);
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen);
 SHOWN void hybond_forget(HybondRun *run);
@@ -73,10 +91,10 @@ SHOWN int hybond_model_size(void)
 
 static bool is_made(HybondRun *run)
 {
-    if (setjmp(run->arena.spent) != 0) {
+    if (setjmp(run->own.arena.spent) != 0) {
         return false;
     }
-    run->e = make_engine(&run->arena, run->model);
+    run->e = make_engine(&run->own.arena, run->model);
     run->log = make_report(run->e);
     run->r = make_run(run->e, run->log);
     return true;
@@ -91,19 +109,51 @@ SHOWN HybondRun *hybond_begin(const Model *model)
     }
     run->model = model;
     if (!is_made(run)) {
-        release(&run->arena);
+        release(&run->own.arena);
         free(run);
         return NULL;
     }
     return run;
 }
 
+/* Say whom a run, or who looks into one, asks for inputs and blocks. */
+SHOWN void hybond_ask(void *who, HybondQuestion *question, void (*ask)(int))
+{
+    HybondOwn *own = who;
+    own->question = question;
+    own->ask = ask;
+}
+
+/* Ask; where there is no answer the call ends here, as where memory does. The arena is the first of
+ * what belongs to a run. */
+static double ask_run(Arena *arena, int what, int k, double t, int piece, double *values)
+{
+    HybondOwn *own = (HybondOwn *)arena;
+    HybondQuestion *question = own->question;
+    if (question != NULL) {
+        question->t = t;
+        question->what = what;
+        question->piece = piece;
+        question->values = values;
+        question->answered = 0;
+        own->ask(k);
+        if (question->answered) {
+            return question->answer;
+        }
+    }
+    own->raised = true;
+    longjmp(arena->spent, 1);
+}
+
 /* Run on by so many steps and instants, -1: to the end; return the status. */
 SHOWN int hybond_run(HybondRun *run, int slice)
 {
-    if (setjmp(run->arena.spent) != 0) {
-        run->status = SPENT;
-        return SPENT;
+    if (run->own.raised) {
+        return RAISED;
+    }
+    if (setjmp(run->own.arena.spent) != 0) {
+        run->status = run->own.raised ? RAISED : SPENT;
+        return run->status;
     }
     run->r->slice = slice;
     run->status = run_to_end(run->e, run->r);
@@ -176,14 +226,14 @@ SHOWN void hybond_forget(HybondRun *run)
 SHOWN void hybond_end(HybondRun *run)
 {
     if (run != NULL) {
-        release(&run->arena);
+        release(&run->own.arena);
         free(run);
     }
 }
 
 /* Looking into motions that are known: an engine of its own, which no run sees. */
 typedef struct HybondLook {
-    Arena arena;
+    HybondOwn own;
     const Model *model;
     Engine *e;
     Look *l;
@@ -214,12 +264,12 @@ SHOWN void hybond_look_end(HybondLook *look);
 
 static bool can_look(HybondLook *look)
 {
-    if (setjmp(look->arena.spent) != 0) {
+    if (setjmp(look->own.arena.spent) != 0) {
         return false;
     }
-    look->e = make_engine(&look->arena, look->model);
+    look->e = make_engine(&look->own.arena, look->model);
     look->l = make_look(look->e);
-    look->meter = make_meter(&look->arena);
+    look->meter = make_meter(&look->own.arena);
     return true;
 }
 
@@ -232,18 +282,28 @@ SHOWN HybondLook *hybond_look_begin(const Model *model)
     }
     look->model = model;
     if (!can_look(look)) {
-        release(&look->arena);
+        release(&look->own.arena);
         free(look);
         return NULL;
     }
     return look;
 }
 
+/* Why a call ended early. */
+static int ended(HybondLook *look)
+{
+    if (!look->own.raised) {
+        return SPENT;
+    }
+    look->own.raised = false;
+    return RAISED;
+}
+
 SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const int *landed,
                            int surfaces, const int *surface, double energy)
 {
-    if (setjmp(look->arena.spent) != 0) {
-        return SPENT;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
     }
     return look_into(look->e, look->l, t, state, landed, surfaces, surface, energy);
 }
@@ -267,8 +327,8 @@ static void take_points(HybondLook *look, const HybondPoints *p)
 SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
                              const int *slot, double *out)
 {
-    if (setjmp(look->arena.spent) != 0) {
-        return SPENT;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
     }
     take_points(look, points);
     ask_for(look->l, many, slot);
@@ -278,8 +338,8 @@ SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int m
 SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
                             const int *slot, double *share, double *out)
 {
-    if (setjmp(look->arena.spent) != 0) {
-        return SPENT;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
     }
     take_points(look, points);
     ask_for(look->l, many, slot);
@@ -288,8 +348,8 @@ SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int ma
 
 SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, double *out)
 {
-    if (setjmp(look->arena.spent) != 0) {
-        return SPENT;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
     }
     take_points(look, points);
     return look_powers(look->e, look->l, look->meter, out);
@@ -298,8 +358,8 @@ SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, doubl
 SHOWN int hybond_look_energies(HybondLook *look, const HybondPoints *points, const double *end,
                                double *out)
 {
-    if (setjmp(look->arena.spent) != 0) {
-        return SPENT;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
     }
     take_points(look, points);
     return look_energies(look->e, look->l, look->meter, end, out);
@@ -318,7 +378,7 @@ SHOWN void hybond_look_fault(const HybondLook *look, const char **texts, double 
 SHOWN void hybond_look_end(HybondLook *look)
 {
     if (look != NULL) {
-        release(&look->arena);
+        release(&look->own.arena);
         free(look);
     }
 }

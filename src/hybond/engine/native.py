@@ -1,7 +1,8 @@
 """The library from Python: tables handed over, a run in slices, and what it wrote down.
 
 Any number of runs live beside each other, on the same tables or others, each in one thread at a
-time; tables are only read. The interpreter's lock is released while a slice runs.
+time; tables are only read. The interpreter's lock is released while a slice runs, but where it
+calls inputs and blocks, which are each run's own.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import functools
 import os
 import threading
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.build import NAME
+from hybond.engine.calls import CALLBACK, Answering, Calls, Question
 from hybond.engine.printing import digest
 from hybond.export.tables import ModelTables
 from hybond.export.tables.code import Code
+from hybond.modes.sampling import Runner
 
-OK, REFUSED, ACCUMULATES, SPENT, PAUSED = 0, 1, 3, 4, 7
+OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
 SLICE = 2000
 """Steps and instants between two looks at the world outside."""
@@ -109,6 +112,8 @@ def library() -> ctypes.CDLL:
     found.hybond_run.argtypes = [ctypes.c_void_p, ctypes.c_int]
     found.hybond_see.argtypes = [ctypes.c_void_p, ctypes.POINTER(Seen)]
     found.hybond_see.restype = None
+    found.hybond_ask.argtypes = [ctypes.c_void_p, ctypes.POINTER(Question), CALLBACK]
+    found.hybond_ask.restype = None
     for name in ("hybond_forget", "hybond_end"):
         getattr(found, name).argtypes = [ctypes.c_void_p]
         getattr(found, name).restype = None
@@ -226,11 +231,18 @@ class NativeRun:
     Parameters
     ----------
     model : NativeModel
+    runners : mapping of str to Runner
+        What runs each block, by its path; others have to close them. By default the run has its
+        own, and closes them when it ends.
+    fmus : bool
+        The consent to run the code of functional mock-up units.
 
     Raises
     ------
     Unavailable
         If there is no library.
+    UsageError
+        HB-S117 for an FMU without consent.
     MemoryError
 
     Examples
@@ -245,15 +257,33 @@ class NativeRun:
     (True, 1e-05)
     """
 
-    def __init__(self, model: NativeModel) -> None:
+    def __init__(
+        self,
+        model: NativeModel,
+        *,
+        runners: Mapping[str, Runner] | None = None,
+        fmus: bool = False,
+    ) -> None:
         self.model = model
         self._library = library()
+        numbers = model.tables.numbers
+        self._answering: Answering | None = None
+        self._close_runners: Callable[[], object] = _do_nothing
+        calls = None
+        if numbers["called"] or numbers["blocks"]:
+            calls = Calls(model.tables, runners, fmus=fmus)
         handle = self._library.hybond_begin(ctypes.byref(model.record))
         if not handle:
             raise MemoryError
         self._handle = ctypes.c_void_p(handle)
         self._lock = threading.Lock()
         self._close = weakref.finalize(self, self._library.hybond_end, self._handle)
+        if calls is not None:
+            self._answering = Answering(calls)
+            question = ctypes.byref(self._answering.question)
+            self._library.hybond_ask(self._handle, question, self._answering.callback)
+            if runners is None:
+                self._close_runners = weakref.finalize(self, calls.close)
         self._seen = Seen()
         self.status = PAUSED
         self._look()
@@ -315,6 +345,11 @@ class NativeRun:
         """Modes whose equations were made."""
         return int(self._seen.modes_made)
 
+    @property
+    def error(self) -> BaseException | None:
+        """What an input or a block raised, which ended the run; None if nothing was."""
+        return None if self._answering is None else self._answering.error
+
     def slices(
         self,
         *,
@@ -323,7 +358,9 @@ class NativeRun:
     ) -> Iterator[Rows]:
         """Run on to the end; yield what was written down, slice after slice.
 
-        Who leaves the loop can go on later: nothing is lost, nothing comes twice.
+        Who leaves the loop can go on later: nothing is lost, nothing comes twice. What an input or
+        a block raises is raised here, after what was written down before it; so is an interrupt
+        that comes meanwhile. The run has ended then.
 
         Parameters
         ----------
@@ -337,6 +374,8 @@ class NativeRun:
         ValueError
             For a slice of no steps.
         MemoryError
+        NumericsError
+            HB-N306 if a block fails.
         """
         if isinstance(steps, int):
             _check_slice(steps)
@@ -348,11 +387,17 @@ class NativeRun:
                 self._look()
                 if self.status == SPENT:
                     raise MemoryError
+                if self.error is not None:
+                    self.status = RAISED
                 rows = self._rows()
                 self._library.hybond_forget(self._handle)
             yield rows
-            if between is not None:
+            if between is not None and self.status != RAISED:
                 between(self.t)
+        self._close_runners()
+        if self.status == RAISED:
+            # there is none if a second interrupt came while the first one was kept
+            raise self.error or KeyboardInterrupt
 
     def _rows(self) -> Rows:
         s = self._seen
@@ -381,6 +426,10 @@ class NativeRun:
 def _check_slice(steps: int) -> None:
     if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
         raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
+
+
+def _do_nothing() -> None:
+    """Do nothing: a run without blocks has none to close."""
 
 
 def _floats(begin: Any, *shape: int) -> NDArray[np.float64]:

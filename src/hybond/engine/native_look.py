@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybond.engine.native import OK, SPENT, NativeModel, library
+from hybond.engine.calls import Answering, Calls
+from hybond.engine.native import OK, RAISED, SPENT, NativeModel, library
 from hybond.engine.points import (
     Numbers,
     Points,
@@ -100,6 +101,11 @@ class NativeLook:
         if not handle:
             raise MemoryError
         self._handle = ctypes.c_void_p(handle)
+        self._answering: Answering | None = None
+        if model.tables.numbers["called"]:
+            self._answering = Answering(Calls(model.tables, looking=True))
+            question = ctypes.byref(self._answering.question)
+            self._library.hybond_ask(self._handle, question, self._answering.callback)
         self._lock = threading.Lock()
         self._close = weakref.finalize(self, self._library.hybond_look_end, self._handle)
         self._parts = 0
@@ -321,6 +327,8 @@ class NativeLook:
         if status == SPENT:
             self._parts = 0
             raise MemoryError
+        if status == RAISED and self._answering is not None:
+            raise self._answering.taken()
         texts, t = (ctypes.c_char_p * 3)(), ctypes.c_double()
         self._library.hybond_look_fault(self._handle, texts, ctypes.byref(t))
         code, why, place = ((text or b"").decode() for text in texts)

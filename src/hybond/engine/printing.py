@@ -50,6 +50,28 @@ static void evaluate_pair(const Model *m, int k, Stack *s)
     run_pair_code(m->code, m->pair_begins[k], m->code_number, s);
 }
 """,
+    "call_input": """\
+/* A run has its arena: `library.c` knows which run it is, and whom to ask. */
+enum { VALUE, RATE, BLOCK };
+static double ask_run(Arena *arena, int what, int k, double t, int piece, double *values);
+
+static double call_input(Calls *c, int i, double t, int piece)
+{
+    return ask_run(arena_of(c), VALUE, i, t, piece, c->values);
+}
+""",
+    "call_input_rate": """\
+static double call_input_rate(Calls *c, int i, double t, int piece)
+{
+    return ask_run(arena_of(c), RATE, i, t, piece, c->values);
+}
+""",
+    "call_block": """\
+static void call_block(Calls *c, int block, double t)
+{
+    (void)ask_run(arena_of(c), BLOCK, block, t, 0, c->values);
+}
+""",
 }
 PORTABLE_HERE = ("asked", "look", "energies")
 """Modules of this room beside those that exports have; `log` stands in for `report`."""

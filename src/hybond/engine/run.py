@@ -6,7 +6,7 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -20,6 +20,7 @@ from hybond.export.tables import ModelTables, tables_of
 from hybond.export.tables.options import METHODS, Options
 from hybond.model.graph import FlatGraph
 from hybond.modes.journal import Journal
+from hybond.modes.sampling import Runner
 from hybond.trace import Accumulation, Trace
 
 LOOKED = 0.05
@@ -82,7 +83,7 @@ class Settings:
             "method": METHODS[self.solver],
             "slides": int(self.slides),
         }
-        return tables_of(graph, options=Options(graph, numbers, []), tells=True)
+        return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
 
 
 class LibraryRun:
@@ -94,6 +95,8 @@ class LibraryRun:
     progress : callable
     keep : int or None
     journal : Journal or None
+    runners : mapping
+        What runs each block, by its path.
     """
 
     def __init__(
@@ -103,6 +106,7 @@ class LibraryRun:
         progress: Callable[[float, int], None] | None = None,
         keep: int | None = None,
         journal: Journal | None = None,
+        runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.tables = tables
         self.trace = Trace()
@@ -112,7 +116,7 @@ class LibraryRun:
         self.journal = journal
         self._slice = FIRST
         model = NativeModel(tables)
-        self._native = NativeRun(model)
+        self._native = NativeRun(model, runners=runners)
         self.trace.signals = Signals(model, self.trace)
 
     def run(self) -> str:

@@ -20,6 +20,7 @@ room to work in. Data flows so::
     values, scale, stepping   values while time passes; tolerances; one step (dopri, radau)
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket
+    sampling, calls           signals set at instants; inputs and blocks that are asked for
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken

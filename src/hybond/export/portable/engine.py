@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.export.portable.blocks import Block, Places, Rows, make_block, make_places, make_rows
+from hybond.export.portable.calls import Calls, make_calls
 from hybond.export.portable.elimination import Elimination, make_elimination
 from hybond.export.portable.landing_records import Landings, make_landings
 from hybond.export.portable.law_records import OPEN_KEPT, Laws, make_laws
@@ -350,6 +351,7 @@ class Engine:
     sampled_at: float
     samples_end: float
     """From when on nothing is sampled any more: the end of a run shows what leads up to it."""
+    calls: Calls
     level: Floats
     asked: Floats
     """Of inputs that are set from outside: their levels, and those from the next instant on."""
@@ -598,6 +600,8 @@ def make_engine(m: Model) -> Engine:
     e.line_begin = floats(m.inputs)
     for i in range(m.inputs):
         e.line_piece[i] = NO_PIECE
+    if m.called > 0 or m.blocks > 0:
+        e.calls = make_calls(m.most_called)
     e.sampled_at = -math.inf
     e.level = floats(m.inputs)
     e.asked = floats(m.inputs)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.export.portable.calls import call_input, call_input_rate
 from hybond.export.portable.engine import Engine
 from hybond.export.portable.model import Model
 from hybond.export.portable.words import Floats, Ints
@@ -20,6 +21,8 @@ LINES: Final = 2
 PULSES: Final = 3
 FREE: Final = 4
 """Set from outside, and so no part of what selects equations."""
+CALLED: Final = 5
+"""A function, smooth between the breaks that are its numbers. After model/inputs.py, Called."""
 
 
 def edge(m: Model, i: int, piece: int) -> float:
@@ -68,6 +71,8 @@ def piece_of(m: Model, i: int, t: float) -> int:
     kind = m.input_kind[i]
     if kind == CONSTANT or kind == FREE:
         return 0
+    if m.called > 0 and kind == CALLED:
+        return breaks_until(m, i, t)
     if kind == PULSES:
         guess = 2 * whole_below((t - m.input_number[at + 4]) / m.input_number[at]) - 2
         while edge(m, i, guess + 1) <= t:
@@ -86,12 +91,28 @@ def piece_of(m: Model, i: int, t: float) -> int:
     return piece
 
 
+def breaks_until(m: Model, i: int, t: float) -> int:
+    """Return how many breaks of an input that is called are at or before t."""
+    low = m.input_first[i]
+    high = m.input_first[i + 1]
+    while low < high:
+        middle = (low + high) // 2
+        if m.input_number[middle] <= t:
+            low = middle + 1
+        else:
+            high = middle
+    return low - m.input_first[i]
+
+
 def next_break(m: Model, i: int, t: float) -> float:
     """Return the first instant after t at which an input begins another piece."""
     at = m.input_first[i]
     kind = m.input_kind[i]
     if kind == CONSTANT or kind == FREE:
         return math.inf
+    if m.called > 0 and kind == CALLED:
+        following = at + breaks_until(m, i, t)
+        return m.input_number[following] if following < m.input_first[i + 1] else math.inf
     if kind == PULSES:
         duty = m.input_number[at + 1]
         if duty == 0.0 or duty == 1.0:
@@ -140,6 +161,21 @@ def take_line(e: Engine, i: int) -> None:
     else:
         e.line_value[i] = m.input_number[at + many + row_of_piece(m, i, piece)]
         e.line_begin[i] = begin_of_piece(m, i, piece) if e.line_rate[i] != 0.0 else 0.0
+
+
+def ask_input(e: Engine, i: int, t: float) -> None:
+    """Call for an input within its piece, and for its rate if that is read; once for an instant.
+
+    It stands in `line_value` and `line_rate`, and the instant in `line_begin`.
+    """
+    piece = e.piece[i]
+    if e.line_piece[i] == piece and e.line_begin[i] == t:
+        return
+    e.line_value[i] = call_input(e.calls, i, t, piece)
+    if e.model.input_rated[i] != 0:
+        e.line_rate[i] = call_input_rate(e.calls, i, t, piece)
+    e.line_piece[i] = piece
+    e.line_begin[i] = t
 
 
 def level_of_piece(m: Model, i: int, piece: int) -> int:
@@ -234,6 +270,11 @@ def set_time(e: Engine, v: Floats, t: float) -> None:
     m = e.model
     v[0] = t
     for i in range(m.inputs):
+        if m.called > 0 and m.input_kind[i] == CALLED:
+            ask_input(e, i, t)
+            v[m.input_slot + i] = e.line_value[i]
+            v[m.input_rate_slot + i] = e.line_rate[i]
+            continue
         take_line(e, i)
         rate = e.line_rate[i]
         v[m.input_slot + i] = (

@@ -246,6 +246,22 @@ class Model:
     sample_value: Ints
     sample_every: Floats
     sample_phase: Floats
+    called: int
+    """Inputs of kind 5, which are called; their numbers are their breaks. Only runs by hybond
+    itself have these, and blocks."""
+    input_rated: Ints
+    """Of each input: whether the rate is read, if it is called."""
+    blocks: int
+    sample_block: Ints
+    """Of each sample: the block that is called, with -1 for its signal and value; or -1."""
+    most_called: int
+    """Values that a block reads or sets, at the most."""
+    block_first: Ints
+    """Of each block: the expressions that it reads."""
+    block_value: Ints
+    block_set: Ints
+    """Of each block: the integrated signals that it sets, in `block_signal`."""
+    block_signal: Ints
     watch_slope: Floats
     """A comparison of time: ``slope * time + offset`` is compared with zero."""
     watch_offset: Floats

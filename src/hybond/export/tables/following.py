@@ -85,7 +85,9 @@ def followed(
     def made(wanted: Collection[str], at: Values, **chosen: str) -> Following:
         plain = prepared(flatten(model, at))
         trail = Trail(wanted)
-        tables = tables_of(prepared(flatten(model, at, trail)), plain, **{**options, **chosen})
+        tables = tables_of(
+            prepared(flatten(model, at, trail)), plain, calling=False, **{**options, **chosen}
+        )
         for e in (*tables.values.all, *tables.pairs):
             _ask_squares(e)
         return Following(tables, plain, trail)

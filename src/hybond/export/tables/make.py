@@ -12,6 +12,7 @@ from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.tableau import stiffness, stored_names
 from hybond.errors import ModelError
+from hybond.export.tables.calls import put_rated, put_samples, refuse_calls
 from hybond.export.tables.code import check_depths
 from hybond.export.tables.contacts import put_contacts, rules_of
 from hybond.export.tables.expressions import Expressions, number_of
@@ -97,12 +98,14 @@ def tables_of(
     plain: FlatGraph | None = None,
     *,
     options: Options | None = None,
+    calling: bool = False,
     tells: bool = False,
     **given: Any,
 ) -> ModelTables:
     """Return the tables of a model; `given` are options of the run, by name.
 
-    They are taken from the experiment unless all of them are there, `options`. With `tells` the run
+    They are taken from the experiment unless all of them are there, `options`. With `calling` they
+    are for a run that can call inputs that are functions in Python, and blocks. With `tells` it
     writes down what explains its events: what guards read, energies.
 
     If the numbers of the graph know of which parameters they are made, those in the tables do as
@@ -112,7 +115,8 @@ def tables_of(
     ------
     ModelError
         HB-M205 a gap that is not the distance of a contact, HB-E630 an input that is a function in
-        Python, HB-E631 an element that says too many things; those of `options.options_of`.
+        Python or a block, without `calling`, HB-E631 an element that says too many things; those of
+        `options.options_of`.
     """
     plain = plain or graph
     options = options or options_of(graph, plain, given)
@@ -126,6 +130,8 @@ def tables_of(
     _junctions(t)
     _storages(t, plain)
     put_powers(t)
+    if not calling:
+        refuse_calls(graph)
     _signals(t)
     _priors(t)
     put_laws(t)
@@ -135,6 +141,7 @@ def tables_of(
     put_told(t, tells=tells)
     _reads(t)
     _outputs(t, options.outputs)
+    put_rated(t)
     check_depths(t.pairs, t.slots.index)
     return t
 
@@ -574,19 +581,7 @@ def _signals(t: ModelTables) -> None:
     t.pairs += [i.rate for i in g.integrals]
     t.ints["integral_rate"] = [t.values.number(i.rate, f"{i.path}'") for i in g.integrals]
     t.floats["integral_start"] = [number_of(i.start) for i in g.integrals]
-    for s in g.samples:
-        if s.block is not None:
-            raise ModelError(
-                f"the block {s.path} is code from elsewhere",
-                code="HB-E630",
-                where=f"blocks.{s.path}",
-                hint="write what it does as sampled signals",
-            )
-    t.numbers["samples"] = len(g.samples)
-    t.ints["sample_signal"] = [s.signals[0] for s in g.samples]
-    t.ints["sample_value"] = [t.values.number(s.values[0], s.path) for s in g.samples]
-    t.floats["sample_every"] = [s.every for s in g.samples]
-    t.floats["sample_phase"] = [s.phase for s in g.samples]
+    put_samples(t)
     kinds, rows, levels = [], [], []
     for i in g.inputs:
         w = i.waveform
@@ -608,12 +603,8 @@ def _signals(t: ModelTables) -> None:
                 own = [(place[a],) for a in (w.values[0], *w.values)]
         else:
             assert isinstance(w, Called)
-            raise ModelError(
-                f"the input {i.path} is a function in Python",
-                code="HB-E630",
-                where=f"inputs.{i.path}",
-                hint="give it as a table, or as pulses",
-            )
+            kinds.append(5)
+            rows.append([(a,) for a in w.breaks])
         levels.append(own)
     t.ints["input_kind"] = kinds
     _put(t, "input_first", rows, input_number=_FLOATS)
