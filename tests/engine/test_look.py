@@ -1,116 +1,33 @@
-"""Values, powers and energies of finished runs by the library: those of `Result`, and balances."""
+"""Values, powers and energies of finished runs by the library: those of the reference."""
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Iterator
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from example_runs import NAMES, RTOL, example, integrated
+from engine.looked_at import (
+    CASES,
+    OWN,
+    QUICK,
+    look_at,
+    look_at_steps,
+    model_of,
+    reference,
+    rows_of,
+    segments_of,
+    stretches,
+)
 
 import hybond as hb
-from hybond.engine.native import NativeModel, NativeRun, Rows
+from hybond.engine import energies, look
+from hybond.engine.native import OK
 from hybond.engine.native_look import NativeLook
 from hybond.engine.points import Points, Steps, Within
-from hybond.export.tables import tables_of
+from hybond.export.portable.engine import make_engine
+from hybond.export.tables import answered
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
 from hybond.solvers.dense import Polynomial
 from hybond.trace import Segment
-
-QUICK = (
-    *("relay_feedback", "sliding_clutch", "tank_overflow_sliding"),
-    *("capacitors_joined", "stick_slip", "cockcroft_walton", "weirs", "falling_rod"),
-    *("half_bridge", "planar_puck", "mmc_arm", "evaporator"),
-)
-"""Sliding, constraints, hidden ones, friction, diodes, laws that bend, tables in time."""
-
-
-def balls() -> hb.Model:
-    """Return two balls over a floor, one of which a growing pull takes off again."""
-    m = hb.Model("balls", domain="translational")
-    for k, (eps, height) in enumerate([(0.3, 0.6), (0.5, 0.4)], 1):
-        parts = {"w": hb.Se(f"-9.81*{k}"), "b": hb.I(k), "v": hb.One(), "c": hb.Zero()}
-        parts |= {"r": hb.Sf(f"-{eps}*pre(v{k}.f)"), "d": hb.R(0.1)}
-        m.add(**{f"{name}{k}": part for name, part in parts.items()})
-        m.bond(f"w{k} -> v{k} -> b{k}", f"c{k} -> v{k} -> d{k}", f"r{k} -> c{k}")
-        m.signal(**{f"h{k}": hb.Integral(f"v{k}.f", start=height)})
-        rules = [
-            f"away -> impact when h{k} <= 0 and v{k}.f < 0",
-            f"impact -> away when pre(b{k}.p) >= 0",
-        ]
-        m.machine(f"F{k}", states={"away": [], "impact": [f"c{k}"]}, start="away", rules=rules)
-    m.add(pull=hb.Se("5*time*1 [N/s]"))
-    m.bond("pull -> v1")
-    return m
-
-
-def relays() -> hb.Model:
-    """Return two capacitors that relays hold at zero; the second is met while the first slides."""
-    m = hb.Model("relays", domain="electrical")
-    for k, (flow, start) in enumerate([("-2*r1 + 0.5 - 0.3*r2", -0.5), ("-1.5*r2 + r1/5", 2)], 1):
-        for j in (1, 2):
-            flow = flow.replace(f"r{j}", f'(if R{j}.state == "above" then 1 else -1)')
-        m.add(**{f"c{k}": hb.C(1, e=start), f"z{k}": hb.Zero(), f"d{k}": hb.R(3)})
-        m.add(
-            **{f"s{k}": hb.Sf(f"({flow})*1 [A]"), f"q{k}": hb.Sf(f"sin({k}*time*1 [1/s])*1 [A]/2")}
-        )
-        m.bond(f"s{k} -> z{k} -> c{k}", f"q{k} -> z{k} -> d{k}")
-        rules = [f"below -> above when c{k}.q > 0", f"above -> below when c{k}.q < 0"]
-        start_state = "above" if start > 0 else "below"
-        states: dict[str, list[str]] = {"below": [], "above": []}
-        m.machine(f"R{k}", states=states, start=start_state, rules=rules)
-    return m
-
-
-OWN = {
-    "balls": (balls, {"until": 3.0}),
-    "relays": (relays, {"until": 4.0}),
-    "stick_slip by radau": (lambda: example("stick_slip"), {"solver": "radau"}),
-    "relays by radau": (relays, {"until": 4.0, "solver": "radau"}),
-}
-CASES = [*OWN, *(n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES)]
-ENDS = 40
-"""Segments of a run that are looked into, spread over all."""
-
-
-@functools.cache
-def model_of(name: str) -> NativeModel:
-    if name in OWN:
-        make, options = OWN[name]
-        return NativeModel(tables_of(make().flatten(), rtol=RTOL, **options))
-    return NativeModel(tables_of(example(name).flatten(), **integrated(name)))
-
-
-@functools.cache
-def reference(name: str) -> hb.Result:
-    if name in OWN:
-        make, options = OWN[name]
-        return hb.simulate(make(), rtol=RTOL, engine="reference", **options)  # type: ignore[arg-type]
-    options = integrated(name)
-    return hb.simulate(example(name), engine="reference", on_error="return", **options)
-
-
-def look_at(look: NativeLook, run: hb.Result, segment: Segment) -> None:
-    """Look into a segment of a run of the reference."""
-    ints = look.model.tables.ints
-    surfaces = []
-    equations = equations_of(run.program, segment)
-    for s in equations.surfaces if isinstance(equations, Combined) else ():
-        sides = zip(ints["surface_machine"], ints["surface_below"], ints["surface_above"])
-        surfaces.append(list(sides).index((s.machine, s.below, s.above)))
-    landed = [m.path in segment.landed for m in run.graph.machines]
-    energy = run.trace.energy
-    look.into(segment.t[0], segment.mode, landed=landed, surfaces=surfaces, energy=energy)
-
-
-def segments_of(run: hb.Result) -> Iterator[Segment]:
-    many = len(run.segments)
-    for k in sorted({*(k * many // ENDS for k in range(ENDS)), many - 1}):
-        if run.segments[k].t[-1] > run.segments[k].t[0]:
-            yield run.segments[k]
 
 
 def read(
@@ -226,35 +143,10 @@ def steps_of(segment: Segment, n: int) -> Steps | None:
     return Steps(time, state, dense)
 
 
-# -- runs of the library itself
-
-
-def stretches(rows: Rows) -> Iterator[slice]:
-    """Return the steps between two instants, stretch by stretch."""
-    changes = np.flatnonzero((np.diff(rows.step_place, axis=0) != 0).any(axis=1)) + 1
-    ends = [0, *changes.tolist(), len(rows.step_time)]
-    return (slice(a, b) for a, b in pairwise(ends) if b > a)
-
-
-def look_at_steps(look: NativeLook, rows: Rows, which: slice, energy: float) -> None:
-    place = rows.step_place[which.start]
-    machines = (len(place) - 2) // 2
-    look.into(
-        rows.step_time[which.start, 0],
-        place[2 : 2 + machines],
-        landed=place[2 + machines :],
-        energy=energy,
-    )
-
-
-@functools.cache
-def rows_of(name: str) -> tuple[Rows, float]:
-    run = NativeRun(model_of(name))
-    (rows,) = run.slices(steps=-1)
-    return rows, run._seen.energy
-
-
-BALANCED = ("bouncing_ball_newton", "boost", "stick_slip", "cockcroft_walton", "half_bridge")
+BALANCED = (
+    *("bouncing_ball_newton", "boost", "stick_slip", "cockcroft_walton", "half_bridge", "weirs"),
+    *("evaporator", "relay_feedback", *OWN),
+)
 
 
 @pytest.mark.parametrize("name", BALANCED)
@@ -330,152 +222,33 @@ def test_shares_and_modes_are_those_of_the_result() -> None:
                     assert shares[0, modes[:, m.index] == k].sum() == pytest.approx(meant, abs=1e-9)
 
 
-# -- closed forms
-
-
-def source_into(law: str) -> hb.Model:
-    """Return a model of a flow of ``kink - time`` through a resistor."""
-    m = hb.Model("kink", domain="electrical", parameters={"kink": "0.5 s"})
-    m.add(
-        s=hb.Sf("(kink - time)*1 [A/s]"),
-        i=hb.One(),
-        r=hb.R({"e": law}),
-        c=hb.C(1),
-        z=hb.Zero(),
-        d=hb.R(1),
-    )
-    m.bond("s -> i -> r", "c -> z -> d")
-    return m
-
-
-STEP = Steps([[0.0, 1.0, 1.0]], np.zeros((1, 3, 1)), np.zeros((1, 4, 1)))
-
-
-@pytest.mark.parametrize("kink", [0.5, 1.0 / 3.0, 0.3, 0.013, 0.9, 0.0, 1.0, 1.0 - 1e-12])
-def test_a_kink_of_a_law_does_not_fool_energies(kink: float) -> None:
-    """A resistor that takes force one way only: the energy is the integral of (kink - t)^2."""
-    graph = source_into("max(f, 0 [A])*1 [ohm]").flatten(parameters={"kink": kink})
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
-    look.into(0.0, [])
-    ((supplied, dissipated, wrong),) = look.energies(STEP)
-    assert dissipated == pytest.approx(kink**3 / 3.0, rel=1e-9, abs=1e-12)
-    assert supplied == pytest.approx(dissipated, rel=1e-12)
-    assert wrong <= 1e-9 * kink**3 + 1e-12
-
-
-@pytest.mark.parametrize("kink", [0.5, 1.0 / 3.0, 0.013, 0.9])
-def test_nor_does_a_jump(kink: float) -> None:
-    """A resistor that turns into its opposite: the energy is the integral of (kink - t)^2."""
-    graph = source_into("sign(f + 0.25 [A])*f*1 [ohm]").flatten(parameters={"kink": kink})
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
-    look.into(0.0, [])
-    ((_, dissipated, wrong),) = look.energies(STEP)
-    there = min(kink + 0.25, 1.0)
-    meant = (kink**3 - 2.0 * (kink - there) ** 3 + (kink - 1.0) ** 3) / 3.0
-    assert dissipated == pytest.approx(meant, abs=1e-9)
-    assert wrong <= 1e-9
-
-
-def test_a_law_that_has_many_kinks_ends_with_what_it_may_be_wrong_by() -> None:
-    graph = source_into("f*abs(sin(4000 [1/A]*f))*1 [ohm]").flatten()
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
-    look.into(0.0, [])
-    ((_, dissipated, wrong),) = look.energies(STEP)
-    # the mean of abs(sin) is 2/pi; the integral of f^2 is 1/12
-    assert dissipated == pytest.approx(2.0 / np.pi / 12.0, rel=0.05)
-    assert wrong > 1e-6
-
-
-def test_energies_of_a_capacitor_that_empties() -> None:
-    """From 2 V by 1 ohm: dissipated is 2 (1 - exp(-2 t)) J, in all and in parts of steps."""
-    m = hb.Model("rc", domain="electrical")
-    m.add(c=hb.C("1 F", e="2 V"), r=hb.R("1 ohm"), node=hb.Zero())
-    m.bond("node -> c", "node -> r")
-    model = NativeModel(tables_of(m.flatten(), until="1 s", rtol=1e-11, atol=1e-14))
-    (rows,) = NativeRun(model).slices(steps=-1)
-    look = NativeLook(model)
-    look.into(0.0, [], energy=2.0)
-    steps = Steps.of(rows)
-    whole = look.energies(steps)
-    assert whole[:, 1].sum() == pytest.approx(2.0 * (1.0 - np.exp(-2.0)), rel=1e-10)
-    assert not whole[:, 0].any()
-    a, b = steps.time[:, 0], steps.time[:, 2]
-    middle = 0.5 * (a + b)
-    half = look.energies(steps, middle, b)
-    assert half[:, 1] == pytest.approx(2.0 * (np.exp(-2.0 * middle) - np.exp(-2.0 * b)), rel=1e-8)
-    assert not look.energies(steps, b, b).any()
-
-
-# -- what is refused
-
-
-def test_what_is_out_of_range_is_refused() -> None:
-    model = model_of("relay_feedback")
-    look = NativeLook(model)
-    n = model.record.storages + model.record.integrals
-    machines, slots = model.record.machines, model.record.slots
-    point = Points([0.0], np.zeros((1, n)))
-    with pytest.raises(ValueError, match="nothing is looked into"):
-        look.values(point, [0])
-    start = model.tables.ints["start"]
-    for t in (-1.0, np.nan, np.inf, 1e9):
-        with pytest.raises(ValueError, match="run from 0"):
-            look.into(t, start)
-    for state in ([-1] * machines, [99] * machines, [0] * (machines + 1), [0.5] * machines):
-        with pytest.raises(ValueError, match="state"):
-            look.into(0.0, state)
-    with pytest.raises(ValueError, match="landed"):
-        look.into(0.0, start, landed=True)
-    for surfaces in ([-1], [model.record.surfaces], [0, 0], [2**40], [[0]]):
-        with pytest.raises(ValueError, match="surface"):
-            look.into(0.0, start, surfaces=surfaces)
-    for energy in (-1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="energy"):
-            look.into(0.0, start, energy=energy)
-    look.into(0.0, start)
-    for slot in ([-1], [2 * slots], [2**31], [0.5], [[0]]):
-        with pytest.raises(ValueError, match="slots"):
-            look.values(point, slot)
-        with pytest.raises(ValueError, match="slots"):
-            look.parts(point, slot)
-    other = Points([0.0], np.zeros((1, n + 1)))
-    for ask in (look.powers, lambda p: look.values(p, [0])):
-        with pytest.raises(ValueError, match="states"):
-            ask(other)
-
-
-def test_points_and_steps_that_are_none_are_refused() -> None:
-    time, state, dense = [[0.0, 1.0, 0.9]], np.zeros((1, 3, 2)), np.zeros((1, 4, 2))
-    steps = Steps(time, state, dense)
-    for wrong in ([[0.0, 1.0]], [[0.0, 1.0, 1.1]], [[1.0, 1.0, 1.0]], [[0.0, np.nan, 1.0]]):
-        with pytest.raises(ValueError):
-            Steps(wrong, state, dense)
-    for y, d in ((state[:, :2], dense), (state, dense[:, :3]), (state, dense[:, :, :1])):
-        with pytest.raises(ValueError, match="belong"):
-            Steps(time, y, d)
-    for t in ([-0.1], [0.95], [np.nan], 0.5):
-        with pytest.raises(ValueError):
-            Within(steps, t)
-    for step in ([1], [-1], [0, 0], [0.0], [2**32]):
-        with pytest.raises(ValueError, match="step"):
-            Within(steps, [0.5], step)
-    for t, y in (([0.0], np.zeros(2)), ([0.0, 1.0], np.zeros((1, 2))), ([0.0], [[np.inf]])):
-        with pytest.raises(ValueError):
-            Points(t, y)
-    with pytest.raises(ValueError, match="broadcast"):
-        Points([0.0], [[0.0]], accepted=[True, False])
-
-
-def test_a_law_without_a_value_is_named() -> None:
-    m = hb.Model("root", domain="electrical")
-    m.add(l=hb.I(1, f=1), i=hb.One(), r=hb.R({"e": "sqrt(f/1 [A])*1 [V]"}))
-    m.bond("i -> l", "i -> r")
-    look = NativeLook(NativeModel(tables_of(m.flatten(), until=1.0)))
-    look.into(0.0, [])
-    assert look.powers(Points([0.0], [[4.0]])).tolist() == [[0.0, 8.0]]
-    with pytest.raises(hb.NumericsError) as caught:
-        look.powers(Points([0.0, 0.25], [[4.0], [-1.0]]))
-    assert (caught.value.code, caught.value.where) == ("HB-N302", "r")
-    assert "0.25" in caught.value.why
-    # and looking goes on
-    assert look.powers(Points([0.0], [[4.0]])).tolist() == [[0.0, 8.0]]
+def test_the_same_text_looks_in_python() -> None:
+    """The library is printed from modules that run as they stand, with the same result."""
+    name = "relays"
+    rows, largest = rows_of(name)
+    tables = model_of(name).tables
+    engine = make_engine(answered(tables))
+    there = look.make_look(engine)
+    meter = energies.make_meter()
+    here = NativeLook(model_of(name))
+    slots = list(range(2 * tables.slots.size))
+    for which in stretches(rows):
+        look_at_steps(here, rows, which, largest)
+        place = rows.step_place[which.start]
+        surfaces = [0, 1] if place[1] == 2 else [0] * place[1]
+        assert place[1] == 0 or rows.slid[:1] == [0]
+        told = (place[2:4].tolist(), place[4:].tolist(), len(surfaces), surfaces, largest)
+        assert look.look_into(engine, there, rows.step_time[which.start, 0], *told) == OK
+        motion = Steps.of(rows, which)
+        points = Within(motion, motion.time[:3, :2].mean(axis=1).clip(max=motion.time[:3, 2]))
+        flat = [a.ravel().tolist() for a in (motion.time, motion.state, motion.dense)]
+        look.points_within(there, len(points.t), points.t.tolist(), points.step.tolist(), *flat)
+        look.ask_for(there, len(slots), slots)
+        out = [0.0] * (len(points.t) * len(slots))
+        assert look.look_values(engine, there, out) == OK
+        assert out == pytest.approx(here.values(points, slots).ravel(), rel=1e-12, abs=1e-14)
+        out = [0.0] * (3 * len(points.t))
+        ends = motion.time[points.step, 2].tolist()
+        assert energies.look_energies(engine, there, meter, ends, out) == OK
+        ours = here.energies(motion, points.t, ends)
+        assert np.reshape(out, (-1, 3))[:, :2] == pytest.approx(ours[:, :2], rel=1e-9, abs=1e-14)

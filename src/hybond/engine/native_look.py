@@ -275,8 +275,8 @@ class NativeLook:
     ) -> Vector:
         """Return energies between pairs of instants, each pair in one step, J, shape (pairs, 3).
 
-        Energy supplied, energy dissipated, and what either may be wrong by: mostly much less, and
-        more than a part of 1e-11 only where the powers jump or have many kinks within a step.
+        Energy supplied, energy dissipated, and an estimate of the error of either: below a part of
+        1e-11 of all that passes but where the powers jump or have many kinks within a step.
 
         Parameters
         ----------

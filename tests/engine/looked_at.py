@@ -1,0 +1,145 @@
+"""Runs that are looked into, and how: those of examples, and of models of our own."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from example_runs import NAMES, RTOL, example, integrated
+
+import hybond as hb
+from hybond.engine.native import NativeModel, NativeRun, Rows
+from hybond.engine.native_look import NativeLook
+from hybond.export.tables import tables_of
+from hybond.modes.sliding.view import equations_of
+from hybond.programs.combined import Combined
+from hybond.trace import Segment
+
+QUICK = (
+    *("relay_feedback", "sliding_clutch", "tank_overflow_sliding"),
+    *("capacitors_joined", "stick_slip", "cockcroft_walton", "weirs", "falling_rod"),
+    *("half_bridge", "planar_puck", "mmc_arm", "evaporator"),
+)
+"""Sliding, constraints, hidden ones, friction, diodes, laws that bend, tables in time."""
+
+
+def balls() -> hb.Model:
+    """Return two balls over a floor, one of which a growing pull takes off again."""
+    m = hb.Model("balls", domain="translational")
+    for k, (eps, height) in enumerate([(0.3, 0.6), (0.5, 0.4)], 1):
+        parts = {"w": hb.Se(f"-9.81*{k}"), "b": hb.I(k), "v": hb.One(), "c": hb.Zero()}
+        parts |= {"r": hb.Sf(f"-{eps}*pre(v{k}.f)"), "d": hb.R(0.1)}
+        m.add(**{f"{name}{k}": part for name, part in parts.items()})
+        m.bond(f"w{k} -> v{k} -> b{k}", f"c{k} -> v{k} -> d{k}", f"r{k} -> c{k}")
+        m.signal(**{f"h{k}": hb.Integral(f"v{k}.f", start=height)})
+        rules = [
+            f"away -> impact when h{k} <= 0 and v{k}.f < 0",
+            f"impact -> away when pre(b{k}.p) >= 0",
+        ]
+        m.machine(f"F{k}", states={"away": [], "impact": [f"c{k}"]}, start="away", rules=rules)
+    m.add(pull=hb.Se("5*time*1 [N/s]"))
+    m.bond("pull -> v1")
+    return m
+
+
+def relays() -> hb.Model:
+    """Return two capacitors that relays hold at zero; the second is met while the first slides."""
+    m = hb.Model("relays", domain="electrical")
+    for k, (flow, start) in enumerate([("-2*r1 + 0.5 - 0.3*r2", -0.5), ("-1.5*r2 + r1/5", 2)], 1):
+        for j in (1, 2):
+            flow = flow.replace(f"r{j}", f'(if R{j}.state == "above" then 1 else -1)')
+        m.add(**{f"c{k}": hb.C(1, e=start), f"z{k}": hb.Zero(), f"d{k}": hb.R(3)})
+        m.add(
+            **{f"s{k}": hb.Sf(f"({flow})*1 [A]"), f"q{k}": hb.Sf(f"sin({k}*time*1 [1/s])*1 [A]/2")}
+        )
+        m.bond(f"s{k} -> z{k} -> c{k}", f"q{k} -> z{k} -> d{k}")
+        rules = [f"below -> above when c{k}.q > 0", f"above -> below when c{k}.q < 0"]
+        start_state = "above" if start > 0 else "below"
+        states: dict[str, list[str]] = {"below": [], "above": []}
+        m.machine(f"R{k}", states=states, start=start_state, rules=rules)
+    return m
+
+
+OWN = {
+    "balls": (balls, {"until": 3.0}),
+    "relays": (relays, {"until": 4.0}),
+    "stick_slip by radau": (lambda: example("stick_slip"), {"solver": "radau"}),
+    "relays by radau": (relays, {"until": 4.0, "solver": "radau"}),
+}
+
+
+CASES = [*OWN, *(n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES)]
+
+
+ENDS = 40
+"""Segments of a run that are looked into, spread over all."""
+
+
+@functools.cache
+def model_of(name: str) -> NativeModel:
+    if name in OWN:
+        make, options = OWN[name]
+        return NativeModel(tables_of(make().flatten(), rtol=RTOL, **options))
+    return NativeModel(tables_of(example(name).flatten(), **integrated(name)))
+
+
+@functools.cache
+def reference(name: str) -> hb.Result:
+    """Run by the reference, which has energies among its states."""
+    if name in OWN:
+        make, options = OWN[name]
+        return hb.simulate(make(), rtol=RTOL, engine="reference", **options)  # type: ignore[arg-type]
+    options = integrated(name)
+    return hb.simulate(example(name), on_error="return", engine="reference", **options)  # type: ignore[arg-type]
+
+
+def look_at(look: NativeLook, run: hb.Result, segment: Segment) -> None:
+    """Look into a segment of a run of the reference."""
+    ints = look.model.tables.ints
+    surfaces = []
+    equations = equations_of(run.program, segment)
+    for s in equations.surfaces if isinstance(equations, Combined) else ():
+        sides = zip(ints["surface_machine"], ints["surface_below"], ints["surface_above"])
+        surfaces.append(list(sides).index((s.machine, s.below, s.above)))
+    landed = [m.path in segment.landed for m in run.graph.machines]
+    energy = run.trace.energy
+    look.into(segment.t[0], segment.mode, landed=landed, surfaces=surfaces, energy=energy)
+
+
+def segments_of(run: hb.Result) -> Iterator[Segment]:
+    many = len(run.segments)
+    for k in sorted({*(k * many // ENDS for k in range(ENDS)), many - 1}):
+        if run.segments[k].t[-1] > run.segments[k].t[0]:
+            yield run.segments[k]
+
+
+def stretches(rows: Rows) -> Iterator[slice]:
+    """Return the steps between two instants, stretch by stretch."""
+    changes = np.flatnonzero((np.diff(rows.step_place, axis=0) != 0).any(axis=1)) + 1
+    ends = [0, *changes.tolist(), len(rows.step_time)]
+    return (slice(a, b) for a, b in pairwise(ends) if b > a)
+
+
+def look_at_steps(look: NativeLook, rows: Rows, which: slice, energy: float) -> None:
+    place = rows.step_place[which.start]
+    machines = (len(place) - 2) // 2
+    # the surfaces are those of the instant before
+    ends = np.cumsum(rows.instant_place[: place[0], 2])
+    assert place[1] == (rows.instant_place[place[0] - 1, 2])
+    look.into(
+        rows.step_time[which.start, 0],
+        place[2 : 2 + machines],
+        landed=place[2 + machines :],
+        surfaces=rows.slid[ends[-1] - place[1] : ends[-1]],
+        energy=energy,
+    )
+
+
+@functools.cache
+def rows_of(name: str) -> tuple[Rows, float]:
+    run = NativeRun(model_of(name))
+    (rows,) = run.slices(steps=-1)
+    return rows, run._seen.energy
