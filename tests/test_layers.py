@@ -27,7 +27,7 @@ LAYERS = [
     ["trace"],
     ["modes"],
     ["kernel"],
-    ["report"],
+    ["report", "run_options"],
     ["simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw"],
     ["engine"],

@@ -177,6 +177,13 @@ def simulate(
     longest = seconds_of(
         max_step if max_step is not None else experiment.get("max_step"), "max_step"
     )
+    if longest is not None and not longest > 0.0:
+        raise UsageError(
+            f"max_step of {longest:g} s: it must be positive",
+            code="HB-S103",
+            where="max_step",
+            hint="leave it out to let the tolerances decide",
+        )
     choice, band = sliding_of(sliding, hysteresis, experiment)
     if band is not None:
         graph = banded(graph, band)

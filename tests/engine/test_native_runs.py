@@ -12,6 +12,7 @@ from export.programs import Said, check, expected
 
 import hybond as hb
 from hybond.engine.native import OK, PAUSED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.records import BROKEN
 from hybond.export.portable.pairs import DEPTH
 from hybond.export.tables import ModelTables, tables_of
 from hybond.model.planar_friction import kept_paths
@@ -32,6 +33,8 @@ def said_by(run: NativeRun, rows: list[Rows]) -> Said:
     for part in rows:
         visit = fired = hit = 0
         for (when, _), place in zip(part.instant_time, part.instant_place):
+            if place[0] >= BROKEN:
+                continue  # an instant that could not be settled is no event
             for kind, transitions, hits in part.visit[visit : visit + place[1], :3]:
                 for machine, source, target in part.fired[fired : fired + transitions, :3]:
                     states = [

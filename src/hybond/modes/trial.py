@@ -309,7 +309,11 @@ class Trials:
 
         Impulses of laws were decided before; what remains would be an impulse of dry friction.
         """
-        landed = self._jump(equations, v, x).x
+        jump = self._jump(equations, v, x)
+        landed = jump.x
+        if not jump.happened:
+            # no more than rounding of the constraint's own terms, however little is stored yet
+            return landed
         reach = reach_of(equations.storage, x, self.trace.energy)
         dust = (np.abs(landed - x) <= DUST * (np.abs(x) + reach)).all()
         return landed if dust else None

@@ -89,6 +89,8 @@ class Laws:
     l: Floats
     zero: Floats
     field: Floats
+    field_size: Floats
+    """The size of the terms that made each rate of what is stored."""
     moved: Floats
     kept: Floats
     later: Floats
@@ -201,6 +203,7 @@ def make_laws(m: Model) -> Laws:
     r.l = floats(n)
     r.zero = floats(2 * m.bonds)
     r.field = floats(m.storages)
+    r.field_size = floats(m.storages)
     r.moved = floats(m.storages)
     r.kept = floats(2 * m.slots)
     r.later = floats(2 * m.slots)

@@ -211,6 +211,9 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
             return NO_ENTRY
     if jump_into(e, r.here, r.swept) != OK:
         return STOPS
+    if e.moved != JUMPS:
+        # no more than rounding of the constraint's own terms, however little is stored yet
+        return STANDS
     reach_of(e, r.here, e.energy, e.work.reach)
     for k in range(m.storages):
         change = math.fabs(r.swept[k] - r.here[k])

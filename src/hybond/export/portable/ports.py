@@ -274,16 +274,26 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
         return ahead_of(e, r, v, x) if timed else OK
     if not p.known and find_constant(e, r, v) != OK:
         return REFUSED
+    for i in range(m.storages):
+        at = m.storage_bond[i] + (m.bonds if m.storage_kind[i] == 0 else 0)
+        r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(a.bonds[at])
     for k in range(n):
         total = 0.0
+        size = 0.0
         for i in range(m.storages):
-            total += p.seen[k * m.storages + i] * r.field[i]
+            seen = p.seen[k * m.storages + i]
+            total += seen * r.field[i]
+            size += math.fabs(seen) * r.field_size[i]
         push = 0.0
         for s in range(mode.sources):
             source = mode.source[s]
             if source >= 0 and m.source_rate[source] >= 0:
-                push += p.through[k * m.most_sources + s] * value(m, m.source_rate[source], v)
-        a.rate[k] = total + push
+                through = p.through[k * m.most_sources + s]
+                part = through * value(m, m.source_rate[source], v)
+                push += part
+                size += math.fabs(part)
+        # a rate that is rounding must not set the scale of what a law gives or stops
+        a.rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
     return OK
 
 

@@ -35,6 +35,7 @@ from hybond.export.portable.pairs import (
     clear,
     is_impulsive,
 )
+from hybond.export.portable.products import all_finite
 from hybond.export.portable.sizes import measure
 from hybond.export.portable.storage import energy_of, reach_of
 from hybond.export.portable.values import set_values
@@ -162,6 +163,8 @@ def solve_trial(e: Engine) -> int:
         e.v[m.signal_slot + k] = trial.s[k]
     if solve_here(e, e.mode, e.v) != OK:
         return REFUSED
+    if not all_finite(2 * m.bonds, e.work.w):
+        return blame_source(e)
     for k in range(e.mode.knowns):
         trial.xi[k] = e.work.xi[k]
     begin_sizes(e, e.mode, e.v, trial.x, trial.terms)
@@ -171,6 +174,17 @@ def solve_trial(e: Engine) -> int:
     for i in range(n):
         trial.freedom.at[i] = e.work.freedom.at[i]
     return OK
+
+
+def blame_source(e: Engine) -> int:
+    """Refuse values that are not finite, by the source that brings them in."""
+    m = e.model
+    for k in range(e.mode.sources):
+        source = e.mode.source[k]
+        if source >= 0 and not math.isfinite(e.work.xi[m.storages + k]):
+            place = node_name(m, m.source_node[source])
+            return say_fault(e, "HB-N302", "a law has no finite value or slope", place)
+    return say_fault(e, "HB-N302", "the equations overflow", "")
 
 
 def show_trial(e: Engine, stack: Stack) -> None:
