@@ -13,7 +13,8 @@ PACKAGE = Path(__file__).parent / "src" / "hybond"
 
 def _room(name):
     """Import what builds a room, and nothing that hybond needs when it runs: not installed yet."""
-    for package in ("hybond", "hybond.export", "hybond.engine", "hybond.kernel"):
+    packages = ("engine", "engine.compiled", "engine.expressions", "kernel", "translate")
+    for package in ("hybond", *(f"hybond.{p}" for p in packages)):
         module = types.ModuleType(package)
         module.__path__ = [str(PACKAGE.joinpath(*package.split(".")[1:]))]
         sys.modules[package] = module
@@ -31,9 +32,9 @@ class KernelHook(BuildHookInterface):
         """Compile, and mark the wheel as one for this platform."""
         if self.target_name != "wheel":
             return
-        for name in ("kernel", "engine"):
+        for name in ("kernel", "engine.compiled"):
             room = _room(name)
-            target = PACKAGE / name / room.NAME
+            target = PACKAGE.joinpath(*name.split("."), room.NAME)
             try:
                 target.unlink(missing_ok=True)
                 why = room.compile_into(target)
@@ -42,7 +43,7 @@ class KernelHook(BuildHookInterface):
             if why:
                 self.app.display_warning(f"hybond is built without its {name}: {why}")
                 continue
-            build_data["artifacts"].append(f"src/hybond/{name}/{room.NAME}")
+            build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
             build_data["pure_python"] = False
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["tag"] = f"py3-none-{platform}"

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.engine.calls import Calls
-from hybond.export.portable import motion
-from hybond.export.portable.engine import REFUSED, Engine, make_engine
-from hybond.export.portable.report import make_report
-from hybond.export.tables import answered, tables_of
+from hybond.engine.compiled.answering import Calls
+from hybond.engine.engine import REFUSED, Engine, make_engine
+from hybond.engine.outcome.library_run import motion
+from hybond.engine.run.report import make_report
+from hybond.engine.tables import answered, tables_of
 from hybond.model.planar_friction import kept_paths
 
 CAUSES = ["start", "guard", "time", "input", "accumulation", "step", "sample"]

@@ -26,11 +26,11 @@ LAYERS = [
     ["solvers"],
     ["trace"],
     ["modes"],
-    ["kernel"],
-    ["report", "run_options"],
+    ["kernel", "run_options", "translate"],
+    ["engine"],
+    ["report"],
     ["simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw"],
-    ["engine"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

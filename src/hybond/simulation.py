@@ -12,6 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.blocks.runners import runners_of
+from hybond.engine.compiled.native import Unavailable
+from hybond.engine.outcome.library_run import Declined, LibraryRun, Settings
+from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
 from hybond.kernel.marcher import ONLY, Marcher, marcher
 from hybond.model.builder import Model
@@ -33,7 +36,6 @@ from hybond.solvers.choose import AUTO, STEPPING
 from hybond.trace import Trace
 
 if TYPE_CHECKING:
-    from hybond.engine.run import LibraryRun, Settings
     from hybond.modes.stepping.executive import TimeStepping
 
 Vector = NDArray[np.float64]
@@ -245,8 +247,6 @@ def simulate(
     if engine == "auto":
         engine = ENGINE
     if engine != "reference":
-        from hybond.engine.run import Declined, LibraryRun, Settings
-
         runners = runners_of(graph, fmus=fmus)
         run = _by_library(
             graph,
@@ -333,10 +333,6 @@ def _by_library(
     runners: Mapping[str, Runner],
 ) -> LibraryRun | str:
     """Return a run by the library that has not begun, or why there is none."""
-    from hybond.engine.native import Unavailable
-    from hybond.engine.run import LibraryRun
-    from hybond.export.tables.options import METHODS
-
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
     if impact != "newton":

@@ -10,8 +10,8 @@ import needs
 import pytest
 
 import hybond as hb
-from hybond.engine.native import OK, NativeModel, NativeRun, Unavailable
-from hybond.export.tables import tables_of
+from hybond.engine.compiled.native import OK, NativeModel, NativeRun, Unavailable
+from hybond.engine.tables import tables_of
 
 XML2 = """<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="2.0" modelName="gain" guid="{1}">

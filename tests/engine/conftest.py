@@ -2,7 +2,7 @@
 
 import pytest
 
-from hybond.engine.native import Unavailable, library
+from hybond.engine.compiled.native import Unavailable, library
 from hybond.kernel.build import compiler
 
 

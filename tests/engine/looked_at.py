@@ -11,9 +11,9 @@ import pytest
 from example_runs import NAMES, RTOL, example, integrated
 
 import hybond as hb
-from hybond.engine.native import NativeModel, NativeRun, Rows
-from hybond.engine.native_look import NativeLook
-from hybond.export.tables import tables_of
+from hybond.engine.compiled.native import NativeModel, NativeRun, Rows
+from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.tables import tables_of
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
 from hybond.trace import Segment

@@ -16,10 +16,10 @@ from engine.test_native_runs import said_by
 from export.programs import check, expected
 
 import hybond as hb
-from hybond.engine import calls as of_a_run
-from hybond.engine.native import OK, RAISED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.compiled import answering as of_a_run
+from hybond.engine.compiled.native import OK, RAISED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.tables import tables_of
 from hybond.export.c import to_c
-from hybond.export.tables import tables_of
 
 
 def native(model: hb.Model, until: float, **options: Any) -> NativeModel:

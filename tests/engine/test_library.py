@@ -10,14 +10,14 @@ from pathlib import Path
 import needs
 import pytest
 
-from hybond.engine.build import NAME, compile_into
-from hybond.engine.native import columns, library
+from hybond.engine.compiled.build import NAME, compile_into
+from hybond.engine.compiled.native import columns, library
 
 STRICT = ("-O0", "-Wall", "-Wextra", "-pedantic", "-Werror")
 RUN = """
 import hybond as hb
-from hybond.engine.native import NativeModel, NativeRun
-from hybond.export.tables import tables_of
+from hybond.engine.compiled.native import NativeModel, NativeRun
+from hybond.engine.tables import tables_of
 for name in ("boost", "cam_follower", "planar_puck"):
     graph = hb.load(f"{EXAMPLES}/{name}.toml").flatten()
     run = NativeRun(NativeModel(tables_of(graph)))
@@ -62,7 +62,7 @@ def test_a_library_of_other_sources_is_not_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = (
-        "from hybond.engine import native, printing\n"
+        "from hybond.engine.compiled import native\n"
         "native.digest = lambda: 'of others'\n"
         "native.library()"
     )

@@ -18,12 +18,12 @@ from engine.looked_at import (
 )
 
 import hybond as hb
-from hybond.engine import energies, look
-from hybond.engine.native import OK
-from hybond.engine.native_look import NativeLook
-from hybond.engine.points import Points, Steps, Within
-from hybond.export.portable.engine import make_engine
-from hybond.export.tables import answered
+from hybond.engine.compiled.native import OK
+from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.points import Points, Steps, Within
+from hybond.engine.engine import make_engine
+from hybond.engine.looking import energies, look
+from hybond.engine.tables import answered
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
 from hybond.solvers.dense import Polynomial

@@ -9,10 +9,10 @@ from engine.looked_at import (
 )
 
 import hybond as hb
-from hybond.engine.native import NativeModel, NativeRun
-from hybond.engine.native_look import NativeLook
-from hybond.engine.points import Points, Steps
-from hybond.export.tables import tables_of
+from hybond.engine.compiled.native import NativeModel, NativeRun
+from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.points import Points, Steps
+from hybond.engine.tables import tables_of
 
 
 def source_into(law: str) -> hb.Model:

@@ -9,10 +9,10 @@ from engine.looked_at import (
 )
 
 import hybond as hb
-from hybond.engine.native import NativeModel
-from hybond.engine.native_look import NativeLook
-from hybond.engine.points import Points, Steps, Within
-from hybond.export.tables import tables_of
+from hybond.engine.compiled.native import NativeModel
+from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.points import Points, Steps, Within
+from hybond.engine.tables import tables_of
 
 
 def test_what_is_out_of_range_is_refused() -> None:

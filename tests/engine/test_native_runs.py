@@ -11,10 +11,10 @@ from example_runs import NAMES, STOPPED, example, integrated
 from export.programs import Said, check, expected
 
 import hybond as hb
-from hybond.engine.native import OK, PAUSED, REFUSED, NativeModel, NativeRun, Rows
-from hybond.engine.records import BROKEN
-from hybond.export.portable.pairs import DEPTH
-from hybond.export.tables import ModelTables, tables_of
+from hybond.engine.compiled.native import OK, PAUSED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.expressions.pairs import DEPTH
+from hybond.engine.outcome.records import BROKEN
+from hybond.engine.tables import ModelTables, tables_of
 from hybond.model.planar_friction import kept_paths
 
 CAUSES = ["start", "guard", "time", "input", "accumulation", "step", "sample"]

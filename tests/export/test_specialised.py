@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from hybond.export.translate import load_texts
-from hybond.export.translate.c_printer import CPrinter
-from hybond.export.translate.effects import effects_of
-from hybond.export.translate.specialise import Specialist
+from hybond.translate import load_texts
+from hybond.translate.c_printer import CPrinter
+from hybond.translate.effects import effects_of
+from hybond.translate.specialise import Specialist
 
 MODEL = """
 from __future__ import annotations
 
-from hybond.export.portable.words import Floats, given
+from hybond.engine.words import Floats, given
 
 
 @given
@@ -20,8 +20,8 @@ class Model:
 USER = """
 from __future__ import annotations
 
-from hybond.export.portable.model import Model
-from hybond.export.portable.words import Floats
+from hybond.engine.model import Model
+from hybond.engine.words import Floats
 
 
 def put(v: Floats) -> Floats:

@@ -11,15 +11,16 @@ from pathlib import Path
 import needs
 import pytest
 
-import hybond.export.portable
-from hybond.export.translate import Program, load_texts
-from hybond.export.translate.c_printer import CPrinter
-from hybond.export.translate.c_words import HEADERS, c_words
-from hybond.export.translate.java_printer import JavaPrinter
-from hybond.export.translate.java_words import IMPORTS, java_words
+from hybond.engine.compiled.sources import portable_paths
+from hybond.translate import Program, load_texts
+from hybond.translate.c_printer import CPrinter
+from hybond.translate.c_words import HEADERS, c_words
+from hybond.translate.java_printer import JavaPrinter
+from hybond.translate.java_words import IMPORTS, java_words
 
 SAMPLES = sorted((Path(__file__).parent / "samples").glob("*.py"))
-PORTABLE = Path(hybond.export.portable.__file__).parent
+OTHERS = ("words", "log", "asked", "look", "energies")
+"""What the subset is made of, and what only the library has."""
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 
 MAIN = """
@@ -44,8 +45,7 @@ int main(void)
 
 
 def program_of(path: Path) -> Program:
-    texts = {p.stem: p.read_text("utf-8") for p in PORTABLE.glob("*.py")}
-    del texts["__init__"], texts["words"]
+    texts = {p.stem: p.read_text("utf-8") for p in portable_paths() if p.stem not in OTHERS}
     return load_texts({path.stem: path.read_text("utf-8"), **texts})
 
 

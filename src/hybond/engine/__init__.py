@@ -1,1 +1,77 @@
-"""The engine as one compiled library for all models, and runs by it."""
+"""What a run does, written once, in Python that is printed as C and as Java.
+
+What the modules of most rooms here may say is in `hybond.translate`; they are ordinary Python too,
+and are run as such by the tests. Three rooms are ordinary Python alone: `tables` makes the arrays
+of a model from its flat graph, `compiled` prints, builds and calls the library, `outcome` makes of
+what that writes down the records of a run.
+
+`model.Model` is what a model brings along: tables (`tables/` makes them) and functions
+of its expressions. `engine.Engine` is one run; it holds the state, the modes known so far, and all
+room to work in. Data flows so::
+
+    tables -> Model
+    elimination, tableau      rows of a mode, eliminated
+    equations, kept_modes     those made ready: engine.Mode, kept (the least recently used goes)
+    newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
+    reading, sizes            those that are read in a step; what their rounding is measured by
+    newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
+    damped                    Newton with shorter steps, where full ones do not end
+    jump                      entering a mode: constraints, impulses
+    trial, entering, settle   trying modes at an instant until none is left
+    values, scale, stepping   values while time passes; tolerances; one step (dopri, radau)
+    locate                    the first instant of a step at which a guard holds: locator (what
+                              is kept), guard_values, guard_shape, candidates, bracket
+    sampling, calls           signals set at instants; inputs and blocks that are asked for
+    motion                    the executive: segment after segment
+    radau, radau_stages       implicit steps
+    ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
+    law_instant, law_answers  what laws may do at an instant; one question to them, answered
+    law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution:
+                              law_roles (how each takes part), one_sided (without friction)
+    planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
+    accumulation, rest, landing     contacts that come to rest
+    report, run               what is printed; options; the program
+
+What junction laws and implicit steps ask of it, and give to it:
+
+State and values
+    ``e.v`` are the values that expressions read (`2 * slots`), written by `values.set_values` (all
+    but bond variables) and `newton.solve(e, mode, v)` (bond variables, into ``e.work.w`` and `v`;
+    OK or NOT_FINITE with ``e.fault``). ``e.pre`` is what ``pre()`` reads at an instant. Stored
+    quantities stand in `v` at ``model.stored_slot``: what is solved for is what is stored *there*.
+    `reading.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
+    `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
+    signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
+    mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.
+
+Modes
+    `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left
+    open: fill ``given[j]`` (a junction each: tableau.NOT_OPEN, COMMON, NET) and call
+    `equations.make_equations(e, mode, given)` on a `engine.make_mode(model)` of your own, whose
+    ``state`` `interval.configuration` has filled. The last sources of such a mode are its ports, in
+    the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
+    ``mode.source_level[k]``.
+
+Entering a mode
+    `entering.enter(e, t, x, s, state, jump, stay)` is what settling calls. Without laws it is
+    `trial.try_mode`. With laws (``model.laws > 0``) it calls
+    `laws.enter_with_laws(e, t, x, s, state, jump, stay)`, after Trials._with_laws, which must leave
+    the trial in ``e.trial`` and ``e.v``, ``e.mode`` being its equations. It is made of
+
+    * `trial.begin_trial(e, t, x, s, state)`: takes the mode, writes the values on entering it;
+    * `trial.take_factors(e, e.mode, e.v)`, `trial.jump_into(e, x, after)`: the jump (what it does
+      is ``e.moved``, impulses are ``e.impulses``);
+    * `trial.finish_trial(e, t, x, s)`: with ``e.trial.x`` and ``e.moved`` set, the signals;
+    * ``e.trial.struck`` and ``e.trial.through``: the branches that carried the impulses, where
+      others last; ``e.trial.dusted``.
+
+    `laws.observe(e, v)` is called at the end of each step, with the values there.
+
+Steps
+    `stepping.start(e, t, y, t_bound, jumped)`, `stepping.step(e, t_end)` and
+    `stepping.retry(e, t_end)` choose by ``model.method``; a step is in ``e.step`` (`engine.Step`:
+    t0, t1, y0, y1, f0, f1 and the coefficients of ``x ... x^4``, a row each, in ``dense``).
+    `values.field(e, e.mode, t, y, rate)` is the rate, `scale.tolerance(e, y0, y1, out)` the error
+    that a step may make. A radau brings `radau_start`, `radau_step` and `radau_retry` with the same
+    arguments.
+"""

@@ -8,10 +8,10 @@ from hybond._version import __version__
 from hybond.export.c_parameters import held, places, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before
 from hybond.export.story import noted, story, title_of
-from hybond.export.translate.c_printer import CPrinter, c_number, c_table, c_text
-from hybond.export.translate.c_words import HEADERS, c_words
-from hybond.export.translate.lines import block_comment, plain, prose, wrapped
 from hybond.model.builder import Model
+from hybond.translate.c_printer import CPrinter, c_number, c_table, c_text
+from hybond.translate.c_words import HEADERS, c_words
+from hybond.translate.lines import block_comment, plain, prose, wrapped
 
 LEAVES = ["functions", "lookup"]
 """Chapters that stand before the model's expressions, which call them."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from hybond.export.formulas import ARRAY
 from hybond.export.parameters import Parameters
 from hybond.export.program import Exported
-from hybond.export.translate.c_printer import CPrinter, c_number, c_text
-from hybond.export.translate.lines import plain, wrapped
-from hybond.export.translate.reserved import permitted
-from hybond.export.translate.tree import Expr
+from hybond.translate.c_printer import CPrinter, c_number, c_text
+from hybond.translate.lines import plain, wrapped
+from hybond.translate.reserved import permitted
+from hybond.translate.tree import Expr
 
 
 @dataclass(frozen=True, slots=True)

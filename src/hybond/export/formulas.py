@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from hybond.export.translate.tree import (
+from hybond.model import expressions as e
+from hybond.model.expressions.tree import Table, fold
+from hybond.translate.tree import (
     BOOL,
     FLOAT,
     FLOATS,
@@ -32,8 +34,6 @@ from hybond.export.translate.tree import (
     Value,
     Word,
 )
-from hybond.model import expressions as e
-from hybond.model.expressions.tree import Table, fold
 
 V = Local("v", FLOATS)
 STACK = Local("s", Type("record", "Stack"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable
 
-from hybond.export.translate.reserved import GLOBALS
 from hybond.model.graph import FlatGraph
+from hybond.translate.reserved import GLOBALS
 
 _LETTERS = """
     α alpha β beta γ gamma δ delta ε epsilon ζ zeta η eta θ theta ι iota κ kappa λ lambda μ mu ν nu

@@ -11,12 +11,12 @@ from hybond.export.identifiers import identifier
 from hybond.export.java_parameters import declared, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
 from hybond.export.story import noted, story, title_of
-from hybond.export.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
-from hybond.export.translate.java_words import IMPORTS, java_words
-from hybond.export.translate.lines import block_comment, line_comments, plain, prose, wrapped
-from hybond.export.translate.reserved import JAVA_WORDS, TYPES
-from hybond.export.translate.tree import Member
 from hybond.model.builder import Model
+from hybond.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
+from hybond.translate.java_words import IMPORTS, java_words
+from hybond.translate.lines import block_comment, line_comments, plain, prose, wrapped
+from hybond.translate.reserved import JAVA_WORDS, TYPES
+from hybond.translate.tree import Member
 
 CHUNK = 2000
 """Numbers of a table that one method may fill, and expressions that one may hold: a method of Java

@@ -6,8 +6,8 @@ from collections.abc import Collection
 
 from hybond.export.formulas import ARRAY
 from hybond.export.parameters import Parameters
-from hybond.export.translate.java_printer import JavaPrinter, java_number, java_text
-from hybond.export.translate.lines import plain, wrapped
+from hybond.translate.java_printer import JavaPrinter, java_number, java_text
+from hybond.translate.lines import plain, wrapped
 
 PART = 400
 """Statements that one method may hold: a method of Java has at most 64 KiB of code."""

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from hybond.engine.tables.following import Following, condition_text, conditions_of
 from hybond.export.formulas import Formulas
 from hybond.export.identifiers import distinct, slot_name
-from hybond.export.tables.following import Following, condition_text, conditions_of
-from hybond.export.translate.tree import Expr
 from hybond.model import expressions as e
 from hybond.model.expressions.traced import PREFIX, Traced
+from hybond.translate.tree import Expr
 from hybond.units import DIMENSIONLESS, Dimension
 
 

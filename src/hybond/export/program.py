@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
+from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.tables import ModelTables
+from hybond.engine.tables.following import followed
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.export.parameters import Names, Parameters
-from hybond.export.tables import ModelTables
-from hybond.export.tables.following import followed
-from hybond.export.translate.effects import Effects, effects_of
-from hybond.export.translate.modules import Program, load
-from hybond.export.translate.reach import Uses
-from hybond.export.translate.specialise import Specialist, deciding
-from hybond.export.translate.tree import Block, Expr
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph
+from hybond.translate.effects import Effects, effects_of
+from hybond.translate.modules import Program, load
+from hybond.translate.reach import Uses
+from hybond.translate.specialise import Specialist, deciding
+from hybond.translate.tree import Block, Expr
 
 ROOTS = ("make_engine", "make_report", "run_program")
 """What the printed main calls."""
@@ -51,13 +51,15 @@ OWN = (
     *("BEYOND_LAST", "EXPORT", "NOTHING", "ABSENT", "FINE", "BOTH"),
 )
 """What printed programs and units call what is not of the runtime."""
-PORTABLE = Path(__file__).parent / "portable"
 
 
 @lru_cache(maxsize=1)
 def runtime() -> Program:
     """Return the runtime, read and checked."""
-    return load([PORTABLE / "run.py", PORTABLE / "unit.py", PORTABLE / "lookup.py"])
+    run = ENGINE / "run"
+    return load(
+        [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"], portable_paths()
+    )
 
 
 @lru_cache(maxsize=1)

@@ -7,10 +7,10 @@ import textwrap
 from hybond.equations.derive import state_equations
 from hybond.errors import HybondError
 from hybond.export.program import Exported
-from hybond.export.translate.lines import plain
 from hybond.files import dumps
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.translate.lines import plain
 
 WRITTEN = 300
 """Lines of a model above which it is not repeated in what is exported from it."""

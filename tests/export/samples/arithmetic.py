@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.export.portable.words import (
+from hybond.engine.words import (
     Floats,
     Text,
     float_table,

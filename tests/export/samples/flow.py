@@ -5,7 +5,7 @@ This docstring has `marks`, ``marks`` and an end of comment: */ which must not e
 
 from __future__ import annotations
 
-from hybond.export.portable.words import Ints, Text, ints, put_int, put_line, put_text
+from hybond.engine.words import Ints, Text, ints, put_int, put_line, put_text
 
 
 def put(name: Text, i: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.export.portable.words import (
+from hybond.engine.words import (
     Floats,
     Records,
     Text,

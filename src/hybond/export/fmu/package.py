@@ -21,11 +21,11 @@ from hybond.export.c import c_file
 from hybond.export.fmu.describing import describe
 from hybond.export.fmu.interface import Interface, Shown, free_inputs, interface_of
 from hybond.export.program import DRIVEN, Exported, exported
-from hybond.export.translate.reserved import permitted
 from hybond.kernel.build import compiler
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.inputs import Constant, Free
+from hybond.translate.reserved import permitted
 
 HOME = Path(__file__).parent
 VERSIONS = ("2.0", "3.0")

@@ -1,0 +1,1 @@
+"""Sparse rows, LU, QR, singular values, blocks that grow."""

@@ -1,0 +1,49 @@
+"""Products of matrices, which are arrays row after row, and the largest of some numbers."""
+
+import math
+
+from hybond.engine.words import Floats
+
+
+def times_vector(m: int, n: int, a: Floats, x: Floats, y: Floats) -> None:
+    """Put `a` times `x` into `y`; `a` has m rows and n columns."""
+    for i in range(m):
+        total = 0.0
+        for j in range(n):
+            total += a[i * n + j] * x[j]
+        y[i] = total
+
+
+def times_matrix(m: int, k: int, n: int, a: Floats, b: Floats, c: Floats) -> None:
+    """Put `a`, of m rows and k columns, times `b`, of k rows and n columns, into `c`."""
+    for i in range(m):
+        for j in range(n):
+            c[i * n + j] = 0.0
+        for p in range(k):
+            factor = a[i * k + p]
+            if factor != 0.0:
+                for j in range(n):
+                    c[i * n + j] += factor * b[p * n + j]
+
+
+def largest(n: int, a: Floats) -> float:
+    """Return the largest magnitude of the first n numbers; 0 if there are none."""
+    most = 0.0
+    for k in range(n):
+        if math.fabs(a[k]) > most:
+            most = math.fabs(a[k])
+    return most
+
+
+def all_finite(n: int, a: Floats) -> bool:
+    """Whether none of the first n numbers is infinite or not a number."""
+    k = 0
+    while k < n and math.isfinite(a[k]):
+        k += 1
+    return k == n
+
+
+def copy_floats(n: int, a: Floats, b: Floats) -> None:
+    """Copy the first n numbers of `a` into `b`."""
+    for k in range(n):
+        b[k] = a[k]

@@ -1,0 +1,1 @@
+"""The engine printed as one library, compiled, and called from Python."""

@@ -1,0 +1,46 @@
+"""The compiled library: made of the printed engine, by the compiler that the kernel takes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from hybond.engine.compiled.printing import library_text
+from hybond.kernel.build import TIMEOUT, compiler
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
+NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
+
+
+def compile_into(target: Path, *, flags: tuple[str, ...] = ()) -> str:
+    """Print and compile the engine into the file `target`; return why not, empty if it is there."""
+    command = compiler()
+    if command is None:
+        return "there is no C compiler"
+    hidden = () if sys.platform == "win32" else ("-fPIC", "-fvisibility=hidden")
+    libraries = () if sys.platform == "win32" else ("-lm",)
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "engine.c")
+        source.write_text(library_text(), encoding="utf-8")
+        made = Path(folder, target.name)
+        whole = [*command, *FLAGS, *hidden, *flags]
+        try:
+            done = subprocess.run(
+                [*whole, "-o", str(made), str(source), *libraries],
+                capture_output=True,
+                text=True,
+                timeout=TIMEOUT,
+                check=False,
+                errors="replace",
+            )
+            if done.returncode == 0:
+                # whole or not at all: somebody may have the old one loaded
+                shutil.copyfile(made, target.with_suffix(".new"))
+                os.replace(target.with_suffix(".new"), target)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return f"{command[0]}: {error}"
+    return "" if done.returncode == 0 else f"{command[0]}: {done.stderr.strip()[-2000:]}"

@@ -1,0 +1,443 @@
+"""The library from Python: tables handed over, a run in slices, and what it wrote down.
+
+Any number of runs live beside each other, on the same tables or others, each in one thread at a
+time; tables are only read. The interpreter's lock is released while a slice runs, but where it
+calls inputs and blocks, which are each run's own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import threading
+import weakref
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
+from hybond.engine.compiled.build import NAME
+from hybond.engine.compiled.printing import digest
+from hybond.engine.tables import ModelTables
+from hybond.engine.tables.code import Code
+from hybond.modes.sampling import Runner
+
+OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
+LONGEST_SLICE = 2**31 - 1
+SLICE = 2000
+"""Steps and instants between two looks at the world outside."""
+MACHINES_OF_STEP = 2
+"""Where the states of machines begin in a row of `step_place`."""
+MACHINES_OF_INSTANT = 3
+
+_KINDS: dict[str, Any] = {
+    "int": ctypes.c_int,
+    "float": ctypes.c_double,
+    "Ints": ctypes.POINTER(ctypes.c_int),
+    "Floats": ctypes.POINTER(ctypes.c_double),
+    "Texts": ctypes.POINTER(ctypes.c_char_p),
+}
+_NAMES = {
+    "node_names": "nodes",
+    "bond_names": "bonds",
+    "rule_texts": "rules",
+    "machine_names": "machines",
+    "state_names": "states",
+    "stored_names": "stored",
+    "output_names": "outputs",
+}
+
+
+_ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
+_COUNTS = ("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids")
+_FLOATS = (
+    *("step_time", "step_until", "step_state", "step_dense"),
+    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
+)
+_INTS = ("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid")
+
+
+class Seen(ctypes.Structure):
+    """What is read of a run: as `HybondSeen` in ``library.c``."""
+
+    _fields_ = (
+        ("y", ctypes.POINTER(ctypes.c_double)),
+        ("state", ctypes.POINTER(ctypes.c_int)),
+        ("tried", ctypes.POINTER(ctypes.c_int)),
+        ("t", ctypes.c_double),
+        ("energy", ctypes.c_double),
+        *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
+        *((name, ctypes.c_char_p) for name in ("code", "why", "place")),
+        ("fault_t", ctypes.c_double),
+        *((n, ctypes.c_int) for n in _ENDS),
+        *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
+        *((n, ctypes.c_int) for n in _COUNTS),
+        *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
+        *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
+    )
+
+
+class Unavailable(Exception):
+    """There is no library here; the text says why."""
+
+
+@functools.cache
+def library() -> ctypes.CDLL:
+    """Return the library, loaded once.
+
+    Raises
+    ------
+    Unavailable
+    """
+    chosen = os.environ.get("HYBOND_ENGINE", "")
+    path = Path(chosen) if chosen else Path(__file__).parent / NAME
+    if not path.is_file():
+        raise Unavailable(f"{path.name} was not built")
+    try:
+        found = ctypes.CDLL(str(path))
+        found.hybond_source.restype = ctypes.c_char_p
+        made = found.hybond_source().decode()
+    except (OSError, AttributeError) as error:
+        raise Unavailable(f"{path.name} cannot be loaded: {error}") from error
+    if made != digest():
+        raise Unavailable(f"{path.name} was built from other sources: install hybond again")
+    found.hybond_columns.restype = ctypes.POINTER(ctypes.c_char_p)
+    found.hybond_begin.restype = ctypes.c_void_p
+    found.hybond_begin.argtypes = [ctypes.c_void_p]
+    found.hybond_run.argtypes = [ctypes.c_void_p, ctypes.c_int]
+    found.hybond_see.argtypes = [ctypes.c_void_p, ctypes.POINTER(Seen)]
+    found.hybond_see.restype = None
+    found.hybond_ask.argtypes = [ctypes.c_void_p, ctypes.POINTER(Question), CALLBACK]
+    found.hybond_ask.restype = None
+    for name in ("hybond_forget", "hybond_end"):
+        getattr(found, name).argtypes = [ctypes.c_void_p]
+        getattr(found, name).restype = None
+    return found
+
+
+@functools.cache
+def columns() -> dict[str, str]:
+    """Return the columns of a model's record, in order, with the types that the library names."""
+    found: dict[str, str] = {}
+    for column in library().hybond_columns():
+        if column is None:
+            break
+        kind, name = column.decode().split()
+        found[name] = kind
+    return found
+
+
+@functools.cache
+def model_struct() -> type[ctypes.Structure]:
+    """Return the record of a model as the library has it."""
+    fields = [(name, _KINDS[kind]) for name, kind in columns().items()]
+    found = type("ModelRecord", (ctypes.Structure,), {"_fields_": fields})
+    if ctypes.sizeof(found) != library().hybond_model_size():
+        raise Unavailable("the library has a record of models of another size")
+    return found
+
+
+class NativeModel:
+    """The tables of a model where the library reads them.
+
+    Parameters
+    ----------
+    tables : ModelTables
+    """
+
+    def __init__(self, tables: ModelTables) -> None:
+        self.tables = tables
+        self._kept: list[object] = []
+        self.record = model_struct()()
+        code = Code(tables.slots.index, tables.slots.size)
+        values = [code.add(e, paired=False) for e in tables.values.all]
+        pairs = [code.add(e, paired=True) for e in tables.pairs]
+        ints = {**tables.ints, "code": code.instructions, "value_begins": values}
+        ints["pair_begins"] = pairs
+        floats = {**tables.floats, "code_number": code.numbers}
+        for name, kind in columns().items():
+            if kind in ("int", "float"):
+                number = tables.numbers[name]
+                setattr(self.record, name, int(number) if kind == "int" else float(number))
+            elif kind == "Ints":
+                self._put(name, np.array(ints[name] or [0], dtype=np.intc), ctypes.c_int)
+            elif kind == "Floats":
+                self._put(name, np.array(floats[name] or [0.0]), ctypes.c_double)
+            else:
+                texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
+                row = (ctypes.c_char_p * len(texts))(*texts)
+                self._kept.append(row)
+                setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+
+    def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
+        self._kept.append(column)
+        setattr(self.record, name, column.ctypes.data_as(ctypes.POINTER(kind)))
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are.
+
+    Parameters
+    ----------
+    step_time : array, shape (steps, 3)
+        Begin and end of each step, and where it was ended, s.
+    step_until : array, shape (steps,)
+        The next timed event, s.
+    step_state : array, shape (steps, 3, states)
+        The state there.
+    step_dense : array, shape (steps, 4, states)
+    step_place : array of int, shape (steps, 2 + 2 machines)
+    instant_time : array, shape (instants, 2)
+    instant_state : array, shape (instants, 2, states)
+        Before and after.
+    instant_place : array of int, shape (instants, 3 + 2 machines)
+    visit : array of int, shape (visits, 5)
+    visit_energy : array, shape (visits, 3)
+    fired : array of int, shape (transitions, 6)
+    read : array, shape (values, 3)
+    hit : array of int, shape (hits,)
+    hit_area : array, shape (hits, 2)
+    over, open, slid : arrays of int
+    """
+
+    step_time: NDArray[np.float64]
+    step_until: NDArray[np.float64]
+    step_state: NDArray[np.float64]
+    step_dense: NDArray[np.float64]
+    step_place: NDArray[np.intc]
+    instant_time: NDArray[np.float64]
+    instant_state: NDArray[np.float64]
+    instant_place: NDArray[np.intc]
+    visit: NDArray[np.intc]
+    visit_energy: NDArray[np.float64]
+    fired: NDArray[np.intc]
+    read: NDArray[np.float64]
+    hit: NDArray[np.intc]
+    hit_area: NDArray[np.float64]
+    over: NDArray[np.intc]
+    open: NDArray[np.intc]
+    slid: NDArray[np.intc]
+
+
+class NativeRun:
+    """One run of a model by the library.
+
+    Parameters
+    ----------
+    model : NativeModel
+    runners : mapping of str to Runner
+        What runs each block, by its path; others have to close them. By default the run has its
+        own, and closes them when it ends.
+    fmus : bool
+        The consent to run the code of functional mock-up units.
+
+    Raises
+    ------
+    Unavailable
+        If there is no library.
+    UsageError
+        HB-S117 for an FMU without consent.
+    MemoryError
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> from hybond.engine.tables import tables_of
+    >>> graph = hb.load("examples/buck.toml").flatten()
+    >>> run = NativeRun(NativeModel(tables_of(graph)))
+    >>> sum(len(rows.instant_time) for rows in run.slices())
+    12
+    >>> run.status == OK, run.t
+    (True, 1e-05)
+    """
+
+    def __init__(
+        self,
+        model: NativeModel,
+        *,
+        runners: Mapping[str, Runner] | None = None,
+        fmus: bool = False,
+    ) -> None:
+        self.model = model
+        self._library = library()
+        numbers = model.tables.numbers
+        self._answering: Answering | None = None
+        self._close_runners: Callable[[], object] = _do_nothing
+        calls = None
+        if numbers["called"] or numbers["blocks"]:
+            calls = Calls(model.tables, runners, fmus=fmus)
+        handle = self._library.hybond_begin(ctypes.byref(model.record))
+        if not handle:
+            raise MemoryError
+        self._handle = ctypes.c_void_p(handle)
+        self._lock = threading.Lock()
+        self._close = weakref.finalize(self, self._library.hybond_end, self._handle)
+        if calls is not None:
+            self._answering = Answering(calls)
+            question = ctypes.byref(self._answering.question)
+            self._library.hybond_ask(self._handle, question, self._answering.callback)
+            if runners is None:
+                self._close_runners = weakref.finalize(self, calls.close)
+        self._seen = Seen()
+        self.status = PAUSED
+        self._look()
+
+    def _look(self) -> None:
+        self._library.hybond_see(self._handle, ctypes.byref(self._seen))
+
+    @property
+    def t(self) -> float:
+        """The time that was reached, s."""
+        return float(self._seen.t)
+
+    @property
+    def y(self) -> NDArray[np.float64]:
+        """The state there: stored quantities, then integrated signals."""
+        return _floats(self._seen.y, self._seen.states)
+
+    @property
+    def fault(self) -> tuple[str, str, str]:
+        """Code, reason and place of what stopped the run; empty texts if nothing did."""
+        seen = self._seen
+        return tuple((text or b"").decode() for text in (seen.code, seen.why, seen.place))  # type: ignore[return-value]
+
+    @property
+    def fault_t(self) -> float:
+        """When that was, s."""
+        return float(self._seen.fault_t)
+
+    @property
+    def mode(self) -> tuple[int, ...]:
+        """The state of each machine: in the mode that is being tried, or in which time passes."""
+        seen = self._seen
+        states = seen.tried if seen.settling else seen.state
+        return tuple(states[k] for k in range(self.model.record.machines))
+
+    @property
+    def stuck(self) -> tuple[int, int, int, float, float]:
+        """Of events that accumulate: machine or -1, how many, why, their limit, s, the ratio."""
+        s = self._seen
+        return s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
+
+    @property
+    def energy(self) -> float:
+        """The largest energy that the run has seen, J."""
+        return float(self._seen.energy)
+
+    @property
+    def rejected(self) -> int:
+        """Steps that were tried and found too long."""
+        return int(self._seen.rejected)
+
+    @property
+    def evaluations(self) -> int:
+        """How often the rates of the state were evaluated."""
+        return int(self._seen.evaluations)
+
+    @property
+    def modes_made(self) -> int:
+        """Modes whose equations were made."""
+        return int(self._seen.modes_made)
+
+    @property
+    def error(self) -> BaseException | None:
+        """What an input or a block raised, which ended the run; None if nothing was."""
+        return None if self._answering is None else self._answering.error
+
+    def slices(
+        self,
+        *,
+        steps: int | Callable[[], int] = SLICE,
+        between: Callable[[float], None] | None = None,
+    ) -> Iterator[Rows]:
+        """Run on to the end; yield what was written down, slice after slice.
+
+        Who leaves the loop can go on later: nothing is lost, nothing comes twice. What an input or
+        a block raises is raised here, after what was written down before it; so is an interrupt
+        that comes meanwhile. The run has ended then.
+
+        Parameters
+        ----------
+        steps : int or callable
+            Steps and instants of a slice; -1: all in one. A callable is asked before each.
+        between : callable
+            Called with the time after each slice; what it raises ends the run there.
+
+        Raises
+        ------
+        ValueError
+            For a slice of no steps.
+        MemoryError
+        NumericsError
+            HB-N306 if a block fails.
+        """
+        if isinstance(steps, int):
+            _check_slice(steps)
+        while self.status == PAUSED:
+            many = steps if isinstance(steps, int) else steps()
+            _check_slice(many)
+            with self._lock:
+                self.status = self._library.hybond_run(self._handle, many)
+                self._look()
+                if self.status == SPENT:
+                    raise MemoryError
+                if self.error is not None:
+                    self.status = RAISED
+                rows = self._rows()
+                self._library.hybond_forget(self._handle)
+            yield rows
+            if between is not None and self.status != RAISED:
+                between(self.t)
+        self._close_runners()
+        if self.status == RAISED:
+            # there is none if a second interrupt came while the first one was kept
+            raise self.error or KeyboardInterrupt
+
+    def _rows(self) -> Rows:
+        s = self._seen
+        n, machines = s.states, self.model.record.machines
+        return Rows(
+            _floats(s.step_time, s.steps, 3),
+            _floats(s.step_until, s.steps),
+            _floats(s.step_state, s.steps, 3, n),
+            _floats(s.step_dense, s.steps, 4, n),
+            _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
+            _floats(s.instant_time, s.instants, 2),
+            _floats(s.instant_state, s.instants, 2, n),
+            _ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
+            _ints(s.visit, s.visits, 5),
+            _floats(s.visit_energy, s.visits, 3),
+            _ints(s.fired, s.fireds, 6),
+            _floats(s.read, s.reads, 3),
+            _ints(s.hit, s.hits),
+            _floats(s.hit_area, s.hits, 2),
+            _ints(s.over, s.overs),
+            _ints(s.open, s.opens),
+            _ints(s.slid, s.slids),
+        )
+
+
+def _check_slice(steps: int) -> None:
+    if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
+        raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
+
+
+def _do_nothing() -> None:
+    """Do nothing: a run without blocks has none to close."""
+
+
+def _floats(begin: Any, *shape: int) -> NDArray[np.float64]:
+    size = int(np.prod(shape))
+    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy() if size else np.zeros(shape)
+
+
+def _ints(begin: Any, *shape: int) -> NDArray[np.intc]:
+    if not np.prod(shape):
+        return np.zeros(shape, dtype=np.intc)
+    return np.ctypeslib.as_array(begin, (int(np.prod(shape)),)).reshape(shape).copy()

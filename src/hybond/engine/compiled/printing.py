@@ -1,0 +1,163 @@
+"""The engine printed as one library: nothing of any model in it, which is data."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import lru_cache
+from pathlib import Path
+
+from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.expressions.code import DEEPEST
+from hybond.translate.c_printer import CPrinter, c_text
+from hybond.translate.c_words import HEADERS, c_words
+from hybond.translate.effects import effects_of
+from hybond.translate.lines import block_comment, prose, wrapped
+from hybond.translate.modules import Program, load, load_texts
+
+HERE = Path(__file__).parent
+ROOTS = (
+    *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
+    *("make_look", "look_into", "points_at", "points_within", "ask_for"),
+    *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
+    *("run_code", "run_pair_code"),
+)
+"""What `library.c` calls, and what evaluates expressions."""
+COLUMNS = """\
+    const int *code;
+    const int *value_begins;
+    const int *pair_begins;
+    const double *code_number;
+    const char *const *node_names;
+    const char *const *bond_names;
+    const char *const *rule_texts;
+    const char *const *machine_names;
+    const char *const *state_names;
+    const char *const *stored_names;
+    const char *const *output_names;
+"""
+"""Columns of a model that the functions below read, behind those of the record."""
+GIVEN = {
+    "value": """\
+static double value(const Model *m, int k, const double *v)
+{
+    double stack[@DEEPEST@];
+    return run_code(m->code, m->value_begins[k], m->code_number, v, stack);
+}
+""",
+    "evaluate_pair": """\
+static void evaluate_pair(const Model *m, int k, Stack *s)
+{
+    run_pair_code(m->code, m->pair_begins[k], m->code_number, s);
+}
+""",
+    "call_input": """\
+/* A run has its arena: `library.c` knows which run it is, and whom to ask. */
+enum { VALUE, RATE, BLOCK };
+static double ask_run(Arena *arena, int what, int k, double t, int piece, double *values);
+
+static double call_input(Calls *c, int i, double t, int piece)
+{
+    return ask_run(arena_of(c), VALUE, i, t, piece, c->values);
+}
+""",
+    "call_input_rate": """\
+static double call_input_rate(Calls *c, int i, double t, int piece)
+{
+    return ask_run(arena_of(c), RATE, i, t, piece, c->values);
+}
+""",
+    "call_block": """\
+static void call_block(Calls *c, int block, double t)
+{
+    (void)ask_run(arena_of(c), BLOCK, block, t, 0, c->values);
+}
+""",
+}
+LOOKING = ("asked", "look", "energies")
+"""Modules that exports do not have; `log` stands in for `report`."""
+NAMES = {
+    "machine_name": "machine_names",
+    "state_name": "state_names",
+    "stored_name": "stored_names",
+    "output_name": "output_names",
+    "node_name": "node_names",
+    "bond_name": "bond_names",
+    "rule_text": "rule_texts",
+}
+
+
+def program() -> Program:
+    """Return the engine as a program: what prints is replaced by what logs."""
+    looking = [ENGINE / "looking" / f"{name}.py" for name in LOOKING]
+    roots = [ENGINE / "run" / "motion.py", ENGINE / "expressions" / "code.py", *looking]
+    found = load(roots, portable_paths())
+    paths = {path.stem: path for path in portable_paths()}
+    names = [m.name for m in found.modules if m.name != "report"]
+    texts = {name: paths[name].read_text(encoding="utf-8") for name in names}
+    texts["report"] = paths["log"].read_text(encoding="utf-8")
+    return load_texts(texts)
+
+
+@lru_cache(maxsize=1)
+def digest() -> str:
+    """Return what tells the sources of the library from others."""
+    translate = ENGINE.parent / "translate"
+    own = [HERE / "printing.py", HERE / "library.c"]
+    paths = sorted([*portable_paths(), *translate.glob("*.py"), *own])
+    text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in paths)
+    return hashlib.sha256(text).hexdigest()[:16]
+
+
+def _columns(printer: CPrinter) -> list[str]:
+    """Return the columns of a model in the library, in order: type and name.
+
+    Types are ``int``, ``float``, ``Ints``, ``Floats`` and ``Texts``.
+    """
+    kinds = {"const int *": "Ints", "const double *": "Floats", "const char *const *": "Texts"}
+    members = printer.members(printer.program.records["Model"])
+    found = [f"{m.type.kind} {m.name}" for m in members]
+    for line in COLUMNS.splitlines():
+        kind, _, name = line.strip().rstrip(";").rpartition("*")
+        found.append(f"{kinds[f'{kind}*']} {name}")
+    return found
+
+
+def library_text() -> str:
+    """Return the library as one file of C99."""
+    found = program()
+    printer = _printer(found)
+    words = c_words(printer.reached.words, finding=printer.finds_arena)
+    lines = block_comment(["The engine of hybond, for models that are data."])
+    lines += ["#if defined(__clang__) || !defined(__GNUC__)", "#pragma STDC FP_CONTRACT OFF"]
+    lines += ["#endif", "", *(f"#include <{h}>" for h in HEADERS), "", *words, ""]
+    lines += printer.typedefs()
+    modules = {m.name: m for m in found.modules}
+    first = ["functions", "lookup", "pairs", "code", "model"]
+    for name in [*first, *(n for n in modules if n not in first)]:
+        if printer.needed(modules[name]):
+            head = prose(modules[name].doc)
+            lines += ["", *block_comment([f"Chapter: {name}. {head[0]}", *head[1:]])]
+            lines += printer.chapter(modules[name])
+    lines += ["", f'#define HYBOND_SOURCE "{digest()}"']
+    listed = ", ".join(c_text(column) for column in _columns(printer))
+    lines += wrapped(f"static const char *const HYBOND_COLUMNS[] = {{{listed}, NULL}};", 0)
+    return "\n".join([*lines, "", (HERE / "library.c").read_text(encoding="utf-8")])
+
+
+def _printer(found: Program) -> CPrinter:
+    printer = CPrinter(found, ROOTS, effects=effects_of(found, ROOTS))
+    names = {f: _name_text(f, column) for f, column in NAMES.items()}
+    texts = {n: t.replace("@DEEPEST@", str(DEEPEST)) for n, t in {**GIVEN, **names}.items()}
+    reached = printer.reached.functions
+    printer.given = {name: text.splitlines() for name, text in texts.items() if name in reached}
+    printer.beside = COLUMNS.splitlines()
+    return printer
+
+
+def _name_text(function: str, column: str) -> str:
+    return f"""\
+static const char *{function}(const Model *m, int k)
+{{
+    return m->{column}[k];
+}}
+"""

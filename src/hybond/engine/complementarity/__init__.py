@@ -1,0 +1,1 @@
+"""Linear complementarity problems: the laws of junctions as one of them, and its solution."""

@@ -1,0 +1,195 @@
+"""Junction laws that are one-sided or cut: a linear complementarity problem, level by level.
+
+As modes.laws.problem.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.svd import least_squares
+from hybond.engine.complementarity.law_roles import ONE_SIDED, LawProblem
+from hybond.engine.complementarity.lcp import SOLVED
+from hybond.engine.complementarity.lemke import lemke
+from hybond.engine.words import Floats, Ints
+
+CLEAR_PART: Final = 1e-6
+"""Part of the largest of its kind from which a value is positive beyond doubt."""
+LEVELS: Final = 4
+"""Orders of magnitude at which pairs that are zero on both sides are looked at again."""
+
+
+def solve_one_sided(
+    p: LawProblem,
+    n: int,
+    m: Floats,
+    q: Floats,
+    role: Ints,
+    common: Ints,
+    start: Ints,
+    l: Floats,
+    branch: Ints,
+    open: Ints,
+) -> bool:
+    """Solve where all laws are one-sided, or cut. As modes.laws.problem._one_sided."""
+    many = 0
+    for k in range(n):
+        l[k] = 0.0
+        branch[k] = 0
+        open[k] = 0
+        if role[k] == ONE_SIDED:
+            p.who[many] = k
+            many += 1
+    if many == 0:
+        return True
+    for i in range(many):
+        one = p.who[i]
+        p.guess[i] = 1 if (start[one] == 1) == (common[one] != 0) else 0
+        p.own_q[i] = q[one]
+        for j in range(many):
+            p.own[i * many + j] = m[one * n + p.who[j]]
+    if as_before(p, many):
+        for i in range(many):
+            one = p.who[i]
+            l[one] = p.z[i]
+            branch[one] = 1 if (p.guess[i] != 0) == (common[one] != 0) else 0
+        return True
+    if not by_levels(p, many):
+        return False
+    for i in range(many):
+        one = p.who[i]
+        l[one] = p.z[i]
+        branch[one] = 1 if (p.active[i] != 0) == (common[one] != 0) else 0
+        open[one] = p.left[i]
+    return True
+
+
+def as_before(p: LawProblem, n: int) -> bool:
+    """Whether the guessed active set clearly is the solution, which is p.z then.
+
+    As modes.laws.problem._as_before.
+    """
+    many = 0
+    for k in range(n):
+        p.z[k] = 0.0
+        if p.guess[k] != 0:
+            p.active[many] = k
+            many += 1
+    for i in range(many):
+        p.sub_q[i] = -p.own_q[p.active[i]]
+        for j in range(many):
+            p.block[i * many + j] = p.own[p.active[i] * n + p.active[j]]
+    if many > 0:
+        if lu_factor(many, p.block, p.pivot) == SINGULAR:
+            return False
+        lu_solve(many, p.block, p.pivot, 1, p.sub_q)
+    most = 0.0
+    for i in range(many):
+        p.z[p.active[i]] = p.sub_q[i]
+        if not p.sub_q[i] <= most:
+            most = p.sub_q[i]
+    size = 0.0
+    for i in range(n):
+        total = 0.0
+        terms = 0.0
+        for j in range(n):
+            total += p.own[i * n + j] * p.z[j]
+            terms += math.fabs(p.own[i * n + j]) * p.z[j]
+        p.sub_q[i] = total + p.own_q[i]
+        size = max(size, terms + math.fabs(p.own_q[i]))
+    clear = True
+    for k in range(n):
+        if p.guess[k] != 0:
+            clear = clear and p.z[k] > CLEAR_PART * most
+        else:
+            clear = clear and p.sub_q[k] > CLEAR_PART * size
+    return clear
+
+
+def by_levels(p: LawProblem, n: int) -> bool:
+    """Solve ``0 <= l``, ``q + m l >= 0``, one of them zero, level by level of magnitude.
+
+    Pairs that are zero on both sides, measured by the largest of them, are decided by what is left
+    of q once the others are: a current that passes through zero while others flow. The answer is
+    p.z, p.active, and what stays open at every level in p.left. As modes.laws.problem._by_levels.
+    """
+    if lemke(p.lcp, n, p.own, p.own_q, p.guess) != SOLVED:
+        return False
+    several = 0
+    for k in range(n):
+        p.z[k] = p.lcp.z[k]
+        p.active[k] = p.lcp.active[k]
+        p.left[k] = p.lcp.open[k]
+        several += p.left[k]
+    level = 0
+    while level < LEVELS and several > 0:
+        level += 1
+        if not finer_level(p, n, several):
+            break
+        still = 0
+        i = 0
+        for k in range(n):
+            if p.left[k] != 0:
+                p.active[k] = p.lcp.active[i]
+                p.left[k] = p.lcp.open[i]
+                still += p.left[k]
+                i += 1
+        if still == several:
+            break
+        several = still
+    return True
+
+
+def finer_level(p: LawProblem, n: int, several: int) -> bool:
+    """Solve for the pairs in p.left with what the others leave of q; False if nothing is left."""
+    sure = 0
+    left = 0
+    for k in range(n):
+        if p.left[k] != 0:
+            p.free[left] = k
+            left += 1
+        elif p.active[k] != 0:
+            p.held[sure] = k
+            sure += 1
+    put_in_held(p, n, sure, several, p.own, p.own_q, p.sub, p.sub_q)
+    most = 0.0
+    for i in range(several):
+        most = max(most, math.fabs(p.sub_q[i]))
+        p.sub_start[i] = p.guess[p.free[i]]
+    if most == 0.0:
+        return False
+    for i in range(several):
+        p.sub_q[i] /= most
+    return lemke(p.lcp, several, p.sub, p.sub_q, p.sub_start) == SOLVED
+
+
+def put_in_held(
+    p: LawProblem, n: int, many: int, free: int, m: Floats, q: Floats, inner: Floats, rest: Floats
+) -> None:
+    """Put in the `l` of `many` ports in p.held that make ``w = m l + q`` zero there.
+
+    What is left for the `free` ports in p.free is ``w = inner l + rest``; minus the held `l` are
+    ``p.into (l, 1)``.
+    """
+    wide = free + 1
+    for i in range(many):
+        one = p.held[i]
+        for j in range(many):
+            p.block[i * many + j] = m[one * n + p.held[j]]
+        for j in range(free):
+            p.fixed[i * wide + j] = m[one * n + p.free[j]]
+        p.fixed[i * wide + free] = q[one]
+    if many > 0:
+        least_squares(p.svd, many, many, p.block, -1.0, wide, p.fixed, p.into)
+    for i in range(free):
+        one = p.free[i]
+        for j in range(wide):
+            total = 0.0
+            for s in range(many):
+                total += m[one * n + p.held[s]] * p.into[s * wide + j]
+            if j < free:
+                inner[i * free + j] = m[one * n + p.free[j]] - total
+            else:
+                rest[i] = q[one] - total

@@ -1,0 +1,1 @@
+"""Contacts: impacts that accumulate, landing, rest."""

@@ -1,0 +1,519 @@
+"""Landing: what happens where impacts accumulate.
+
+A machine lands when its next flight would be below the position tolerance and all that is left of
+its flights below the time room; such a flight is never started. It then stays in its pinnacle
+state, whose impact law has every ``pre()`` term at its limit 0. Its own exits are suspended. It
+leaves, by its first exit, when the reaction (the conjugate of what the impact law prescribes)
+changes the sign that its impulses had. A landing is accepted only if the reaction has that sign to
+begin with. As modes.landing.landing; Mosterman & Biswas 2002, section 4.
+"""
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.contacts.accumulation import (
+    POSITION,
+    chatters,
+    fell_silent,
+    limit_of,
+    note_impact,
+    push_time,
+    restart,
+    room_of,
+    tick_of,
+)
+from hybond.engine.contacts.landing_records import CROWD, Landings, in_force
+from hybond.engine.contacts.rest import find_moved, find_rest, still_stored
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.instant.entering import enter
+from hybond.engine.instant.instant import (
+    ACCUMULATION,
+    CONTINUOUS,
+    PINNACLE,
+    Instant,
+    add_energy,
+    begin_instant,
+    note_fired,
+    note_step,
+)
+from hybond.engine.instant.settle import Settling, settle
+from hybond.engine.instant.telling import supplied_by_jump
+from hybond.engine.instant.told import LANDS, add_read, say_why
+from hybond.engine.instant.trial import a_priori
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.values import begin_field, evaluate, field
+from hybond.engine.model import Model, value
+from hybond.engine.run.guard_values import (
+    ask_in_motion,
+    begin_sizes_in_motion,
+    measure_in_motion,
+)
+from hybond.engine.sliding.blend import combine_here
+from hybond.engine.words import Floats
+
+FEW_EVENTS: Final = 1e-13
+"""What counts as no time for a crowd of events, as a part of the run."""
+SILENT: Final = 0
+"""Why events accumulate that nothing was landed for: impacts follow each other too fast."""
+CHATTERS: Final = 1
+"""Other events of a machine have a limit."""
+NO_TIME: Final = 2
+"""No time passes between many of them."""
+SLOW: Final = 1e-3
+LIVELY: Final = 10.0
+FADING: Final = 1000.0
+"""A rebound at half the speed of the approach or more is looked at more closely if the last flight
+was shorter than LIVELY times the time room; a slower one if it is below the part SLOW of the
+fastest approach, or if the last flight was shorter than FADING times the time room."""
+
+
+def before_event(e: Engine) -> None:
+    """Keep what there is before an instant is settled."""
+    m = e.model
+    g = e.landings
+    for k in range(e.states):
+        g.before[k] = e.y[k]
+    for k in range(m.machines):
+        g.before_state[k] = e.state[k]
+    for k in range(m.inputs):
+        g.before_piece[k] = e.piece[k]
+    for k in range(m.watches):
+        g.before_at[k] = e.at[k]
+
+
+def exchange_interval(e: Engine) -> None:
+    """Exchange the interval after the instant with the one before it."""
+    m = e.model
+    g = e.landings
+    for k in range(m.inputs):
+        piece = e.piece[k]
+        e.piece[k] = g.before_piece[k]
+        g.before_piece[k] = piece
+    for k in range(m.watches):
+        at = e.at[k]
+        e.at[k] = g.before_at[k]
+        g.before_at[k] = at
+
+
+def observe_event(e: Engine, i: Instant) -> None:
+    """Learn from an event, just settled, which impacts it was. As Landings.observe."""
+    m = e.model
+    g = e.landings
+    g.event_times[g.events % CROWD] = e.t
+    g.events += 1
+    forget_left(e)
+    g.touches = 0
+    for k in range(m.machines):
+        g.state[k] = g.before_state[k]
+        g.struck[k] = -1
+        g.fired[k] = 0
+    for step in range(i.steps):
+        for f in range(i.first.at[step], i.first.at[step + 1]):
+            g.state[i.machine.at[f]] = i.target.at[f]
+            g.fired[i.machine.at[f]] = 1
+        if i.kind.at[step] == PINNACLE:
+            note_struck(m, g)
+    exchange_interval(e)
+    for k in range(m.machines):
+        if g.struck[k] >= 0:
+            touch(e, g, k)
+        elif g.fired[k] != 0:
+            g.other_kept[k] = push_time(g.others, g.other_kept[k], k, e.t)
+    exchange_interval(e)
+
+
+def note_struck(m: Model, g: Landings) -> None:
+    """Note the contacts that are struck in a pinnacle, and its mode."""
+    for k in range(m.machines):
+        contact = m.contact_at[m.state_first[k] + g.state[k]]
+        if contact >= 0 and g.landed[k] < 0:
+            g.struck[k] = contact
+            for j in range(m.machines):
+                g.struck_state[k * m.machines + j] = g.state[j]
+
+
+def touch(e: Engine, g: Landings, machine: int) -> None:
+    """Note how fast a contact was approached and is left. As Landings._touch."""
+    m = e.model
+    contact = g.struck[machine]
+    approach = contact_speed(e, g, contact, g.before)
+    rebound = contact_speed(e, g, contact, e.y)
+    g.touch_contact[g.touches] = contact
+    g.touch_gap[g.touches] = e.t - g.since[machine]
+    g.touch_approach[g.touches] = approach
+    g.touch_rebound[g.touches] = rebound
+    g.touches += 1
+    note_impact(g, machine, e.t, approach)
+    known = True
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        known = known and g.sign[r] != 0
+    if not known:
+        learn_signs(e, g, machine, contact)
+
+
+def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
+    """Return how far a state is from what the impact laws prescribe at rest."""
+    m = e.model
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return 0.0
+    evaluate(e, e.mode, g.v, e.t, y)
+    for k in range(m.slots):
+        g.v[m.slots + k] = 0.0
+    worst = 0.0
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        total = 0.0
+        for p in range(m.prescribed_first[r], m.prescribed_first[r + 1]):
+            total += m.prescribed_sign[p] * g.v[m.bond_slot + m.prescribed_column[p]]
+        law = m.reaction_law[r]
+        own = m.reaction_law_constant[r] if law < 0 else value(m, law, g.v)
+        total += m.reaction_own[r] * own
+        worst = max(worst, math.fabs(total))
+    return worst
+
+
+def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
+    """Learn the sign of each reaction's impulse in the impact. As Landings._signs."""
+    m = e.model
+    for k in range(m.storages):
+        g.x[k] = g.before[k]
+    for k in range(m.integrals):
+        g.s[k] = g.before[m.storages + k]
+    for k in range(m.machines):
+        g.state[k] = g.struck_state[machine * m.machines + k]
+    if a_priori(e, e.t, g.x, g.s, g.before_state) != OK:
+        return
+    if enter(e, e.t, g.x, g.s, g.state, True, False) != OK:
+        return
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        area = e.impulses[m.reaction_column[r]] if e.trial.jumps else 0.0
+        if area != 0.0:
+            g.sign[r] = 1 if area > 0.0 else -1
+
+
+def forget_left(e: Engine) -> None:
+    """Forget landings that were left. As Landings._sync."""
+    m = e.model
+    g = e.landings
+    g.any_landed = False
+    for k in range(m.machines):
+        if g.landed[k] < 0:
+            continue
+        if e.state[k] != m.contact_state[g.landed[k]]:
+            g.landed[k] = -1
+            e.landed[k] = 0
+            restart(g, k, e.t)
+        else:
+            g.any_landed = True
+
+
+# -- landing
+
+
+def land_contacts(e: Engine, s: Settling, i: Instant) -> int:
+    """Land the machines whose impacts, just observed, are over: 1 if there are any, 0 if not.
+
+    -1 for a refusal. Call it until there are none; `i` is then the event. As Landings.land.
+    """
+    g = e.landings
+    kept = 0
+    for k in range(g.touches):
+        if worth_trying(e, g, k):
+            g.touch_contact[kept] = g.touch_contact[k]
+            g.touch_gap[kept] = g.touch_gap[k]
+            g.touch_approach[kept] = g.touch_approach[k]
+            g.touch_rebound[kept] = g.touch_rebound[k]
+            kept += 1
+    g.touches = kept
+    first = 0 if kept > 1 else 1
+    for turn in range(first, kept + 1):
+        for k in range(kept):
+            g.chosen[k] = 1 if turn == 0 or k == turn - 1 else 0
+        if would_rest(e, g):
+            return put_down(e, g, s, i)
+    g.touches = 0
+    if kept > 0 and (mode_of(e, e.state) != OK or combine_here(e, e.state) != OK):
+        return -1
+    return 0
+
+
+def worth_trying(e: Engine, g: Landings, k: int) -> bool:
+    """Whether an impact is looked at more closely."""
+    m = e.model
+    contact = g.touch_contact[k]
+    machine = m.contact_machine[contact]
+    here = m.state_first[machine] + e.state[machine]
+    rest = m.state_first[machine] + m.contact_rest[contact]
+    closed = True
+    for p in range(m.on_first[rest], m.on_first[rest + 1]):
+        found = False
+        for q in range(m.on_first[here], m.on_first[here + 1]):
+            found = found or m.on_switch[q] == m.on_switch[p]
+        closed = closed and found
+    if closed:
+        return False  # it closed without our help
+    room = room_of(e.t, e.until)
+    if g.touch_rebound[k] >= 0.5 * g.touch_approach[k]:
+        # it flies about as long as before
+        return g.touch_gap[k] <= LIVELY * room
+    slow = g.touch_rebound[k] <= SLOW * g.speed[machine]
+    return slow or g.touch_gap[k] <= FADING * room
+
+
+def would_rest(e: Engine, g: Landings) -> bool:
+    """Try the structure at rest of the chosen contacts, and see what it would have to carry.
+
+    As Landings._verdict.
+    """
+    m = e.model
+    for k in range(m.machines):
+        g.state[k] = e.state[k]
+    for k in range(g.touches):
+        if g.chosen[k] != 0:
+            contact = g.touch_contact[k]
+            g.state[m.contact_machine[contact]] = m.contact_rest[contact]
+    for k in range(m.storages):
+        g.x[k] = e.y[k]
+    for k in range(m.integrals):
+        g.s[k] = e.y[m.storages + k]
+    if a_priori(e, e.t, g.x, g.s, e.state) != OK:
+        return False
+    if find_rest(e, g, e.t, g.state) != OK:
+        return False
+    some_found = False
+    for k in range(g.touches):
+        if g.chosen[k] == 0:
+            continue
+        contact = g.touch_contact[k]
+        for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+            if not carries(e, g, r):
+                return False
+        if not flight_over(e, g, k):
+            return False
+        if not some_found or g.limit_t > g.found_t:
+            g.found_t = g.limit_t
+            g.found_ratio = g.limit_ratio
+        some_found = True
+    return some_found
+
+
+def carries(e: Engine, g: Landings, r: int) -> bool:
+    """Whether a reaction is what the equations at rest say, and of the sign of its impulses."""
+    column = e.model.reaction_column[r]
+    for j in range(g.loose):
+        if e.trial.freedom.at[column * g.loose + j] != 0.0:
+            return False
+    force = g.force[column]
+    if not math.fabs(force) > ROUNDING * g.size[column]:
+        return False
+    return g.sign[r] == (1 if force > 0.0 else -1)
+
+
+def flight_over(e: Engine, g: Landings, k: int) -> bool:
+    """Whether the next flight is none; the limit of the impacts is then in `g.limit_t`.
+
+    As Landings._limit.
+    """
+    m = e.model
+    contact = g.touch_contact[k]
+    machine = m.contact_machine[contact]
+    tick = tick_of(e.t, e.until)
+    room = room_of(e.t, e.until)
+    flight = 0.0
+    peak = 0.0
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        force = math.fabs(g.force[m.reaction_column[r]])
+        area = math.fabs(g.area[m.reaction_column[r]])
+        flight = max(flight, 2.0 * area / force)
+        peak = max(peak, g.touch_rebound[k] * area / (2.0 * force))
+    ratio = 0.0
+    if g.touch_approach[k] > 0.0:
+        ratio = g.touch_rebound[k] / g.touch_approach[k]
+    told = limit_of(g, g.times, machine, g.kept[machine])
+    if flight <= tick:
+        if not (told and g.limit_left <= room):
+            g.limit_t = e.t
+            g.limit_left = 0.0
+            g.limit_ratio = math.nan
+        return True
+    left = flight / (1.0 - ratio) if ratio < 1.0 else math.inf
+    if told:
+        left = max(left, g.limit_left)
+    if left > room or peak > POSITION * g.flight[machine]:
+        return False
+    if not told:
+        g.limit_t = e.t + left
+        g.limit_left = left
+        g.limit_ratio = math.nan
+    return True
+
+
+def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
+    """Land the chosen contacts, and settle the instant at their limit. As Landings._put_down."""
+    m = e.model
+    begin_instant(i, e.t, ACCUMULATION)
+    many = 0
+    for k in range(g.touches):
+        many += g.chosen[k]
+    own_limits = many > 1
+    left = 0
+    for k in range(g.touches):
+        contact = g.touch_contact[k]
+        if g.chosen[k] == 0:
+            g.touch_contact[left] = contact
+            g.touch_gap[left] = g.touch_gap[k]
+            g.touch_approach[left] = g.touch_approach[k]
+            g.touch_rebound[left] = g.touch_rebound[k]
+            left += 1
+            continue
+        machine = m.contact_machine[contact]
+        if m.is_law[machine] == 0:
+            g.landed[machine] = contact
+            e.landed[machine] = 1
+            g.any_landed = True
+        note_fired(i, machine, e.state[machine], m.contact_rest[contact])
+        tell_landing(g, i, machine, own_limits)
+        restart(g, machine, g.found_t)
+    g.touches = left
+    note_step(i, CONTINUOUS)
+    if m.tells != 0:
+        before = energy_of(e, e.y)
+        add_energy(i, before, energy_of(e, g.x), supplied_by_jump(e))
+    if g.any_landed:
+        find_moved(e, g.held)
+    for k in range(m.storages):
+        e.y[k] = g.x[k]
+    for k in range(m.integrals):
+        e.y[m.storages + k] = g.s[k]
+    for k in range(m.machines):
+        e.state[k] = g.state[k]
+    if carry_over(e, g) != OK:
+        return -1
+    i.t = e.t
+    for k in range(m.machines):
+        g.before_state[k] = e.state[k]
+    if settle(e, s, i) != OK:
+        return -1
+    if i.steps > 1:
+        i.kind.at[0] = PINNACLE
+    forget_left(e)
+    g.event_times[g.events % CROWD] = e.t
+    g.events += 1
+    return 1
+
+
+def tell_landing(g: Landings, i: Instant, machine: int, own: bool) -> None:
+    """Tell of the transition noted last how many impacts came to an end, and where.
+
+    Of several machines that land at once each has its `own` limit, if its instants tell one.
+    """
+    t = g.found_t
+    ratio = g.found_ratio
+    if own and limit_of(g, g.times, machine, g.kept[machine]):
+        t = g.limit_t
+        ratio = g.limit_ratio
+    say_why(i.told, LANDS)
+    add_read(i.told, float(g.count[machine]), 0.0, False)
+    add_read(i.told, t, 0.0, False)
+    add_read(i.told, ratio, 0.0, False)
+
+
+def carry_over(e: Engine, g: Landings) -> int:
+    """Carry the state over to the limit, unless something else would happen before it.
+
+    One step of the classical Runge-Kutta method. As Landings._carried.
+    """
+    n = e.states
+    limit = g.found_t
+    if not (e.t < limit and limit < min(e.next_break, e.until)):
+        return OK
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    begin_field(e, e.mode)
+    h = limit - e.t
+    if field(e, e.mode, e.t, e.y, g.rate1) != OK:
+        return OK
+    move(n, e.y, 0.5 * h, g.rate1, g.at_rest)
+    if field(e, e.mode, e.t + 0.5 * h, g.at_rest, g.rate2) != OK:
+        return OK
+    move(n, e.y, 0.5 * h, g.rate2, g.at_rest)
+    if field(e, e.mode, e.t + 0.5 * h, g.at_rest, g.rate3) != OK:
+        return OK
+    move(n, e.y, h, g.rate3, g.at_rest)
+    if field(e, e.mode, limit, g.at_rest, g.rate4) != OK:
+        return OK
+    for k in range(n):
+        between_rates = 2.0 * (g.rate2[k] + g.rate3[k])
+        g.at_rest[k] = e.y[k] + h / 6.0 * (g.rate1[k] + between_rates + g.rate4[k])
+    if not all_finite(n, g.at_rest) or would_leave(e, g, limit):
+        return OK
+    for k in range(n):
+        e.y[k] = g.at_rest[k]
+    e.t = limit
+    return OK
+
+
+def move(n: int, y: Floats, h: float, rate: Floats, there: Floats) -> None:
+    """Put ``y + h rate`` there."""
+    for k in range(n):
+        there[k] = y[k] + h * rate[k]
+
+
+def would_leave(e: Engine, g: Landings, t: float) -> bool:
+    """Whether a guard holds at a point of the motion."""
+    m = e.model
+    stack = e.work.stack
+    if evaluate(e, e.mode, e.v, t, g.at_rest) != OK:
+        return True
+    begin_sizes_in_motion(e)
+    ask_in_motion(e)
+    for k in range(m.machines):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_source[r] != e.state[k] or m.rule_watched[r] == 0:
+                continue
+            if in_force(m, g, k, r):
+                measure_in_motion(e, r)
+                if holds(m, r, stack):
+                    return True
+    return False
+
+
+def stuck(e: Engine) -> bool:
+    """Whether events accumulate that nothing was landed for. As Landings.stuck."""
+    m = e.model
+    g = e.landings
+    for k in range(m.machines):
+        g.stuck_machine = k
+        g.limit_t = e.t
+        g.limit_ratio = math.nan
+        if fell_silent(g, k, e.until):
+            if not limit_of(g, g.times, k, g.kept[k]):
+                g.limit_t = e.t
+                g.limit_ratio = math.nan
+            g.stuck_events = g.count[k]
+            g.stuck_why = SILENT
+            return True
+        if chatters(g, k, e.until):
+            g.stuck_events = g.other_kept[k]
+            g.stuck_why = CHATTERS
+            return True
+    g.stuck_machine = -1
+    g.limit_t = e.t
+    g.limit_ratio = math.nan
+    g.stuck_events = CROWD
+    g.stuck_why = NO_TIME
+    if g.events < CROWD:
+        return False
+    first = g.event_times[g.events % CROWD]
+    last = g.event_times[(g.events - 1) % CROWD]
+    return last - first <= FEW_EVENTS * e.until
+
+
+def keep_still(e: Engine, y: Floats) -> None:
+    """Put rounding in what landed contacts hold still to zero."""
+    g = e.landings
+    if g.any_landed:
+        still_stored(e, g.held, y)

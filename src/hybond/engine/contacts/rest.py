@@ -1,0 +1,91 @@
+"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero.
+
+As modes.landing.rest.
+"""
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.contacts.landing_records import Landings
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.jump import enter_mode, impulse_directions
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.values import set_values
+from hybond.engine.sliding.blend import combine_here, freedom_here, sizes_here, solve_here
+from hybond.engine.words import Floats, Ints
+
+DUSTING: Final = 2
+"""Times that rounding is swept off a state at rest: what is left would do work for ever."""
+STILL: Final = 1e-15
+"""What a contact at rest holds still is at rest below this part of what all the energy of the run
+would make of it: else the sign of a rounding error could close a contact that is to open."""
+
+
+def find_moved(e: Engine, held: Ints) -> None:
+    """Note the storages that impulses of `e.mode` can move, at the values ``e.v``."""
+    m = e.model
+    ways = e.work.ways
+    impulse_directions(e, e.mode, e.v, ways)
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        held[k] = 0
+        for j in range(ways.many):
+            if ways.directions.at[at * ways.many + j] != 0.0:
+                held[k] = 1
+
+
+def still_stored(e: Engine, held: Ints, x: Floats) -> None:
+    """Put rounding in storages that are held to zero. As modes.landing.rest.still."""
+    m = e.model
+    reach_of(e, x, e.energy, e.work.reach)
+    for k in range(m.storages):
+        if held[k] != 0 and math.fabs(x[k]) <= STILL * e.work.reach[k]:
+            x[k] = 0.0
+
+
+def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
+    """Find what a mode makes of the state at rest, and what it then has to carry.
+
+    The state is `g.x` and `g.s`, a priori values are ``e.pre``. The state at rest is then `g.x`,
+    impulses are `g.area`, bond variables `g.force`, and the values ``e.v`` with sizes.
+    """
+    m = e.model
+    if mode_of(e, target) != OK or combine_here(e, target) != OK:
+        return REFUSED
+    mode = e.mode
+    set_values(e, mode, e.v, t, g.x, g.s)
+    for k in range(m.slots):
+        e.v[m.slots + k] = e.pre[k]
+    for k in range(m.priors):
+        if mode.prior_acts[k] != 0:
+            for i in range(m.prior_read[k], m.prior_read[k + 1]):
+                e.v[m.slots + m.prior_slot[i]] = 0.0
+    for b in range(2 * m.bonds):
+        e.v[m.bond_slot + b] = e.v[m.slots + m.bond_slot + b]
+    for turn in range(DUSTING + 1):
+        for k in range(m.storages):
+            e.v[m.stored_slot + k] = g.x[k]
+        if enter_mode(e, mode, e.v, g.x, e.trial.x) != OK:
+            return REFUSED
+        if turn == 0:
+            for b in range(2 * m.bonds):
+                g.area[b] = e.impulses[b]
+        for k in range(m.storages):
+            g.x[k] = e.trial.x[k]
+    find_moved(e, g.moves)
+    still_stored(e, g.moves, g.x)
+    for k in range(m.storages):
+        e.v[m.stored_slot + k] = g.x[k]
+    if solve_here(e, mode, e.v) != OK:
+        return REFUSED
+    sizes_here(e, mode, e.v)
+    for b in range(2 * m.bonds):
+        g.force[b] = e.v[m.bond_slot + b]
+        g.size[b] = e.work.sizes[b]
+    g.loose = freedom_here(e, mode, e.v)
+    fit(e.trial.freedom, 2 * m.bonds * g.loose)
+    for i in range(2 * m.bonds * g.loose):
+        e.trial.freedom.at[i] = e.work.freedom.at[i]
+    return OK

@@ -1,0 +1,631 @@
+"""What a run works with: the model, its modes, the state, and room for the work."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Places, Rows, make_block, make_places, make_rows
+from hybond.engine.algebra.svd import Svd, make_svd
+from hybond.engine.contacts.landing_records import Landings, make_landings
+from hybond.engine.expressions.pairs import Stack, make_stack
+from hybond.engine.inputs.calls import Calls, make_calls
+from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
+from hybond.engine.methods.radau_room import Radau, make_radau
+from hybond.engine.mode.elimination import Elimination, make_elimination
+from hybond.engine.model import Model
+from hybond.engine.planar.planar_records import Planar, make_planar
+from hybond.engine.sliding.slide_records import Slide, make_slide
+from hybond.engine.words import (
+    Floats,
+    Ints,
+    Records,
+    Text,
+    floats,
+    ints,
+    record,
+    records,
+)
+
+OK: Final = 0
+REFUSED: Final = 1
+NOT_FINITE: Final = 2
+"""A trial point beyond where the laws hold: the step is shortened."""
+KEPT: Final = 64
+"""Modes kept; the least recently used is made anew when it is entered again."""
+
+
+NO_MODE: Final = -1
+BUCKETS: Final = 127
+"""Of configurations, to find the modes that are kept."""
+NO_PIECE: Final = -2147483647
+"""No number of a piece of an input."""
+
+
+@record
+class Fault:
+    """Why a run stopped: an error code, the reason, and when."""
+
+    code: Text
+    why: Text
+    place: Text
+    t: float
+    number: float
+    numbered: bool
+
+
+@record
+class Leakage:
+    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`.
+
+    After equations/leakage.py, Projection.
+    """
+
+    stages: int
+    first: int
+    second: int
+    basis: Block
+    taken: Block
+    basis2: Block
+    taken2: Block
+    amount: Block
+
+
+@record
+class Ways:
+    """The impulses that a mode allows, and what they do to what is stored.
+
+    After modes/jump.py, Ways: `directions`, bond variables by `many`; `moving`, many by areas; `d`,
+    storages by areas; `slope`, constraints by areas, its inverse and its rank.
+    """
+
+    known: bool
+    many: int
+    areas: int
+    directions: Block
+    moving: Block
+    d: Block
+    slope: Block
+    inverse: Block
+    rank: int
+    shares: int
+    share: Block
+
+
+@record
+class Reads:
+    """Bond variables that are evaluated in a step, and the sources that these are made of.
+
+    The first `many` of `bond`; `chosen` says of each bond variable whether it is one of them,
+    `valued` and `rated` of each source whether a row of one reads its value, or its rate.
+    """
+
+    many: int
+    bond: Ints
+    chosen: Ints
+    valued: Ints
+    rated: Ints
+
+
+@record
+class Mode:
+    """The equations of one configuration.
+
+    Bond variables are ``free r + known xi``, twice: before the hidden constraints (`power`, where
+    impulses live) and after (`finite`, for finite values). `xi` are co-energy variables, values of
+    sources, their rates. After equations/mode.py, ModeEquations.
+    """
+
+    used: int
+    behind: int
+    """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
+    state: Ints
+    """Of each machine, then of what else selects equations."""
+    flags: Floats
+    """Booleans: what is ON, then the states of machines."""
+    on: Ints
+    prior_acts: Ints
+    """Whether each law that reads ``pre()`` acts."""
+    too_high: bool
+    knowns: int
+    sources: int
+    source: Ints
+    rated: Ints
+    """Whether the rate of a source is asked for."""
+    source_level: Floats
+    """Values of sources that are constant, or given from outside."""
+    same: Ints
+    power: Rows
+    finite: Rows
+    direct: Rows
+    """Those of `finite` with least leakage taken off, where nothing is left to Newton."""
+    shared: Rows
+    """Room for them if least leakage takes anything off."""
+    power_free: Block
+    finite_free: Block
+    power_frees: int
+    finite_frees: int
+    free_column: Ints
+    own_power: Rows
+    own_power_free: Block
+    constraints: Rows
+    constraint_hidden: Ints
+    """Of each constraint: the dynamic row that is its derivative, or -1."""
+    agreements: Rows
+    dynamics: int
+    dynamic: Ints
+    """Rows that are evaluated anew: of the model, or ``-1 - k`` of constraint k."""
+    structures: int
+    structure: Ints
+    other: Ints
+    rank: int
+    affine: bool
+    leakage: Leakage
+    loose: int
+    freedom: Block
+    guessed: bool
+    guess: Block
+    ways: Ways
+    saw: bool
+    seen: Floats
+    rates: Reads
+    """What the rates of the state read."""
+    opened: bool
+    """Whether the laws of junctions are left open: the last sources are their ports."""
+
+
+@record
+class Work:
+    """Room for what is computed on the way; nothing in it is kept."""
+
+    power: Elimination
+    finite: Elimination
+    table: Elimination
+    told: Ints
+    agreements: int
+    agreement_entries: int
+    agreement_first: Ints
+    agreement_column: Ints
+    agreement_value: Floats
+    xi: Floats
+    w: Floats
+    base: Floats
+    f: Floats
+    sizes: Floats
+    base_size: Floats
+    guess: Block
+    freedom: Block
+    terms: Floats
+    slopes: Block
+    drift_slopes: Block
+    frozen: Block
+    jacobian: Block
+    jacobian2: Block
+    whole: Block
+    """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
+    and the slopes where it begins."""
+    weight: Block
+    trial: Block
+    slopes_there: Block
+    residual: Block
+    step: Block
+    onto: Block
+    left: Block
+    known: Block
+    rates: Block
+    rate_part: Block
+    row: Block
+    a: Block
+    b: Block
+    c: Block
+    pivots: Places
+    column: Places
+    svd: Svd
+    columns: Ints
+    # entering a mode: constraints, their residuals, what was before
+    constraints: int
+    lefts: int
+    gap: Block
+    gap_size: Block
+    base_gap: Block
+    scaled: Block
+    row_size: Block
+    column_size: Block
+    two_port: Block
+    by_stored: Block
+    nu: Block
+    combined: Block
+    kept: Floats
+    reach: Floats
+    known_size: Floats
+    here: Floats
+    ahead: Floats
+    landed: Floats
+    leakage: Leakage
+    ways: Ways
+    """Impulses that contacts at rest allow."""
+    generic: Floats
+    values: Floats
+    """Values to try something with."""
+    rate: Floats
+    stack: Stack
+
+
+@record
+class Trial:
+    """A mode being tried: its jump, and the signals that follow, which stand in `v` of the run.
+
+    After modes/trial.py, Trial.
+    """
+
+    state: Ints
+    x: Floats
+    s: Floats
+    xi: Floats
+    """What the bond variables were found from."""
+    jumps: bool
+    """Whether impulses move what is stored."""
+    jump: Floats
+    """The impulse of each signal."""
+    terms: Floats
+    """The size of the terms that made each signal that a guard asked for."""
+    loose: int
+    """In how many directions bond variables are undetermined."""
+    freedom: Block
+    dusted: bool
+    """Whether rounding was swept out of what is stored."""
+    factors: int
+    factor: Block
+    """What multiplies impulses in laws declared impulsive, before the jump."""
+    struck: bool
+    through: Ints
+    """The branches of junction laws that carried the impulses, if `struck` and others last."""
+
+
+@record
+class Step:
+    """The last step, and where the method stands.
+
+    Row j of `k` is stage j; row j of `dense` the coefficients of ``x`` to the power of j + 1, with
+    ``x = (t - t0)/(t1 - t0)``.
+    """
+
+    started: bool
+    t0: float
+    t1: float
+    y0: Floats
+    y1: Floats
+    f0: Floats
+    t: float
+    y: Floats
+    f: Floats
+    h: float
+    h_before: float
+    error_before: float
+    controlled: int
+    rejected: int
+    k: Floats
+    dense: Floats
+    scale: Floats
+    error: Floats
+    trial: Floats
+    rate: Floats
+
+
+@record
+class Engine:
+    """One run."""
+
+    model: Model
+    fault: Fault
+    modes: Records[Mode]
+    modes_made: int
+    bucket: Ints
+    """The first mode kept in each bucket of configurations, or NO_MODE."""
+    clock: int
+    work: Work
+    v: Floats
+    """Values: of the trial, or of the motion."""
+    shown: Floats
+    """Values at a point of the motion, where it is looked at."""
+    pre: Floats
+    """What ``pre()`` reads at an instant."""
+    mode: Mode
+    mode_at: int
+    """Where it stands in `modes`."""
+    trial: Trial
+    step: Step
+    slide: Slide
+    rounding: Floats
+    """What the rates of stored quantities may be wrong by, in the time of the run."""
+    largest_state: Floats
+    scale_energy: float
+    state: Ints
+    """Of each machine, now."""
+    t: float
+    y: Floats
+    states: int
+    until: float
+    stop: float
+    """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
+    sampled_at: float
+    samples_end: float
+    """From when on nothing is sampled any more: the end of a run shows what leads up to it."""
+    calls: Calls
+    level: Floats
+    asked: Floats
+    """Of inputs that are set from outside: their levels, and those from the next instant on."""
+    energy: float
+    """The largest energy that the run has seen, J."""
+    next_break: float
+    piece: Ints
+    line_piece: Ints
+    """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
+    line_value: Floats
+    line_rate: Floats
+    line_begin: Floats
+    at: Ints
+    """Of the present interval: pieces of inputs, comparisons of time, and its end."""
+    evaluations: int
+    refusal: bool
+    """Whether a law had no value at a trial point since it was last asked."""
+    modes_built: int
+    landed: Ints
+    """Machines that stay in their pinnacle state."""
+    key: Ints
+    given: Ints
+    impulses: Floats
+    """Of bond variables, in the last jump."""
+    largest: Floats
+    floor: Floats
+    """Below it the impulse of a bond variable counts as zero."""
+    moved: int
+    """What the last entry into a mode did."""
+    laws: Laws
+    open_modes: Records[Mode]
+    """Equations with the laws of junctions left open."""
+    radau: Radau
+    landings: Landings
+    planar: Planar
+    curved: bool
+    """Whether the last step is one of a descent: a cubic, whatever the method."""
+
+
+def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
+    """Note why the run stops; return REFUSED."""
+    e.fault.code = code
+    e.fault.why = why
+    e.fault.place = place
+    e.fault.t = e.t
+    e.fault.numbered = False
+    return REFUSED
+
+
+def make_leakage() -> Leakage:
+    """Return a projection that takes nothing off."""
+    p = Leakage()
+    p.basis = make_block(1)
+    p.taken = make_block(1)
+    p.basis2 = make_block(1)
+    p.taken2 = make_block(1)
+    p.amount = make_block(1)
+    return p
+
+
+def make_ways() -> Ways:
+    """Return room for the impulses of a mode."""
+    w = Ways()
+    w.directions = make_block(1)
+    w.moving = make_block(1)
+    w.d = make_block(1)
+    w.slope = make_block(1)
+    w.inverse = make_block(1)
+    w.share = make_block(1)
+    return w
+
+
+def make_trial(m: Model) -> Trial:
+    """Return room for a trial."""
+    trial = Trial()
+    trial.state = ints(m.machines)
+    trial.x = floats(m.storages)
+    trial.s = floats(m.integrals)
+    trial.xi = floats(m.storages + 2 * m.most_sources)
+    trial.jump = floats(m.slots)
+    trial.terms = floats(m.slots)
+    trial.freedom = make_block(1)
+    trial.factor = make_block(1)
+    trial.through = ints(m.machines)
+    return trial
+
+
+def make_step(n: int) -> Step:
+    """Return room for steps of n states."""
+    s = Step()
+    s.y0 = floats(n)
+    s.y1 = floats(n)
+    s.f0 = floats(n)
+    s.y = floats(n)
+    s.f = floats(n)
+    s.k = floats(7 * n)
+    s.dense = floats(4 * n)
+    s.scale = floats(n)
+    s.error = floats(n)
+    s.trial = floats(n)
+    s.rate = floats(n)
+    return s
+
+
+def make_reads(m: Model) -> Reads:
+    """Return room for what a mode of a model is read of; nothing is."""
+    r = Reads()
+    r.bond = ints(2 * m.bonds)
+    r.chosen = ints(2 * m.bonds)
+    r.valued = ints(m.most_sources)
+    r.rated = ints(m.most_sources)
+    return r
+
+
+def make_mode(m: Model) -> Mode:
+    """Return room for the equations of a mode."""
+    mode = Mode()
+    n = 2 * m.bonds
+    mode.state = ints(m.machines + m.discrete)
+    mode.flags = floats(m.switches + m.state_first[m.machines])
+    mode.on = ints(m.switches)
+    mode.prior_acts = ints(m.priors)
+    mode.source = ints(m.most_sources)
+    mode.rated = ints(m.most_sources)
+    mode.source_level = floats(m.most_sources)
+    mode.same = ints(n)
+    mode.finite = make_rows()
+    mode.shared = make_rows()
+    mode.own_power = make_rows()
+    mode.finite_free = make_block(1)
+    mode.own_power_free = make_block(1)
+    mode.free_column = ints(n)
+    mode.constraints = make_rows()
+    mode.constraint_hidden = ints(m.storages)
+    mode.agreements = make_rows()
+    mode.dynamic = ints(m.most_dynamic + m.storages)
+    mode.structure = ints(m.most_dynamic + m.storages)
+    mode.other = ints(m.most_dynamic + m.storages)
+    mode.leakage = make_leakage()
+    mode.freedom = make_block(1)
+    mode.guess = make_block(1)
+    mode.ways = make_ways()
+    mode.seen = floats(n)
+    mode.rates = make_reads(m)
+    return mode
+
+
+def make_work(m: Model) -> Work:
+    """Return the room that a run works in."""
+    w = Work()
+    n = 2 * m.bonds
+    knowns = m.storages + 2 * m.most_sources
+    w.power = make_elimination(n, n + knowns)
+    w.finite = make_elimination(n, n + knowns)
+    w.table = make_elimination(m.storages, knowns)
+    w.told = ints(m.storages)
+    # one row for each end of a bond: not more can be left over
+    w.agreement_first = ints(n + 1)
+    w.agreement_column = ints(n * 2 * m.most_sources)
+    w.agreement_value = floats(n * 2 * m.most_sources)
+    w.xi = floats(knowns)
+    w.w = floats(n)
+    w.base = floats(n)
+    w.f = floats(m.most_dynamic + m.storages)
+    w.sizes = floats(n)
+    w.base_size = floats(n)
+    w.guess = make_block(1)
+    w.freedom = make_block(1)
+    w.terms = floats(m.slots)
+    w.slopes = make_block(1)
+    w.drift_slopes = make_block(1)
+    w.frozen = make_block(1)
+    w.jacobian = make_block(1)
+    w.jacobian2 = make_block(1)
+    w.whole = make_block(1)
+    w.weight = make_block(1)
+    w.trial = make_block(1)
+    w.slopes_there = make_block(1)
+    w.residual = make_block(1)
+    w.step = make_block(1)
+    w.onto = make_block(1)
+    w.left = make_block(1)
+    w.known = make_block(1)
+    w.rates = make_block(1)
+    w.rate_part = make_block(1)
+    w.row = make_block(1)
+    w.a = make_block(1)
+    w.b = make_block(1)
+    w.c = make_block(1)
+    w.pivots = make_places(1)
+    w.column = make_places(1)
+    w.svd = make_svd(8, 8)
+    w.columns = ints(n)
+    w.gap = make_block(1)
+    w.gap_size = make_block(1)
+    w.base_gap = make_block(1)
+    w.scaled = make_block(1)
+    w.row_size = make_block(1)
+    w.column_size = make_block(1)
+    w.two_port = make_block(1)
+    w.by_stored = make_block(1)
+    w.nu = make_block(1)
+    w.combined = make_block(1)
+    w.kept = floats(n)
+    w.reach = floats(m.storages)
+    w.known_size = floats(knowns)
+    w.here = floats(m.storages)
+    w.ahead = floats(m.storages)
+    w.landed = floats(m.storages)
+    w.leakage = make_leakage()
+    w.ways = make_ways()
+    w.generic = floats(2 * m.slots)
+    w.values = floats(2 * m.slots)
+    w.rate = floats(m.storages + m.integrals)
+    w.stack = make_stack()
+    return w
+
+
+def make_engine(m: Model) -> Engine:
+    """Return a run of a model that has not begun."""
+    e = Engine()
+    e.model = m
+    e.fault = Fault()
+    e.modes = records(Mode, KEPT)
+    e.bucket = ints(BUCKETS)
+    for k in range(BUCKETS):
+        e.bucket[k] = NO_MODE
+    e.work = make_work(m)
+    e.v = floats(2 * m.slots)
+    e.shown = floats(2 * m.slots)
+    e.pre = floats(m.slots)
+    e.trial = make_trial(m)
+    e.largest = floats(m.classes)
+    e.floor = floats(2 * m.bonds)
+    e.state = ints(m.machines)
+    e.states = m.storages + m.integrals
+    e.y = floats(e.states)
+    e.step = make_step(e.states)
+    e.slide = make_slide(m)
+    e.rounding = floats(m.storages)
+    e.largest_state = floats(e.states)
+    e.piece = ints(m.inputs)
+    e.line_piece = ints(m.inputs)
+    e.line_value = floats(m.inputs)
+    e.line_rate = floats(m.inputs)
+    e.line_begin = floats(m.inputs)
+    for i in range(m.inputs):
+        e.line_piece[i] = NO_PIECE
+    if m.called > 0 or m.blocks > 0:
+        e.calls = make_calls(m.most_called)
+    e.sampled_at = -math.inf
+    e.level = floats(m.inputs)
+    e.asked = floats(m.inputs)
+    e.at = ints(m.watches)
+    e.landed = ints(m.machines)
+    e.key = ints(m.machines + m.discrete)
+    e.given = ints(m.junctions)
+    e.impulses = floats(2 * m.bonds)
+    e.next_break = math.inf
+    e.open_modes = records(Mode, OPEN_KEPT)
+    if m.laws > 0:
+        e.laws = make_laws(m)
+    e.landings = make_landings(m)
+    e.planar = make_planar(m)
+    if m.method == 1:
+        e.radau = make_radau(e.states)
+    return e
+
+
+def svd_room(e: Engine, rows: int, columns: int) -> Svd:
+    """Return room for a decomposition of that size, and for the somewhat larger ones to come."""
+    have = e.work.svd
+    if rows > have.rows or columns > have.columns:
+        most = max(rows, columns)
+        most += most // 2
+        e.work.svd = make_svd(max(most, have.rows), max(most, have.columns))
+    return e.work.svd

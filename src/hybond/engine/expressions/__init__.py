@@ -1,0 +1,1 @@
+"""Expressions of the model: functions, and pairs of a finite part and an impulse."""

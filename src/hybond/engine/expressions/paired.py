@@ -1,0 +1,20 @@
+"""Expressions of the model on pairs: guards, then rates of integrated signals."""
+
+from __future__ import annotations
+
+from hybond.engine.expressions.pairs import Stack, clear, pop_truth
+from hybond.engine.model import Model
+from hybond.engine.words import given
+
+
+@given
+def evaluate_pair(m: Model, k: int, s: Stack) -> None:
+    """Leave pair k of the model on top of the stack."""
+    m.answers.pair(k, s)
+
+
+def holds(m: Model, k: int, s: Stack) -> bool:
+    """Return the truth of pair k; ``s.refused`` says if it has none."""
+    clear(s)
+    evaluate_pair(m, k, s)
+    return pop_truth(s)

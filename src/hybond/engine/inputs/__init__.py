@@ -1,0 +1,1 @@
+"""Inputs piece after piece, sampled signals, and what is asked of others."""

@@ -1,0 +1,42 @@
+"""What a run asks from outside: inputs that are functions, and blocks behind sampled signals.
+
+Only runs by hybond itself have them; an export is printed without. A call does not come back where
+what was asked raises: the run ends there.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.words import Floats, Outside, floats, given, record
+
+
+@record
+class Calls:
+    """Who answers the calls of one run, and room for what a block reads, and then sets."""
+
+    values: Floats
+    answers: Outside
+
+
+def make_calls(most: int) -> Calls:
+    """Return room for blocks that read, and set, at most so many values."""
+    c = Calls()
+    c.values = floats(most)
+    return c
+
+
+@given
+def call_input(c: Calls, i: int, t: float, piece: int) -> float:
+    """Return input i at t, from inside a piece."""
+    return float(c.answers.value(i, t, piece))
+
+
+@given
+def call_input_rate(c: Calls, i: int, t: float, piece: int) -> float:
+    """Return the time derivative of input i at t within a piece."""
+    return float(c.answers.rate(i, t, piece))
+
+
+@given
+def call_block(c: Calls, block: int, t: float) -> None:
+    """Let a block compute at t from its inputs, in `values`; its outputs are put there."""
+    c.answers.block(block, t, c.values)

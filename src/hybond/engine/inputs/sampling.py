@@ -1,0 +1,56 @@
+"""Signals that are set at instants and held between them. After modes/sampling.py."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.inputs.calls import call_block
+from hybond.engine.inputs.interval import is_due, one_instant
+from hybond.engine.model import stored_name, value
+from hybond.engine.words import Floats
+
+
+def sample(e: Engine, s: Floats) -> int:
+    """Set the signals in `s` that are due now to what they read a priori; each instant once."""
+    m = e.model
+    if m.samples == 0 or e.t >= e.samples_end:
+        return OK
+    if e.t <= e.sampled_at or one_instant(e.sampled_at, e.t):
+        return OK
+    v = e.work.values
+    for k in range(m.slots):
+        v[k] = e.pre[k]
+        v[m.slots + k] = e.pre[k]
+    for k in range(m.samples):
+        if not is_due(m, k, e.t):
+            continue
+        e.sampled_at = e.t
+        if m.blocks > 0 and m.sample_block[k] >= 0:
+            if run_block(e, m.sample_block[k], v, s) != OK:
+                return REFUSED
+            continue
+        i = m.sample_signal[k]
+        s[i] = value(m, m.sample_value[k], v)
+        if not math.isfinite(s[i]):
+            why = "a sampled signal has no value"
+            return say_fault(e, "HB-N305", why, stored_name(m, m.storages + i))
+    return OK
+
+
+def run_block(e: Engine, block: int, v: Floats, s: Floats) -> int:
+    """Call a block with what it reads of `v`, and set its outputs in `s`."""
+    m = e.model
+    c = e.calls
+    first = m.block_first[block]
+    for k in range(first, m.block_first[block + 1]):
+        c.values[k - first] = value(m, m.block_value[k], v)
+    call_block(c, block, e.t)
+    first = m.block_set[block]
+    for k in range(first, m.block_set[block + 1]):
+        i = m.block_signal[k]
+        s[i] = c.values[k - first]
+        if not math.isfinite(s[i]):
+            why = "a block gives a signal no value"
+            return say_fault(e, "HB-N305", why, stored_name(m, m.storages + i))
+    return OK

@@ -1,0 +1,1 @@
+"""What happens at an instant: trying modes, jumps, what is told of it."""

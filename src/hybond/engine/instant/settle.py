@@ -1,0 +1,356 @@
+"""Mode selection at one instant: mythical modes, pinnacles, divergence of time.
+
+A mode that is left on its a posteriori values is mythical; one that was written and then left is a
+pinnacle; the last is continuous. All machines fire together. If the same mode, state, state after
+the jump and a priori values return at one instant, time cannot advance. After modes/settle.py; the
+algorithm is Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.expressions.paired import holds
+from hybond.engine.inputs.interval import interval_after
+from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.entering import enter
+from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.instant import (
+    CONTINUOUS,
+    MYTHICAL,
+    PINNACLE,
+    START,
+    Instant,
+    drop_fired,
+    note_fired,
+    note_hit,
+    note_step,
+)
+from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, tell_trial
+from hybond.engine.instant.trial import a_priori, measure_trial, refuse_pair, show_trial
+from hybond.engine.mode.equations import is_fieldless
+from hybond.engine.model import machine_name, rule_text, value
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+
+@record
+class Settling:
+    """An instant under way: the state written last, and what a cycle is told by."""
+
+    x: Floats
+    s: Floats
+    state: Ints
+    target: Ints
+    entered: Ints
+    # one earlier trial: the search for a cycle compares with it, and takes a later one in turn
+    tries: int
+    turn: int
+    marked: bool
+    mark_state: Ints
+    mark: Floats
+    mark_jumps: bool
+
+
+def make_settling(e: Engine) -> Settling:
+    """Return room for settling."""
+    m = e.model
+    g = Settling()
+    g.x = floats(m.storages)
+    g.s = floats(m.integrals)
+    g.state = ints(m.machines)
+    g.target = ints(m.machines)
+    g.entered = ints(m.machines)
+    g.mark_state = ints(m.machines)
+    g.mark = floats(2 * e.states + m.slots)
+    return g
+
+
+def settle(e: Engine, g: Settling, i: Instant) -> int:
+    """Find the state and mode in which time goes on, from those of the run, and write them there.
+
+    The interval is entered that begins at the instant. After Settler.settle.
+    """
+    m = e.model
+    t = e.t
+    for k in range(m.storages):
+        g.x[k] = e.y[k]
+    for k in range(m.integrals):
+        g.s[k] = e.y[m.storages + k]
+    for k in range(m.machines):
+        g.state[k] = e.state[k]
+    g.tries = 0
+    g.turn = 1
+    g.marked = False
+    if a_priori(e, t, g.x, g.s, g.state) != OK or sample(e, g.s) != OK:
+        return REFUSED
+    interval_after(e, t)
+    if enter(e, t, g.x, g.s, g.state, True, False) != OK:
+        return REFUSED
+    drop_fired(i)
+    by_law(e, g.state, i)
+    written = -1
+    writes = 0
+    while True:
+        fired_any = False
+        while True:
+            entered = i.waiting > 0
+            fired = find_enabled(e, g, t)
+            if fired < 0:
+                return REFUSED
+            if look_for_cycle(e, g) != OK:
+                return REFUSED
+            if fired == 0:
+                break
+            if fired_any or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
+                note_hits(e, i)
+                note_step(i, MYTHICAL)
+                tell_trial(e, i, g.x, False)
+            elif written >= 0:
+                i.kind.at[written] = PINNACLE
+            drop_fired(i)
+            for k in range(m.machines):
+                if g.target[k] != e.trial.state[k]:
+                    note_fired(i, k, e.trial.state[k], g.target[k])
+                    tell_fired(e, i, k)
+            for k in range(m.machines):
+                g.entered[k] = g.target[k]
+            if enter(e, t, g.x, g.s, g.entered, True, False) != OK:
+                return REFUSED
+            by_law(e, g.entered, i)
+            fired_any = True
+        if not fired_any and not e.trial.jumps and is_kept(e, g):
+            if e.trial.dusted:
+                for k in range(m.storages):
+                    g.x[k] = e.trial.x[k]
+            break
+        writes += 1
+        if writes > m.max_writes:
+            return say_fault(e, "HB-N402", "too many state writes at one instant", "")
+        if written >= 0:
+            i.kind.at[written] = PINNACLE
+        written = write(e, g, i)
+        again = m.laws > 0 and not is_fieldless(e, e.mode)
+        if enter(e, t, g.x, g.s, g.state, False, True) != OK:
+            return REFUSED
+        for k in range(m.slots):
+            e.pre[k] = e.v[k]
+        if enter(e, t, g.x, g.s, g.state, again, True) != OK:
+            return REFUSED
+        by_law(e, g.state, i)
+    if is_fieldless(e, e.mode):
+        why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
+        return say_fault(e, "HB-N403", why, "")
+    if i.steps == 0 and i.cause == START:
+        drop_fired(i)
+        note_step(i, CONTINUOUS)
+        tell_trial(e, i, g.x, True)
+    for k in range(m.storages):
+        e.y[k] = g.x[k]
+    for k in range(m.integrals):
+        e.y[m.storages + k] = g.s[k]
+    for k in range(m.machines):
+        e.state[k] = e.trial.state[k]
+    return OK
+
+
+def write(e: Engine, g: Settling, i: Instant) -> int:
+    """Write the state of the trial, and note its mode; return the number of the step.
+
+    If the junction laws that carried the impulses are not those that last, the former are a
+    pinnacle. After Recorder.written.
+    """
+    m = e.model
+    note_hits(e, i)
+    if e.trial.struck:
+        write_struck(e, i)
+        tell_trial(e, i, g.x, True)
+    written = note_step(i, CONTINUOUS)
+    if e.trial.struck:
+        tell_kept(e, i)
+    else:
+        tell_trial(e, i, g.x, True)
+    for k in range(m.storages):
+        g.x[k] = e.trial.x[k]
+    for k in range(m.integrals):
+        g.s[k] = e.trial.s[k]
+    for k in range(m.machines):
+        g.state[k] = e.trial.state[k]
+    return written
+
+
+def note_hits(e: Engine, i: Instant) -> None:
+    """Note the impulses of the trial that are more than rounding."""
+    m = e.model
+    if not e.trial.jumps:
+        return
+    for k in range(2 * m.bonds):
+        if e.trial.jump[m.bond_slot + k] != 0.0:
+            note_hit(i, k, e.trial.jump[m.bond_slot + k], e.floor[k])
+
+
+def write_struck(e: Engine, i: Instant) -> None:
+    """Note the branches that carried the impulses; what led from them to the lasting ones waits."""
+    m = e.model
+    for k in range(m.machines):
+        if m.is_law[k] == 0 or e.trial.state[k] == e.trial.through[k]:
+            continue
+        known = False
+        for f in range(i.waiting):
+            if i.wait_machine.at[f] == k:
+                i.wait_target.at[f] = e.trial.through[k]
+                known = True
+        if not known:
+            note_fired(i, k, e.trial.state[k], e.trial.through[k])
+            tell_branch(e, i, k, e.trial.state[k])
+    kept = 0
+    for f in range(i.waiting):
+        if i.wait_source.at[f] != i.wait_target.at[f]:
+            i.wait_machine.at[kept] = i.wait_machine.at[f]
+            i.wait_source.at[kept] = i.wait_source.at[f]
+            i.wait_target.at[kept] = i.wait_target.at[f]
+            i.wait_reason.at[kept] = i.wait_reason.at[f]
+            kept += 1
+    i.waiting = kept
+    note_step(i, PINNACLE)
+    for k in range(m.machines):
+        if m.is_law[k] != 0 and e.trial.state[k] != e.trial.through[k]:
+            note_fired(i, k, e.trial.through[k], e.trial.state[k])
+
+
+def by_law(e: Engine, state: Ints, i: Instant) -> None:
+    """Note the laws whose branches changed from `state` to that of the trial."""
+    m = e.model
+    for k in range(m.machines):
+        if m.is_law[k] != 0 and state[k] != e.trial.state[k]:
+            note_fired(i, k, state[k], e.trial.state[k])
+            tell_branch(e, i, k, state[k])
+
+
+def is_kept(e: Engine, g: Settling) -> bool:
+    """Whether the trial changes neither mode nor signals."""
+    m = e.model
+    for k in range(m.machines):
+        if e.trial.state[k] != g.state[k]:
+            return False
+    for k in range(m.integrals):
+        if e.trial.s[k] != g.s[k]:
+            return False
+    return True
+
+
+def find_enabled(e: Engine, g: Settling, t: float) -> int:
+    """Find the transitions of all machines at once; return how many fire, -1 if one has no truth.
+
+    Each machine takes the first of its rules that hold.
+    """
+    m = e.model
+    fired = 0
+    stack = e.work.stack
+    show_trial(e, stack)
+    for k in range(m.machines):
+        g.target[k] = e.trial.state[k]
+        if m.is_law[k] != 0:
+            continue
+        chosen = False
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if not is_asked(e, k, r, e.trial.state[k]):
+                continue
+            if e.trial.loose > 0 and is_indeterminate(e, r):
+                why = "a guard reads what the equations leave open"
+                say_fault(e, "HB-J102", why, rule_text(m, r))
+                return -1
+            measure_trial(e, r)
+            true = holds(m, r, stack)
+            if stack.refused != 0:
+                refuse_pair(e, t, rule_text(m, r))
+                return -1
+            if true and not chosen:
+                chosen = True
+                fired += 1
+                g.target[k] = m.rule_target[r]
+    return fired
+
+
+def is_indeterminate(e: Engine, rule: int) -> bool:
+    """Whether the truth of a guard depends on what the equations leave open.
+
+    After Settler._refuse_indeterminate.
+    """
+    m = e.model
+    n = 2 * m.bonds
+    if m.decided != 0:
+        return False
+    most = 1.0
+    for k in range(n):
+        if e.trial.jump[m.bond_slot + k] != 0.0:
+            return False
+        most = max(most, math.fabs(e.v[m.bond_slot + k]))
+    v = e.work.generic
+    for k in range(2 * m.slots):
+        v[k] = e.v[k]
+    truths = 0
+    for direction in range(e.trial.loose):
+        for side in range(3):
+            reach = 1e3 * most * float(side - 1)
+            for k in range(n):
+                free = e.trial.freedom.at[k * e.trial.loose + direction]
+                v[m.bond_slot + k] = e.v[m.bond_slot + k] + reach * free
+            truths = truths | (2 if value(m, m.rule_value[rule], v) != 0.0 else 1)
+    return truths == 3
+
+
+def look_for_cycle(e: Engine, g: Settling) -> int:
+    """Refuse a trial that was there before at this instant: time cannot advance.
+
+    Compared is one earlier trial, taken anew after 1, 2, 4, ... others (Brent), so that a cycle is
+    found without keeping all of them.
+    """
+    m = e.model
+    if g.marked and is_marked(e, g):
+        names = machine_name(m, m.machines - 1) if m.machines == 1 else ""
+        return say_fault(e, "HB-N401", "time cannot advance: modes follow without end", names)
+    g.tries += 1
+    if g.tries >= g.turn:
+        g.tries = 0
+        g.turn *= 2
+        put_mark(e, g)
+    return OK
+
+
+def put_mark(e: Engine, g: Settling) -> None:
+    """Remember the trial."""
+    m = e.model
+    g.marked = True
+    g.mark_jumps = e.trial.jumps
+    for k in range(m.machines):
+        g.mark_state[k] = e.trial.state[k]
+    at = 0
+    for k in range(m.storages):
+        g.mark[at] = g.x[k]
+        g.mark[at + 1] = e.trial.x[k]
+        at += 2
+    for k in range(m.integrals):
+        g.mark[at] = g.s[k]
+        g.mark[at + 1] = e.trial.s[k]
+        at += 2
+    for k in range(m.slots):
+        g.mark[at + k] = e.pre[k]
+
+
+def is_marked(e: Engine, g: Settling) -> bool:
+    """Whether the trial is the one remembered."""
+    m = e.model
+    same = g.mark_jumps == e.trial.jumps
+    for k in range(m.machines):
+        same = same and g.mark_state[k] == e.trial.state[k]
+    at = 0
+    for k in range(m.storages):
+        same = same and g.mark[at] == g.x[k] and g.mark[at + 1] == e.trial.x[k]
+        at += 2
+    for k in range(m.integrals):
+        same = same and g.mark[at] == g.s[k] and g.mark[at + 1] == e.trial.s[k]
+        at += 2
+    for k in range(m.slots):
+        same = same and g.mark[at + k] == e.pre[k]
+    return same

@@ -1,0 +1,299 @@
+"""Trying a mode: its jump from the a priori state, and every signal that follows.
+
+Nothing here decides anything; settle.py does. After modes/trial.py.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import (
+    OK,
+    REFUSED,
+    Engine,
+    Mode,
+    say_fault,
+)
+from hybond.engine.expressions.paired import evaluate_pair
+from hybond.engine.expressions.pairs import (
+    DIVIDED_JUMPS,
+    DIVISION,
+    FACTOR_JUMPS,
+    IMPULSE_RTOL,
+    NOT_A_NUMBER,
+    POWER,
+    PRODUCT,
+    TABLE,
+    TOO_DEEP,
+    Stack,
+    clear,
+    is_impulsive,
+)
+from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
+from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.sizes import measure
+from hybond.engine.mode.storage import energy_of, reach_of
+from hybond.engine.mode.values import set_values
+from hybond.engine.model import node_name
+from hybond.engine.sliding.blend import begin_sizes, combine_here, freedom_here, solve_here
+from hybond.engine.words import Floats, Ints, Text
+
+
+def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
+    """Put all signals at the left limit into `e.pre`: what ``pre()`` reads."""
+    m = e.model
+    if mode_of(e, state) != OK:
+        return REFUSED
+    for k in range(m.slots):
+        e.v[m.slots + k] = 0.0
+    set_values(e, e.mode, e.v, t, x, s)
+    if combine_here(e, state) != OK or solve_here(e, e.mode, e.v) != OK:
+        return REFUSED
+    # storages show what they store, even if the state is not consistent yet
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (0 if m.storage_kind[k] == 0 else m.bonds)
+        sign = 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k])
+        e.v[m.bond_slot + at] = sign * e.work.xi[k]
+    for k in range(m.slots):
+        e.pre[k] = e.v[k]
+    return OK
+
+
+def begin_trial(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
+    """Take the equations of a mode and write the values on entering it."""
+    m = e.model
+    for k in range(m.machines):
+        e.trial.state[k] = state[k]
+    if mode_of(e, state) != OK or combine_here(e, state) != OK:
+        return REFUSED
+    write_entry(e, t, x, s)
+    return OK
+
+
+def write_entry(e: Engine, t: float, x: Floats, s: Floats) -> None:
+    """Write the values on entering `e.mode`: bond variables and the second copy a priori."""
+    m = e.model
+    set_values(e, e.mode, e.v, t, x, s)
+    for k in range(m.slots):
+        e.v[m.slots + k] = e.pre[k]
+    for k in range(2 * m.bonds):
+        e.v[m.bond_slot + k] = e.pre[m.bond_slot + k]
+
+
+def try_mode(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool) -> int:
+    """Enter a mode without laws of junctions from the state `x`; without `jump`, stay on it.
+
+    What follows is in `e.trial` and `e.v`.
+    """
+    m = e.model
+    if begin_trial(e, t, x, s, state) != OK:
+        return REFUSED
+    e.trial.struck = False
+    e.trial.dusted = False
+    e.trial.factors = 0
+    if jump:
+        take_factors(e, e.mode, e.v)
+        if jump_into(e, x, e.trial.x) != OK:
+            return REFUSED
+    else:
+        e.moved = STAYS
+        for k in range(m.storages):
+            e.trial.x[k] = x[k]
+    return finish_trial(e, t, x, s)
+
+
+def jump_into(e: Engine, x: Floats, after: Floats) -> int:
+    """Put the state on entering `e.mode` from `x` into `after`. After Trials._jump."""
+    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    return enter_mode(e, e.mode, e.v, x, after)
+
+
+def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
+    """Find the signals of a mode whose jump, from `x` to that of the trial, is known.
+
+    After Trials._made.
+    """
+    m = e.model
+    trial = e.trial
+    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    trial.jumps = e.moved == JUMPS
+    if e.moved != STAYS:
+        e.energy = max(e.energy, math.fabs(energy_of(e, trial.x)))
+    for k in range(m.slots):
+        trial.jump[k] = 0.0
+    if trial.jumps:
+        find_floor(e, x)
+        for k in range(2 * m.bonds):
+            above = math.fabs(e.impulses[k]) > e.floor[k]
+            trial.jump[m.bond_slot + k] = e.impulses[k] if above else 0.0
+    for k in range(m.integrals):
+        trial.s[k] = s[k]
+    if solve_trial(e) != OK:
+        return REFUSED
+    if trial.jumps and m.integrals > 0:
+        moved = False
+        stack = e.work.stack
+        show_trial(e, stack)
+        for k in range(m.integrals):
+            clear(stack)
+            measure_trial(e, m.rule_first[m.machines] + k)
+            evaluate_pair(m, m.rule_first[m.machines] + k, stack)
+            if stack.refused != 0:
+                return refuse_pair(e, t, "an integrated signal")
+            if is_impulsive(stack, stack.top) and stack.impulse[stack.top] != 0.0:
+                trial.s[k] = s[k] + stack.impulse[stack.top]
+                moved = True
+        if moved and solve_trial(e) != OK:
+            return REFUSED
+    if trial.jumps and trial.factors > 0:
+        return check_factors(e, t)
+    return OK
+
+
+def solve_trial(e: Engine) -> int:
+    """Solve for the bond variables after the jump, with what they leave free."""
+    m = e.model
+    trial = e.trial
+    for k in range(m.storages):
+        e.v[m.stored_slot + k] = trial.x[k]
+    for k in range(m.integrals):
+        e.v[m.signal_slot + k] = trial.s[k]
+    if solve_here(e, e.mode, e.v) != OK:
+        return REFUSED
+    if not all_finite(2 * m.bonds, e.work.w):
+        return blame_source(e)
+    for k in range(e.mode.knowns):
+        trial.xi[k] = e.work.xi[k]
+    begin_sizes(e, e.mode, e.v, trial.x, trial.terms)
+    trial.loose = freedom_here(e, e.mode, e.v)
+    n = 2 * m.bonds * trial.loose
+    fit(trial.freedom, n)
+    for i in range(n):
+        trial.freedom.at[i] = e.work.freedom.at[i]
+    return OK
+
+
+def blame_source(e: Engine) -> int:
+    """Refuse values that are not finite, by the source that brings them in."""
+    m = e.model
+    for k in range(e.mode.sources):
+        source = e.mode.source[k]
+        if source >= 0 and not math.isfinite(e.work.xi[m.storages + k]):
+            place = node_name(m, m.source_node[source])
+            return say_fault(e, "HB-N302", "a law has no finite value or slope", place)
+    return say_fault(e, "HB-N302", "the equations overflow", "")
+
+
+def show_trial(e: Engine, stack: Stack) -> None:
+    """Let pairs be those of the trial."""
+    stack.now = e.v
+    stack.was = e.pre
+    stack.was_first = 0
+    stack.jump = e.trial.jump
+    stack.jumps = e.trial.jumps
+    stack.terms = e.trial.terms
+
+
+def measure_trial(e: Engine, pair: int) -> None:
+    """Find what rounding of the signals that a pair reads is measured by in the trial."""
+    measure(e, e.mode, pair, e.trial.xi, e.v, e.trial.terms)
+
+
+def find_floor(e: Engine, x: Floats) -> None:
+    """Find the size below which each bond variable's impulse counts as zero.
+
+    That part of the largest stored quantity of its kind in the bond's domain, or of the largest
+    such impulse if nothing is stored there. After modes/signals.py, impulse_floor.
+    """
+    m = e.model
+    for c in range(m.classes):
+        e.largest[c] = 0.0
+    reach_of(e, x, e.energy, e.work.reach)
+    for k in range(m.storages):
+        c = m.storage_class[k]
+        most = max(math.fabs(e.work.reach[k]), math.fabs(x[k]))
+        e.largest[c] = max(e.largest[c], max(most, math.fabs(e.trial.x[k])))
+    for k in range(2 * m.bonds):
+        c = m.bond_class[k]
+        e.largest[c] = max(e.largest[c], math.fabs(e.impulses[k]))
+    for k in range(2 * m.bonds):
+        e.floor[k] = IMPULSE_RTOL * e.largest[m.bond_class[k]]
+
+
+def refuse_pair(e: Engine, t: float, place: Text) -> int:
+    """Refuse arithmetic on impulses that has no meaning."""
+    say_fault(e, "HB-J101", why_refused(e.work.stack.refused), place)
+    e.fault.t = t
+    return REFUSED
+
+
+def why_refused(code: int) -> Text:
+    """Return what has no meaning at a jump."""
+    if code == NOT_A_NUMBER:
+        return "a comparison with a value that is not a number has no meaning at a jump"
+    if code == PRODUCT:
+        return "a product of two impulses has no meaning at a jump"
+    if code == FACTOR_JUMPS:
+        return "an impulse times a factor that jumps has no meaning"
+    if code == DIVISION:
+        return "a division by an impulse has no meaning"
+    if code == DIVIDED_JUMPS:
+        return "an impulse divided by a factor that jumps has no meaning"
+    if code == POWER:
+        return "a power of an impulse has no meaning"
+    if code == TABLE:
+        return "a table read at an impulse has no meaning"
+    if code == TOO_DEEP:
+        return "an expression is nested too deep"
+    return "a function of an impulse has no meaning"
+
+
+# -- laws that are declared impulsive
+
+
+def take_factors(e: Engine, mode: Mode, v: Floats) -> None:
+    """Keep what multiplies impulses in laws declared impulsive."""
+    m = e.model
+    n = 2 * m.bonds
+    trial = e.trial
+    trial.factors = 0
+    for i in range(mode.dynamics):
+        if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
+            trial.factors += 1
+    if trial.factors == 0:
+        return
+    frozen_at(e, mode, v, e.work.frozen)
+    fit(trial.factor, trial.factors * n)
+    at = 0
+    for i in range(mode.dynamics):
+        if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
+            for k in range(n):
+                trial.factor.at[at + k] = e.work.frozen.at[i * n + k]
+            at += n
+
+
+def check_factors(e: Engine, t: float) -> int:
+    """Refuse a factor that jumps: friction that would turn the slip round creates energy."""
+    m = e.model
+    n = 2 * m.bonds
+    trial = e.trial
+    frozen_at(e, e.mode, e.v, e.work.frozen)
+    at = 0
+    for i in range(e.mode.dynamics):
+        d = e.mode.dynamic[i]
+        if d < 0 or m.dynamic_impulsive[d] == 0:
+            continue
+        for k in range(n):
+            before = trial.factor.at[at + k]
+            after = e.work.frozen.at[i * n + k]
+            turned = math.fabs(after - before) > 1e-9 * (math.fabs(after) + math.fabs(before))
+            if turned and e.impulses[k] != 0.0:
+                why = "an impulsive law multiplies an impulse by a factor that the jump changes"
+                say_fault(e, "HB-J103", why, node_name(m, m.dynamic_node[d]))
+                e.fault.t = t
+                return REFUSED
+        at += n
+    return OK

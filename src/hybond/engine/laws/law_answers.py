@@ -1,0 +1,251 @@
+"""One question to the laws of an instant, and the branches that answer it.
+
+Limits of friction depend on what the laws give, and hold more at rest than in motion: what breaks
+loose is asked again. As modes.laws.complementarity.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.complementarity.law_problem import solve_laws
+from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
+from hybond.engine.engine import Engine
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, quantity
+from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.ports import base_mode
+from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.model import Model, value
+from hybond.engine.planar.planar import answer_rests, put_on_the_way
+from hybond.engine.words import Floats, Ints
+
+LAW_DUST: Final = 1e-9
+"""Part of its terms up to which a violation without a solution is rounding."""
+
+
+def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
+    """Find the limit of friction as an affine function of what the laws give.
+
+    `r.later` are the values, bond variables being those of the response. As
+    modes.laws.friction.Linearised.
+    """
+    m = e.model
+    n = m.ports
+    p = r.problem
+    rest = at_rest and m.port_breakaway[k] != NO_LAW_VALUE
+    row = 2 * k + 1 if rest else 2 * k
+    if rest:
+        p.limit[k] = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.later)
+    else:
+        p.limit[k] = quantity(m, m.port_limit, m.port_limit_constant, k, r.later)
+    for j in range(n):
+        p.slope[k * n + j] = 0.0
+    for i in range(m.limit_first[row], m.limit_first[row + 1]):
+        law = m.limit_slope[i]
+        slope = m.limit_slope_constant[i] if law < 0 else value(m, law, r.later)
+        b = m.limit_column[i]
+        for j in range(n):
+            p.slope[k * n + j] += slope * r.response.gain[b * n + j]
+
+
+def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bool:
+    """Solve one complementarity problem; False if nothing was found.
+
+    `r.resting` are friction junctions that hold up to their breakaway limits, `r.rebound` what is
+    added in the conditions of one-sided laws if `shifted`. The answer is in `r.problem`. As
+    Complementarity._solve.
+    """
+    m = e.model
+    n = m.ports
+    a = r.response
+    p = r.problem
+    p.n = n
+    p.shifted = shifted
+    rubs = False
+    for k in range(n):
+        p.role[k] = r.role[k]
+        p.common[k] = 1 if r.now.given[k] == COMMON else 0
+        if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
+            rubs = True
+    rubs = rubs or e.planar.ready
+    if rubs:
+        for i in range(2 * m.slots):
+            r.later[i] = r.v[i]
+        for b in range(2 * m.bonds):
+            r.later[m.bond_slot + b] = a.bonds[b]
+        for k in range(n):
+            if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
+                linearise_limit(e, r, k, r.resting[k] != 0)
+    rests = e.planar.ready and put_disks(e, r)
+    for i in range(n * n):
+        p.m[i] = a.d[i] + h * a.ce[i]
+    for k in range(n):
+        idle = True
+        for j in range(n):
+            idle = idle and p.m[k * n + j] == 0.0 and p.m[j * n + k] == 0.0
+        p.q[k] = q[k]
+        # a law that neither acts on anything nor feels any other: its value is rounding, or right
+        if idle and q[k] < 0.0 and q[k] >= -LAW_DUST * a.size[k]:
+            p.q[k] = 0.0
+        p.shift[k] = r.rebound[k] if shifted else 0.0
+    if rests and not shifted:
+        return answer_rests(e, p, r.start)
+    if rubs:
+        return solve_laws(p, r.start)
+    # in units in which efforts and flows are of one size: both must show their signs
+    find_units(m, r, p.q)
+    for k in range(n):
+        for j in range(n):
+            p.m[k * n + j] = p.m[k * n + j] * r.units[j] * r.units[k]
+        p.q[k] *= r.units[k]
+        p.shift[k] *= r.units[k]
+    if not solve_laws(p, r.start):
+        return False
+    for k in range(n):
+        p.l[k] *= r.units[k]
+    return True
+
+
+def put_disks(e: Engine, r: Laws) -> bool:
+    """Put the limits of disks there; return whether any is at rest."""
+    m = e.model
+    p = e.planar
+    n = m.ports
+    some_rest = False
+    for d in range(m.disks):
+        first = m.disk_port[2 * d]
+        if p.resting[d] == 0:
+            put_on_the_way(m, p, r.problem, d)
+            continue
+        some_rest = True
+        linearise_limit(e, r, first, True)
+        p.rest[d] = r.problem.limit[first]
+        for j in range(n):
+            p.rest_slope[d * n + j] = r.problem.slope[first * n + j]
+        linearise_limit(e, r, first, False)
+        p.limit[d] = r.problem.limit[first]
+        for j in range(n):
+            p.limit_slope[d * n + j] = r.problem.slope[first * n + j]
+    return some_rest
+
+
+def find_units(m: Model, r: Laws, q: Floats) -> None:
+    """Find factors of `w` that make its efforts and its flows alike, domain by domain.
+
+    The same factors divide `l`, so that powers stay what they are. As Complementarity._units.
+    """
+    for k in range(m.ports):
+        effort = 0.0
+        flow = 0.0
+        for j in range(m.ports):
+            if m.port_domain[j] != m.port_domain[k]:
+                continue
+            if is_effort(m, r, j):
+                effort = max(effort, math.fabs(q[j]))
+            else:
+                flow = max(flow, math.fabs(q[j]))
+        r.units[k] = 1.0
+        if effort > 0.0 and flow > 0.0:
+            own = is_effort(m, r, k)
+            r.units[k] = math.sqrt(flow / effort if own else effort / flow)
+
+
+def is_effort(m: Model, r: Laws, k: int) -> bool:
+    """Whether `w` of a port is an effort."""
+    return (m.junction_kind[m.port_junction[k]] == 1) == (r.now.given[k] == COMMON)
+
+
+def keep_answer(m: Model, r: Laws) -> None:
+    """Keep what was found while something else is asked."""
+    for k in range(m.ports):
+        r.answer[k] = r.problem.branch[k]
+        r.answer_open[k] = r.problem.open[k]
+        r.answer_l[k] = r.problem.l[k]
+
+
+def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
+    """Solve, with breakaway where a friction junction is at rest, sliding limits elsewhere.
+
+    `r.loose` are junctions at rest that break loose now. What has to move although its breakaway
+    limit holds slides with the limit of sliding, and the others are asked again: to let go is
+    never taken back. As Complementarity._slide.
+    """
+    m = e.model
+    for k in range(m.ports):
+        r.resting[k] = 0
+        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0 and r.loose[k] == 0:
+            r.resting[k] = 0 if r.now.given[k] == NET and math.fabs(r.y[k]) > 0.0 else 1
+    while solve_branches(e, r, q, h, False):
+        broken = False
+        for k in range(m.ports):
+            if r.resting[k] != 0 and r.problem.branch[k] != 0:
+                r.resting[k] = 0
+                broken = True
+        if not broken:
+            keep_answer(m, r)
+            return True
+    return False
+
+
+def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
+    """Let friction slide that holds with all it has; False if there is none.
+
+    As Complementarity._loosened.
+    """
+    m = e.model
+    n = m.ports
+    a = r.response
+    some_edge = False
+    for k in range(n):
+        r.loose[k] = 0
+        r.start[k] = r.answer[k]
+    for k in range(n):
+        if m.port_two_sided[k] == 0 or r.answer_open[k] == 0 or r.answer[k] != 0:
+            continue
+        force = -r.answer_l[k]
+        if r.now.given[k] != NET:
+            total = q[k]
+            for j in range(n):
+                total += (a.d[k * n + j] + h * a.ce[k * n + j]) * r.answer_l[j]
+            force = -total
+        if force == 0.0:
+            continue
+        some_edge = True
+        r.loose[k] = 1 if force > 0.0 else -1
+        r.start[k] = r.loose[k]
+        if r.now.given[k] == NET:
+            r.role[k] = FORWARD if force > 0.0 else BACKWARD
+    found = some_edge and slide(e, r, q, h)
+    for k in range(n):
+        if found and r.loose[k] != 0:
+            r.answer[k] = r.loose[k]
+        r.loose[k] = 0
+    find_start(m, r)
+    return found
+
+
+def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
+    """Put the mode with these branches into `r.candidate`; what is open stays as it was if `keep`.
+
+    As Complementarity._mode.
+    """
+    base_mode(m, r.state, r.candidate)
+    for k in range(m.ports):
+        machine = m.port_machine[k]
+        now = r.state[machine]
+        if m.port_planar[k] != 0:
+            r.candidate[machine] = 1 if impact or branch[k] != 0 else 0
+        elif m.port_two_sided[k] != 0:
+            # sticking would carry impulses, friction does not: it slides through a jump
+            way = branch[k]
+            if impact and m.port_impulsive[k] == 0:
+                way = -1 if now == 2 else 1
+            r.candidate[machine] = 2 if way < 0 else way
+        else:
+            on = branch[k] != 0
+            if keep and r.answer_open[k] != 0 and now < 2:
+                on = is_on(m, k, now)
+            r.candidate[machine] = 1 if on else 0
+            if on and impact and m.port_restitution[k] != NO_LAW_VALUE:
+                r.candidate[machine] = 2

@@ -1,0 +1,335 @@
+"""Which branches the laws of junctions take: decided together, impulses first.
+
+At an instant, in the mode that the machines are in, the graph seen from its junction laws is
+(ports.py)::
+
+    w = y + D l;    y moves by C E nu under impulses nu, and at the rate y' + C E l
+
+1. *Impulses.* Where some law is violated by what is stored (``y < 0``), the branches that carry
+   impulses are those of ``0 <= nu``, ``y + C E nu >= 0``, one of them zero. Newton's restitution
+   adds ``eps pre(y)``: its contacts take the branch ``impact``.
+2. *Finite values, then rates.* From the state after the jump, the branches that last are those of
+   an implicit step of vanishing length ``h``: ``0 <= l``, ``(y + h y') + (D + h C E) l >= 0``. The
+   finite values decide; where both of a pair are zero, the rates do.
+
+As modes.laws.complementarity. Sources: Heemels, Schumacher and Weiland, *Linear complementarity
+systems*, SIAM J. Appl. Math. 60 (2000); Camlibel et al. on passive ones (2002).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.svd import least_squares, null_space
+from hybond.engine.complementarity.law_roles import (
+    BACKWARD,
+    CUT,
+    FORWARD,
+    ONE_SIDED,
+    SHUT,
+    TWO_SIDED,
+)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.laws.law_answers import (
+    LAW_DUST,
+    keep_answer,
+    loosen,
+    put_mode,
+    slide,
+    solve_branches,
+)
+from hybond.engine.laws.law_instant import (
+    LAW_ZERO,
+    LOCATED,
+    NO_LAW_VALUE,
+    clean,
+    find_able,
+    find_rounding,
+    find_start,
+    is_stored,
+    make_consistent,
+    passive_role,
+    quantity,
+)
+from hybond.engine.laws.law_records import Laws, Response
+from hybond.engine.laws.ports import respond
+from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.model import Model, node_name
+from hybond.engine.planar.planar import find_disks
+from hybond.engine.words import Floats, float_table, int_table
+
+SHORT_STEP: Final = 1e-6
+"""The vanishing step, as a part of the shortest time that feedthrough and storage make."""
+TRIES: Final = 8
+"""Ways of asking for branches that last, the likeliest first; of each:"""
+TRY_FACTOR: Final = float_table(1.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e3, 1e-6)
+"""What the vanishing step is multiplied by."""
+TRY_KEEP: Final = int_table(1, 0, 0, -1, 1, 0, 0, 0)
+"""Whether what is open is left as it was; -1: friction exactly at its limit breaks loose."""
+TRY_CLEAN: Final = int_table(1, 1, 0, 1, 1, 1, 1, 1)
+"""Whether rounding of what is stored counts as zero."""
+ADRIFT: Final = 1e-6
+"""Share of a unit of freedom from which a junction has part in it."""
+
+
+def short_step(m: Model, a: Response, y: Floats) -> float:
+    """Return a step so short that finite values outweigh rates, and feedthrough storage.
+
+    As Complementarity.step.
+    """
+    n = m.ports
+    least = 1.0
+    first = math.inf
+    for k in range(n):
+        through = math.fabs(a.d[k * n + k])
+        stored = math.fabs(a.ce[k * n + k])
+        if through > 0.0 and stored > 0.0:
+            least = min(least, through / stored)
+        if y[k] != 0.0 and math.fabs(a.rate[k]) > 0.0:
+            first = min(first, math.fabs(y[k]) / math.fabs(a.rate[k]))
+    return min(SHORT_STEP * least, 1e-3 * first)
+
+
+def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
+    """Make ready to find branches that may last from the state `x`: next_lasting gives them."""
+    m = e.model
+    if make_consistent(e, r, x) != OK:
+        return REFUSED
+    if respond(e, r, r.v, r.x, True) != OK:
+        return REFUSED
+    if find_able(e, r) != OK:
+        return REFUSED
+    find_rounding(e, r)
+    find_start(m, r)
+    e.planar.ready = False
+    if m.disks > 0 and find_disks(e, r) != OK:
+        return REFUSED
+    r.attempt = 0
+    r.second = False
+    r.solved = False
+    for k in range(m.ports):
+        r.loose[k] = 0
+    return OK
+
+
+def lasting_role(m: Model, r: Laws, k: int) -> int:
+    """Return how a port takes part in what lasts, `y` being decided by what is stored."""
+    n = m.ports
+    state_like = math.fabs(r.response.d[k * n + k]) == 0.0
+    if m.port_two_sided[k] != 0:
+        if state_like and r.now.given[k] == NET and r.y[k] != 0.0:
+            return FORWARD if r.y[k] > 0.0 else BACKWARD
+        return TWO_SIDED
+    # a contact that still approaches is for the next jump
+    comes = m.port_restitution[k] != NO_LAW_VALUE and state_like and r.y[k] < 0.0
+    return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
+
+
+def hold_disks(e: Engine, r: Laws) -> None:
+    """Let disks take part whose slip is zero, in both directions or in none, or that slip."""
+    m = e.model
+    if not e.planar.ready:
+        return
+    for d in range(m.disks):
+        for way in range(2):
+            k = m.disk_port[2 * d + way]
+            rests = e.planar.resting[d] != 0
+            r.y[k] = 0.0 if rests else r.response.y[k]
+            r.role[k] = SHUT if rests else FORWARD
+
+
+def next_lasting(e: Engine, r: Laws) -> bool:
+    """Find the next mode whose branches may last, into `r.candidate`, the likeliest first.
+
+    As Complementarity.lasting.
+    """
+    m = e.model
+    n = m.ports
+    a = r.response
+    if r.second:
+        r.second = False
+        put_mode(m, r, r.answer, r.second_keep, False)
+        r.candidate_kept = r.second_keep
+        return True
+    while r.attempt < TRIES:
+        keep = TRY_KEEP[r.attempt]
+        if TRY_CLEAN[r.attempt] != 0:
+            clean(m, r, r.y)
+        else:
+            for k in range(n):
+                r.y[k] = a.y[k]
+        for k in range(n):
+            r.role[k] = lasting_role(m, r, k)
+        hold_disks(e, r)
+        for k in range(n):
+            # what is stored keeps these apart, however fast that may change
+            r.apart[k] = 0
+            if r.role[k] == ONE_SIDED and r.y[k] > 0.0 and is_stored(m, r, k):
+                r.apart[k] = 1
+                r.role[k] = CUT
+        h = TRY_FACTOR[r.attempt] * short_step(m, a, r.y)
+        for k in range(n):
+            r.q[k] = r.y[k] + h * a.rate[k]
+        r.attempt += 1
+        found = slide(e, r, r.q, h)
+        if found and keep < 0:
+            found = loosen(e, r, r.q, h)
+        if not found:
+            continue
+        for k in range(n):
+            if r.apart[k] != 0 and r.now.given[k] == NET:
+                r.answer[k] = 1
+        r.solved = True
+        if find_adrift(m, r):
+            for k in range(n):
+                r.branch[k] = 0 if r.adrift[k] != 0 else r.answer[k]
+            put_mode(m, r, r.branch, False, False)
+            r.candidate_kept = False
+            r.second = True
+            r.second_keep = keep > 0
+        else:
+            put_mode(m, r, r.answer, keep > 0, False)
+            r.candidate_kept = keep > 0
+        return True
+    return False
+
+
+def find_adrift(m: Model, r: Laws) -> bool:
+    """Find the junctions that conduct nothing and whose blocked value nothing determines.
+
+    Around a loop that others have opened, each may block as well as conduct, and the voltage of the
+    loop lies on the open ones in shares that no equation fixes. As complementarity._adrift.
+    """
+    n = m.ports
+    any_idle = False
+    many = 0
+    for k in range(n):
+        idle = r.answer_open[k] != 0 and r.now.given[k] == NET and r.answer[k] == 1
+        blocked = r.now.given[k] == NET and r.answer[k] == 0
+        r.adrift[k] = 1 if idle else 0
+        any_idle = any_idle or idle
+        if idle or blocked:
+            r.tried[many] = k
+            many += 1
+    if not any_idle:
+        return False
+    for i in range(many):
+        for j in range(many):
+            at = r.tried[i] * n + r.tried[j]
+            r.block[i * many + j] = r.response.d[at]
+            r.block[(many + i) * many + j] = r.response.ce[at]
+    free = null_space(r.svd, 2 * many, many, r.block, 1e-10, r.basis)
+    any_idle = False
+    for i in range(many):
+        shown = False
+        for j in range(free):
+            shown = shown or math.fabs(r.basis[i * free + j]) > ADRIFT
+        if not shown:
+            r.adrift[r.tried[i]] = 0
+        any_idle = any_idle or r.adrift[r.tried[i]] != 0
+    return any_idle
+
+
+def no_branches(e: Engine, r: Laws, k: int) -> int:
+    """Refuse laws that have no solution."""
+    e.fault.t = r.t
+    why = "laws of junctions have no solution: give a contact a stiffness, a source a resistance"
+    found = say_fault(e, "HB-J110", why, node_name(e.model, e.model.port_node[k]))
+    e.fault.t = r.t
+    return found
+
+
+def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
+    """Find the mode whose branches carry impulses from the state `x`, into `r.candidate`.
+
+    Returns 1 if there is one, 0 if no law is violated by what is stored, -1 for a refusal. As
+    Complementarity.jumping.
+    """
+    m = e.model
+    n = m.ports
+    a = r.response
+    if make_consistent(e, r, x) != OK:
+        return -1
+    if respond(e, r, r.v, r.x, False) != OK:
+        return -1
+    e.planar.ready = False
+    find_rounding(e, r)
+    clean(m, r, r.y)
+    if find_able(e, r) != OK:
+        return -1
+    wrong = False
+    who = 0
+    dust = True
+    for k in range(n):
+        one_sided = m.port_two_sided[k] == 0
+        r.rebound[k] = 0.0
+        if m.port_restitution[k] != NO_LAW_VALUE:
+            own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
+            r.rebound[k] = own
+        # what rebounds enters one after another; what does not stays together, as in one problem
+        taking = one_sided and r.able[k] != 0 and (r.rebound[k] == 0.0 or r.y[k] < 0.0)
+        # OFF where the common variable follows from what is stored alone: it must be zero
+        shut = one_sided and r.able[k] == 0 and is_stored(m, r, k) and r.now.given[k] == NET
+        if (taking and r.y[k] < 0.0) or (shut and r.y[k] != 0.0):
+            wrong = True
+            who = k
+            dust = dust and math.fabs(r.y[k]) <= LAW_DUST * r.rounding[k]
+        taking = taking or m.port_impulsive[k] != 0
+        r.role[k] = passive_role(r.now, k)
+        if taking:
+            r.role[k] = ONE_SIDED if one_sided else TWO_SIDED
+        # friction that is no impulse lets its junction slide through a jump
+        if not one_sided and m.port_impulsive[k] == 0:
+            r.role[k] = SHUT if r.now.given[k] == COMMON else CUT
+        r.resting[k] = 1
+        r.rebound[k] *= r.y[k]
+    if not wrong:
+        return 0
+    find_start(m, r)
+    h = short_step(m, a, r.y)
+    for turn in range(4):
+        factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
+        if solve_branches(e, r, r.y, factor * h, True):
+            keep_answer(m, r)
+            put_mode(m, r, r.answer, False, True)
+            return 1
+    if dust:
+        return 0  # rounding has no solution; what lasts is decided without it
+    no_branches(e, r, who)
+    return -1
+
+
+def sweep_dust(e: Engine, r: Laws, x: Floats, after: Floats) -> int:
+    """Put the state without approaches that are nothing but rounding into `after`.
+
+    For the laws they are zero, for the guards that watch them they may not be. They are taken away
+    as an impact would, along the impulses of their contacts. As Complementarity.dusted.
+    """
+    m = e.model
+    n = m.ports
+    a = r.response
+    if make_consistent(e, r, x) != OK or respond(e, r, r.v, r.x, False) != OK:
+        return REFUSED
+    find_rounding(e, r)
+    if find_able(e, r) != OK:
+        return REFUSED
+    many = 0
+    for k in range(n):
+        slow = a.y[k] < -LOCATED * LAW_ZERO * r.rounding[k] and a.y[k] >= -LAW_ZERO * r.rounding[k]
+        if slow and m.port_two_sided[k] == 0 and is_stored(m, r, k) and r.able[k] != 0:
+            r.tried[many] = k
+            many += 1
+    for s in range(m.storages):
+        after[s] = r.x[s]
+    if many == 0:
+        return OK
+    for i in range(many):
+        r.q[i] = -a.y[r.tried[i]]
+        for j in range(many):
+            r.block[i * many + j] = a.ce[r.tried[i] * n + r.tried[j]]
+    least_squares(r.svd, many, many, r.block, -1.0, 1, r.q, r.l)
+    for s in range(m.storages):
+        for i in range(many):
+            after[s] += a.e[s * n + r.tried[i]] * r.l[i]
+    return OK

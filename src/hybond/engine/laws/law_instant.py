@@ -1,0 +1,157 @@
+"""Junction laws at one instant: the values there, what each law may do, what is rounding.
+
+As modes.laws.complementarity.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.complementarity.law_roles import CUT, SHUT
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.expressions.paired import evaluate_pair
+from hybond.engine.expressions.pairs import clear, sign_at
+from hybond.engine.instant.jump import enter_mode
+from hybond.engine.laws.law_records import Laws, Ports
+from hybond.engine.laws.ports import open_mode, partner_row, ports_of
+from hybond.engine.mode.sizes import STORED, measure_values, seen_of
+from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.values import set_values
+from hybond.engine.model import Model, node_name, value
+from hybond.engine.words import Floats, Ints
+
+LAW_ZERO: Final = 1e-12
+"""Part of its terms below which a value counts as zero; guards are located a tenth before that, so
+that what passes through zero at an event is decided by its rate."""
+LOCATED: Final = 0.02
+"""Part of that zero from which on guards may be located."""
+CLOSED: Final = 1e-10
+"""Part of the largest gap so far below which a gap is closed."""
+NO_LAW_VALUE: Final = -2
+"""What stands for an option that a law does not have; -1 is a constant."""
+
+
+def quantity(m: Model, law: Ints, constant: Floats, k: int, v: Floats) -> float:
+    """Return the value of an option of law k."""
+    return constant[k] if law[k] < 0 else value(m, law[k], v)
+
+
+def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
+    """Take the instant that is looked at, and the mode that it begins with."""
+    m = e.model
+    r.t = t
+    for k in range(m.integrals):
+        r.s[k] = s[k]
+    for k in range(m.machines):
+        r.state[k] = state[k]
+
+
+def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
+    """Take the ports into `r.now`, the values into `r.v`, the state into `r.x`.
+
+    The state is put on what the machines' mode alone asks for. As Complementarity.consistent.
+    """
+    m = e.model
+    if ports_of(e, r, r.state) != OK:
+        return REFUSED
+    mode = open_mode(e, r.now)
+    set_values(e, mode, r.v, r.t, x, r.s)
+    for k in range(m.slots):
+        r.v[m.slots + k] = e.pre[k]
+    for k in range(2 * m.bonds):
+        r.v[m.bond_slot + k] = 0.0
+    energy = e.energy
+    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    found = enter_mode(e, mode, r.v, x, r.x)
+    e.energy = energy
+    for k in range(m.storages):
+        r.v[m.stored_slot + k] = r.x[k]
+    return found
+
+
+def find_able(e: Engine, r: Laws) -> int:
+    """Find which laws may take their ON branch at all: contacts closed, thyristors fired.
+
+    As Complementarity.able.
+    """
+    m = e.model
+    stack = e.work.stack
+    stack.now = r.v
+    stack.was = r.v
+    stack.was_first = 0
+    stack.jumps = False
+    stack.terms = r.terms
+    for k in range(m.ports):
+        on = is_on(m, k, r.state[m.port_machine[k]])
+        r.able[k] = 1
+        if m.port_gap[k] != NO_LAW_VALUE:
+            gap = m.port_gap_constant[k]
+            sign = 1 if gap > 0.0 else -1 if gap < 0.0 else 0
+            if m.port_gap_pair[k] >= 0:
+                # rounding of a gap is that of its terms, as for the guards that watch it
+                measure_values(m, m.port_gap_pair[k], r.v, r.terms)
+                clear(stack)
+                evaluate_pair(m, m.port_gap_pair[k], stack)
+                gap = stack.finite[stack.top]
+                sign = sign_at(stack, stack.top)
+                if stack.refused != 0:
+                    place = node_name(m, m.port_node[k])
+                    return say_fault(e, "HB-J101", "a gap is not a number", place)
+            r.largest[k] = max(r.largest[k], math.fabs(gap))
+            r.able[k] = 1 if on or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
+        if m.port_gate[k] != NO_LAW_VALUE:
+            gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
+            r.able[k] = 1 if on or gate else 0
+    return OK
+
+
+def is_on(m: Model, k: int, state: int) -> bool:
+    """Whether a state of the machine of port k switches anything ON."""
+    at = m.state_first[m.port_machine[k]] + state
+    return m.on_first[at + 1] > m.on_first[at]
+
+
+def find_rounding(e: Engine, r: Laws) -> None:
+    """Find what rounding of each `y` is measured by. As Complementarity._size."""
+    m = e.model
+    mode = open_mode(e, r.now)
+    energy = max(e.energy, math.fabs(energy_of(e, r.x)))
+    seen_of(e, mode, r.x)
+    for k in range(m.ports):
+        row = partner_row(r.now, k)
+        stored = 0.0
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            stored += math.fabs(m.pair_value[i]) * (math.sqrt(energy) * mode.seen[m.pair_column[i]])
+        r.rounding[k] = r.response.size[k] + STORED * stored
+
+
+def clean(m: Model, r: Laws, y: Floats) -> None:
+    """Put `y` of the response there, rounding counted as zero. As Complementarity.clean."""
+    for k in range(m.ports):
+        own = r.response.y[k]
+        y[k] = 0.0 if math.fabs(own) <= LAW_ZERO * r.rounding[k] else own
+
+
+def find_start(m: Model, r: Laws) -> None:
+    """Find the branches of the mode: 0 OFF or at rest, 1 ON or forward, -1 backward."""
+    for k in range(m.ports):
+        state = r.state[m.port_machine[k]]
+        r.start[k] = 1 if is_on(m, k, state) else 0
+        if m.port_two_sided[k] != 0 and m.port_planar[k] == 0 and state == 2:
+            r.start[k] = -1
+
+
+def passive_role(p: Ports, k: int) -> int:
+    """Return how a port takes part that is OFF."""
+    return CUT if p.given[k] == COMMON else SHUT
+
+
+def is_stored(m: Model, r: Laws, k: int) -> bool:
+    """Whether `w` of a port follows from what is stored, and no `l`."""
+    n = m.ports
+    stored = True
+    for j in range(n):
+        stored = stored and r.response.d[k * n + j] == 0.0
+    return stored

@@ -1,0 +1,250 @@
+"""What the laws of junctions need in a run: ports, their response, what is being tried."""
+
+from typing import Final
+
+from hybond.engine.algebra.svd import Svd, make_svd
+from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
+from hybond.engine.model import Model
+from hybond.engine.words import (
+    Floats,
+    Ints,
+    Records,
+    floats,
+    ints,
+    record,
+    records,
+)
+
+OPEN_KEPT: Final = 16
+"""Configurations with open laws that are kept."""
+AGAIN: Final = 4
+"""States that differ by rounding from which branches are looked for."""
+TURNED: Final = 8
+"""Modes that are tried with what is violated turned."""
+
+
+@record
+class Ports:
+    """What the equations of a configuration with all laws of junctions open say of these.
+
+    `given` is COMMON or NET, port by port; `column` where a port stands among the sources; `sign`
+    what the given variable is times `l`. ``w = partner times bond variables``. What follows is the
+    same at every state of a linear graph, once it is known: see Response, and what `y` sees of what
+    is stored and of rates of sources. The equations themselves stand at `place` among those that
+    the run keeps.
+    """
+
+    place: int
+    used: int
+    key: Ints
+    given: Ints
+    column: Ints
+    sign: Floats
+    linear: bool
+    known: bool
+    gain: Floats
+    d: Floats
+    e: Floats
+    ce: Floats
+    seen: Floats
+    through: Floats
+
+
+@record
+class Response:
+    """The graph seen from its ports at one state, linearised.
+
+    `bonds` are bond variables with ``l = 0`` and `gain` their derivative by `l`, a row for each;
+    `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate. It is
+    ``w = y + d l``; what is stored moves by ``e l``, and `y` then by ``ce l``.
+    """
+
+    bonds: Floats
+    gain: Floats
+    y: Floats
+    size: Floats
+    d: Floats
+    e: Floats
+    ce: Floats
+    rate: Floats
+
+
+@record
+class Laws:
+    """The laws of junctions of one run.
+
+    The instant that is looked at: `t`, integrated signals `s`, states of machines `state`; `x` is
+    what is stored on what the machines' mode alone asks for, and `v` the values there. `largest` is
+    the largest gap of each port so far. `candidate` is the mode that was found last.
+    """
+
+    open: Records[Ports]
+    made: int
+    now: Ports
+    response: Response
+    key: Ints
+    base: Ints
+    given: Ints
+    tried: Ints
+    l: Floats
+    zero: Floats
+    field: Floats
+    field_size: Floats
+    """The size of the terms that made each rate of what is stored."""
+    moved: Floats
+    kept: Floats
+    later: Floats
+    row: Floats
+    terms: Floats
+    nothing: Floats
+
+    t: float
+    s: Floats
+    state: Ints
+    x: Floats
+    v: Floats
+    y: Floats
+    q: Floats
+    rounding: Floats
+    """What rounding of each `y` is measured by."""
+    able: Ints
+    role: Ints
+    start: Ints
+    resting: Ints
+    loose: Ints
+    problem: LawProblem
+    svd: Svd
+    block: Floats
+    basis: Floats
+    adrift: Ints
+    apart: Ints
+    units: Floats
+    rebound: Floats
+    largest: Floats
+    largest_limit: Floats
+    branch: Ints
+    answer: Ints
+    answer_open: Ints
+    answer_l: Floats
+    candidate: Ints
+    candidate_kept: bool
+
+    # where the search for what lasts stands
+    attempt: int
+    second: bool
+    """Whether an answer with what is adrift parted was given, and the answer itself is next."""
+    solved: bool
+    second_keep: bool
+
+    # trying what was found
+    jumping: bool
+    struck: bool
+    struck_moved: int
+    factors: int
+    swept_first: bool
+    shifted: bool
+    """Whether the state was swept since the mode was entered."""
+    here: Floats
+    landed: Floats
+    begin: Floats
+    swept: Floats
+    struck_impulses: Floats
+    through: Ints
+    states: int
+    state_at: Floats
+    asked: int
+    asked_at: Ints
+    broken: int
+    broken_machine: Ints
+    broken_target: Ints
+    sweep: bool
+    """Whether approaches that are only rounding are taken away, as guards ask in vain."""
+
+
+def make_ports(place: int, m: Model) -> Ports:
+    """Return room for the ports of a configuration."""
+    n = m.ports
+    p = Ports()
+    p.place = place
+    p.key = ints(m.machines + m.discrete)
+    p.given = ints(n)
+    p.column = ints(n)
+    p.sign = floats(n)
+    p.gain = floats(2 * m.bonds * n)
+    p.d = floats(n * n)
+    p.e = floats(m.storages * n)
+    p.ce = floats(n * n)
+    p.seen = floats(n * m.storages)
+    p.through = floats(n * m.most_sources)
+    return p
+
+
+def make_response(m: Model) -> Response:
+    """Return room for a response."""
+    n = m.ports
+    a = Response()
+    a.bonds = floats(2 * m.bonds)
+    a.y = floats(n)
+    a.size = floats(n)
+    a.rate = floats(n)
+    return a
+
+
+def make_laws(m: Model) -> Laws:
+    """Return what the laws of a run need."""
+    n = m.ports
+    r = Laws()
+    r.open = records(Ports, OPEN_KEPT)
+    r.response = make_response(m)
+    r.key = ints(m.machines + m.discrete)
+    r.base = ints(m.machines)
+    r.given = ints(m.junctions)
+    r.tried = ints(n)
+    r.l = floats(n)
+    r.zero = floats(2 * m.bonds)
+    r.field = floats(m.storages)
+    r.field_size = floats(m.storages)
+    r.moved = floats(m.storages)
+    r.kept = floats(2 * m.slots)
+    r.later = floats(2 * m.slots)
+    r.row = floats(m.storages + 2 * m.most_sources + n)
+    r.terms = floats(m.slots)
+    r.nothing = floats(m.slots)
+    r.s = floats(m.integrals)
+    r.state = ints(m.machines)
+    r.x = floats(m.storages)
+    r.v = floats(2 * m.slots)
+    r.y = floats(n)
+    r.q = floats(n)
+    r.rounding = floats(n)
+    r.able = ints(n)
+    r.role = ints(n)
+    r.start = ints(n)
+    r.resting = ints(n)
+    r.loose = ints(n)
+    r.problem = make_law_problem(n)
+    r.svd = make_svd(2 * n, n)
+    r.block = floats(2 * n * n)
+    r.basis = floats(n * n)
+    r.adrift = ints(n)
+    r.apart = ints(n)
+    r.units = floats(n)
+    r.rebound = floats(n)
+    r.largest = floats(n)
+    r.largest_limit = floats(n)
+    r.branch = ints(n)
+    r.answer = ints(n)
+    r.answer_open = ints(n)
+    r.answer_l = floats(n)
+    r.candidate = ints(m.machines)
+    r.landed = floats(m.storages)
+    r.here = floats(m.storages)
+    r.begin = floats(m.storages)
+    r.swept = floats(m.storages)
+    r.struck_impulses = floats(2 * m.bonds)
+    r.through = ints(m.machines)
+    r.state_at = floats(AGAIN * m.storages)
+    r.asked_at = ints(TURNED * m.machines)
+    r.broken_machine = ints(2 * m.machines)
+    r.broken_target = ints(2 * m.machines)
+    return r

@@ -1,0 +1,338 @@
+"""Trying a mode with the laws of junctions: jump first, then what lasts. As Trials._with_laws."""
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.expressions.paired import holds
+from hybond.engine.instant.jump import JUMPS, STAYS, check_agreement
+from hybond.engine.instant.trial import (
+    begin_trial,
+    finish_trial,
+    jump_into,
+    measure_trial,
+    take_factors,
+    write_entry,
+)
+from hybond.engine.laws.law_branches import (
+    begin_lasting,
+    find_jumping,
+    next_lasting,
+    no_branches,
+    sweep_dust,
+)
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
+from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
+from hybond.engine.mode.storage import energy_of, reach_of
+from hybond.engine.model import Model, machine_name, node_name
+from hybond.engine.planar.planar import put_headings
+from hybond.engine.words import Floats, Ints
+
+LIMIT_ROUNDING: Final = 1e-6
+"""Part of the largest limit so far up to which a limit below zero is one that ends there."""
+DUST_OF_STATE: Final = 1e-9
+"""A change of what is stored below this part of what it may be is no impulse."""
+
+STANDS: Final = 0
+BROKEN: Final = 1
+NO_ENTRY: Final = 2
+"""A mode that would need an impulse, or whose sources contradict each other."""
+STOPS: Final = 3
+
+
+def enter_with_laws(
+    e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool, stay: bool
+) -> int:
+    """Enter a mode with the branches that complementarity chooses; without `jump`, stay on `x`.
+
+    With `stay` junction laws keep the branches of `state`, which were just chosen, unless an
+    impulse or a violation asks for others. HB-J110 if there are no branches, HB-J111 if none stands
+    up to its own conditions.
+    """
+    m = e.model
+    r = e.laws
+    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    take_instant(e, r, t, s, state)
+    r.jumping = jump
+    r.struck = False
+    if jump:
+        found = find_jumping(e, r, x)
+        if found < 0:
+            return REFUSED
+        if found > 0 and strike_newton(e, r, x) != OK:
+            return REFUSED
+    if not r.struck:
+        for k in range(m.storages):
+            r.landed[k] = x[k]
+        if jump:
+            if make_consistent(e, r, x) != OK:
+                return REFUSED
+            for k in range(m.storages):
+                r.landed[k] = r.x[k]
+    for k in range(m.storages):
+        r.begin[k] = r.landed[k]
+    if jump and not r.struck and r.sweep and sweep_dust(e, r, r.begin, r.landed) != OK:
+        return REFUSED
+    r.swept_first = False
+    for k in range(m.storages):
+        r.state_at[k] = r.landed[k]
+        r.swept_first = r.swept_first or r.landed[k] != r.begin[k]
+    r.states = 1
+    turn = 0
+    while turn < r.states:
+        found = from_state(e, r, x, turn, stay)
+        if found == STANDS:
+            return OK
+        if found == STOPS:
+            return REFUSED
+        turn += 1
+    why = "no branches of the junction laws stand: several answers may fit, or values lie too far"
+    say_fault(e, "HB-J111", why, machine_name(m, m.port_machine[0]))
+    e.fault.t = t
+    return REFUSED
+
+
+def strike_newton(e: Engine, r: Laws, x: Floats) -> int:
+    """Make the jump of the branches that carry impulses. As Trials._struck."""
+    m = e.model
+    for k in range(m.machines):
+        r.through[k] = r.candidate[k]
+    if begin_trial(e, r.t, x, r.s, r.through) != OK:
+        return REFUSED
+    take_factors(e, e.mode, e.v)
+    if jump_into(e, x, r.landed) != OK:
+        return REFUSED
+    r.struck = True
+    r.struck_moved = e.moved
+    r.factors = e.trial.factors
+    for b in range(2 * m.bonds):
+        r.struck_impulses[b] = e.impulses[b]
+    return OK
+
+
+def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
+    """Look for branches that last from one of the states that differ by rounding."""
+    m = e.model
+    for k in range(m.storages):
+        r.here[k] = r.state_at[turn * m.storages + k]
+    r.asked = 0
+    r.shifted = turn > 0 or r.swept_first
+    still = not r.struck or r.struck_moved != JUMPS
+    if stay and still and turn == 0:
+        for k in range(m.machines):
+            r.candidate[k] = r.state[k]
+        found = try_candidate(e, r, x, False)
+        if found == STANDS or found == STOPS:
+            return found
+    if begin_lasting(e, r, r.here) != OK:
+        return STOPS
+    while next_lasting(e, r):
+        found = try_candidate(e, r, x, r.candidate_kept)
+        if found == STANDS or found == STOPS:
+            return found
+    if not r.solved:
+        no_branches(e, r, 0)
+        return STOPS
+    # last of all what is violated is turned, which is accepted only if it stands as well
+    at = 0
+    while at < r.asked:
+        for k in range(m.machines):
+            r.candidate[k] = r.asked_at[at * m.machines + k]
+        at += 1
+        found = try_candidate(e, r, x, False)
+        if found == STANDS or found == STOPS:
+            return found
+    return BROKEN
+
+
+def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
+    """Try the mode in r.candidate from the state in r.here; what follows is in `e.trial`."""
+    m = e.model
+    signals = e.planar.signals
+    put_headings(m, e.planar, r.s, r.candidate)
+    if begin_trial(e, r.t, x, signals, r.candidate) != OK:
+        return STOPS
+    e.trial.factors = 0
+    for k in range(m.storages):
+        r.swept[k] = r.here[k]
+    if r.jumping:
+        found = sweep_candidate(e, r)
+        if found != STANDS:
+            return found
+    write_entry(e, r.t, x, signals)
+    e.moved = STAYS
+    if r.struck:
+        e.trial.factors = r.factors
+        e.moved = r.struck_moved
+        for b in range(2 * m.bonds):
+            e.impulses[b] = r.struck_impulses[b]
+        for k in range(m.storages):
+            e.trial.x[k] = r.swept[k]
+    elif r.jumping:
+        if jump_into(e, x, e.trial.x) != OK:
+            return STOPS
+        if r.shifted:
+            # what an earlier answer swept up was dust, and stays swept
+            for k in range(m.storages):
+                e.trial.x[k] = r.swept[k]
+    else:
+        for k in range(m.storages):
+            e.trial.x[k] = x[k]
+    e.trial.struck = False
+    e.trial.dusted = False
+    if finish_trial(e, r.t, x, signals) != OK:
+        return STOPS
+    if kept and e.trial.loose > 0:
+        return BROKEN  # two that share a current at will: let one of them have it
+    found = find_broken(e, r)
+    if found != BROKEN:
+        e.trial.dusted = r.shifted
+        if found == STANDS and r.struck and e.trial.jumps:
+            for k in range(m.machines):
+                e.trial.through[k] = r.through[k]
+                e.trial.struck = e.trial.struck or r.through[k] != r.candidate[k]
+        return found
+    note_state(m, r)
+    note_turned(m, r)
+    return BROKEN
+
+
+def sweep_candidate(e: Engine, r: Laws) -> int:
+    """Put the state on the constraints of the mode tried, unless that takes more than dust.
+
+    Impulses of laws were decided before; what remains would be an impulse of dry friction. As
+    Trials._swept.
+    """
+    m = e.model
+    if e.mode.agreements.rows > 0:
+        for k in range(m.storages):
+            e.v[m.stored_slot + k] = r.here[k]
+        if check_agreement(e, e.mode, e.v) != OK:
+            return NO_ENTRY
+    if jump_into(e, r.here, r.swept) != OK:
+        return STOPS
+    if e.moved != JUMPS:
+        # no more than rounding of the constraint's own terms, however little is stored yet
+        return STANDS
+    reach_of(e, r.here, e.energy, e.work.reach)
+    for k in range(m.storages):
+        change = math.fabs(r.swept[k] - r.here[k])
+        if not change <= DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k]):
+            return NO_ENTRY
+    return STANDS
+
+
+def find_broken(e: Engine, r: Laws) -> int:
+    """Find the rules of laws that hold in their own branches, with finite values.
+
+    Rounding of what is stored is not a violation: it was counted as zero. As Trials._violated.
+    """
+    m = e.model
+    stack = e.work.stack
+    stack.now = e.v
+    stack.was = e.v
+    stack.was_first = 0
+    stack.jumps = False
+    stack.terms = e.trial.terms
+    r.broken = 0
+    for k in range(m.machines):
+        if m.is_law[k] == 0:
+            continue
+        state = e.trial.state[k]
+        if state == 0 and m.law_rebounds[k] != 0:
+            continue  # what still approaches strikes in the next jump of this instant
+        for rule in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_source[rule] != state:
+                continue
+            measure_trial(e, rule)
+            true = holds(m, rule, stack)
+            if stack.refused != 0:
+                say_fault(e, "HB-J101", "a value is not a number", machine_name(m, k))
+                return STOPS
+            if true:
+                r.broken_machine[r.broken] = k
+                r.broken_target[r.broken] = m.rule_target[rule]
+                r.broken += 1
+    return BROKEN if r.broken > 0 else STANDS
+
+
+def note_state(m: Model, r: Laws) -> None:
+    """Note the state that these branches hold: rounding may have spoken, so ask again on it."""
+    if r.states == AGAIN:
+        return
+    for turn in range(r.states):
+        same = True
+        for k in range(m.storages):
+            same = same and r.state_at[turn * m.storages + k] == r.swept[k]
+        if same:
+            return
+    for k in range(m.storages):
+        r.state_at[r.states * m.storages + k] = r.swept[k]
+    r.states += 1
+
+
+def note_turned(m: Model, r: Laws) -> None:
+    """Note the mode with what is violated turned."""
+    if r.asked == TURNED:
+        return
+    for i in range(r.broken):
+        r.candidate[r.broken_machine[i]] = r.broken_target[i]
+    for turn in range(r.asked):
+        same = True
+        for k in range(m.machines):
+            same = same and r.asked_at[turn * m.machines + k] == r.candidate[k]
+        if same:
+            return
+    for k in range(m.machines):
+        r.asked_at[r.asked * m.machines + k] = r.candidate[k]
+    r.asked += 1
+
+
+def observe(e: Engine, v: Floats) -> None:
+    """Learn how large gaps and energy are in this run, which rounding is measured by."""
+    m = e.model
+    r = e.laws
+    for k in range(m.ports):
+        if m.port_gap[k] != NO_LAW_VALUE:
+            gap = math.fabs(quantity(m, m.port_gap, m.port_gap_constant, k, v))
+            r.largest[k] = max(r.largest[k], gap)
+    if m.groups == 0:
+        for k in range(m.storages):
+            r.moved[k] = v[m.stored_slot + k]
+        e.energy = max(e.energy, math.fabs(energy_of(e, r.moved)))
+
+
+def check_limits(e: Engine, t: float, v: Floats) -> int:
+    """Look at limits of friction that vary: they must stay what friction can have.
+
+    HB-N407 for a limit below zero, or above that of breaking loose. As modes.laws.limits.
+    """
+    m = e.model
+    r = e.laws
+    for k in range(m.ports):
+        if m.port_limit[k] < 0 and m.port_breakaway[k] < 0:
+            continue
+        limit = quantity(m, m.port_limit, m.port_limit_constant, k, v)
+        most = limit
+        if m.port_breakaway[k] != NO_LAW_VALUE:
+            most = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, v)
+        size = max(max(math.fabs(limit), math.fabs(most)), r.largest_limit[k])
+        r.largest_limit[k] = size
+        why = ""
+        if min(limit, most) < -LIMIT_ROUNDING * size:
+            why = "the limit of the friction is below zero: it would push"
+        elif most < limit - LIMIT_ROUNDING * size:
+            why = "friction breaks loose at less than it slides with"
+        if min(limit, most) < -LIMIT_ROUNDING * size or most < limit - LIMIT_ROUNDING * size:
+            say_fault(e, "HB-N407", why, node_name(m, m.port_node[k]))
+            e.fault.t = t
+            return REFUSED
+    return OK
+
+
+def limits_vary(m: Model) -> bool:
+    """Whether any limit of friction is no constant."""
+    found = False
+    for k in range(m.ports):
+        found = found or m.port_limit[k] >= 0 or m.port_breakaway[k] >= 0
+    return found

@@ -1,0 +1,311 @@
+"""Values of a motion that is known already: at points of it, as long as its mode stays.
+
+Who looks has an engine of his own, so that no run is disturbed, and says first into what he looks
+(`look_into`): the interval, the states of machines, which of them have landed, which surfaces are
+slid on. Then come points, all of them there: their states are put back on the constraints of the
+mode, as a run does at the end of a step, unless they are accepted points, which are on them. In a
+linear mode only what is asked for is evaluated, and of the state only what that reads.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.algebra.blocks import fit_places
+from hybond.engine.contacts.landing import keep_still
+from hybond.engine.contacts.rest import find_moved
+from hybond.engine.engine import OK, REFUSED, Engine, Mode
+from hybond.engine.inputs.interval import interval_after
+from hybond.engine.instant.jump import is_constrained, on_constraints
+from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.values import evaluate, set_motion
+from hybond.engine.model import Model
+from hybond.engine.sliding.blend import combine_here, onto_surfaces, solve_here
+from hybond.engine.sliding.surface import part_mode
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+
+@record
+class Points:
+    """Points of the motion: `many` of them.
+
+    Either each has its state, a row of `y`, or, where `in_steps`, it lies in a step: `step` says in
+    which, and `step_time`, `step_state`, `step_dense` are rows as in the log of a run.
+    """
+
+    many: int
+    t: Floats
+    y: Floats
+    accepted: Ints
+    """Of each with its state: whether that is on the constraints already."""
+    in_steps: bool
+    step: Ints
+    step_time: Floats
+    step_state: Floats
+    step_dense: Floats
+
+
+@record
+class Look:
+    """What looking into a motion keeps."""
+
+    values: Ask
+    meters: Ask
+    """Bond variables through which power enters and leaves."""
+    points: Points
+    corrects: bool
+    """Whether a state between accepted points has to be put back on anything."""
+    held_known: bool
+    y: Floats
+    vanishing: Ints
+    """Of each slot: whether ``pre()`` of it is zero, at the limit of what has landed."""
+
+
+def make_look(e: Engine) -> Look:
+    """Return what looks into nothing yet."""
+    m = e.model
+    l = Look()
+    l.values = make_ask(m)
+    l.meters = make_ask(m)
+    l.points = Points()
+    l.y = floats(e.states)
+    l.vanishing = ints(m.slots)
+    ask_for_powers(m, l.meters)
+    return l
+
+
+def ask_for(l: Look, many: int, slot: Ints) -> None:
+    """Ask for slots of the values; those behind the first copy are a priori values."""
+    a = l.values
+    same = many == a.many
+    fit_places(a.slot, many)
+    for k in range(many):
+        same = same and a.slot.at[k] == slot[k]
+        a.slot.at[k] = slot[k]
+    a.many = many
+    a.known = a.known and same
+
+
+def look_into(
+    e: Engine,
+    l: Look,
+    t: float,
+    state: Ints,
+    landed: Ints,
+    surfaces: int,
+    surface: Ints,
+    energy: float,
+) -> int:
+    """Take the equations of a motion that begins at t.
+
+    They are told by the states of machines, by which of these have landed, and by the surfaces slid
+    on; `energy` is the largest that the run has seen, which rounding is measured by.
+    """
+    m = e.model
+    g = e.landings
+    e.t = t
+    e.energy = energy
+    interval_after(e, t)
+    g.any_landed = False
+    for k in range(m.machines):
+        e.state[k] = state[k]
+        e.landed[k] = landed[k]
+        g.landed[k] = m.contact_at[m.state_first[k] + state[k]] if landed[k] != 0 else -1
+        g.any_landed = g.any_landed or landed[k] != 0
+    e.slide.many = surfaces
+    for j in range(surfaces):
+        e.slide.surface[j] = surface[j]
+    l.held_known = False
+    l.values.known = False
+    l.meters.known = False
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    l.corrects = is_constrained(e.mode) or e.slide.k > 0 or g.any_landed
+    # what is found does not depend on what was looked into before
+    e.mode.guessed = False
+    for part in range(e.slide.k + 1 if e.slide.k > 0 else 0):
+        part_mode(e, part).guessed = False
+    for k in range(2 * m.slots):
+        e.v[k] = 0.0
+        e.shown[k] = 0.0
+    set_flags(m, e.mode, e.v)
+    set_flags(m, e.mode, e.shown)
+    for k in range(m.slots):
+        l.vanishing[k] = 0
+    for k in range(m.priors):
+        for i in range(m.prior_read[k], m.prior_read[k + 1]):
+            if e.mode.prior_acts[k] != 0:
+                l.vanishing[m.prior_slot[i]] = 1
+    return OK
+
+
+def set_flags(m: Model, mode: Mode, v: Floats) -> None:
+    """Write the Booleans of a mode."""
+    for k in range(m.switches + m.state_first[m.machines]):
+        v[m.on_slot + k] = mode.flags[k]
+
+
+def points_at(l: Look, many: int, t: Floats, y: Floats, accepted: Ints) -> None:
+    """Look at points with their states; `accepted` says which are on the constraints already."""
+    p = l.points
+    p.in_steps = False
+    p.many = many
+    p.t = t
+    p.y = y
+    p.accepted = accepted
+
+
+def points_within(
+    l: Look,
+    many: int,
+    t: Floats,
+    step: Ints,
+    step_time: Floats,
+    step_state: Floats,
+    step_dense: Floats,
+) -> None:
+    """Look at points within steps, each in the one that `step` says."""
+    p = l.points
+    p.in_steps = True
+    p.many = many
+    p.t = t
+    p.step = step
+    p.step_time = step_time
+    p.step_state = step_state
+    p.step_dense = step_dense
+
+
+# -- one point
+
+
+def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
+    """Evaluate what is asked for at the time t, which is that of point i or in its step."""
+    if l.points.in_steps:
+        accepted = take_from_step(e, l, a, l.points.step[i], t)
+    else:
+        for p in range(a.parts):
+            l.y[a.part[p]] = l.points.y[i * e.states + a.part[p]]
+        accepted = l.points.accepted[i] != 0
+    e.t = t
+    if l.corrects and not accepted and correct(e, l, t) != OK:
+        return REFUSED
+    if a.sparse:
+        solve_asked(e, a, t, l.y)
+        return OK
+    set_motion(e, e.v, t, l.y)
+    return OK if solve_here(e, e.mode, e.v) == OK else REFUSED
+
+
+def take_from_step(e: Engine, l: Look, a: Ask, step: int, t: float) -> bool:
+    """Put the state within a step into `l.y`; return whether it is at an end that was accepted."""
+    n = e.states
+    p = l.points
+    t0 = p.step_time[3 * step]
+    t1 = p.step_time[3 * step + 1]
+    at = 3 * n * step
+    if t == t0 or t == p.step_time[3 * step + 2]:
+        at += 0 if t == t0 else 2 * n
+        for i in range(a.parts):
+            k = a.part[i]
+            l.y[k] = p.step_state[at + k]
+        return True
+    dense = 4 * n * step
+    x = (t - t0) / (t1 - t0)
+    x2 = x * x
+    x3 = x2 * x
+    x4 = x3 * x
+    for i in range(a.parts):
+        k = a.part[i]
+        l.y[k] = p.step_state[at + k] + (
+            x * p.step_dense[dense + k]
+            + x2 * p.step_dense[dense + n + k]
+            + x3 * p.step_dense[dense + 2 * n + k]
+            + x4 * p.step_dense[dense + 3 * n + k]
+        )
+    return False
+
+
+def correct(e: Engine, l: Look, t: float) -> int:
+    """Put the state in `l.y` back on what holds it: constraints, surfaces, contacts at rest."""
+    mode = e.mode
+    if is_constrained(mode):
+        if mode.dynamics == 0 and e.slide.k == 0:
+            # constraints of a linear mode read no bond variables
+            set_motion(e, e.shown, t, l.y)
+        elif evaluate(e, mode, e.shown, t, l.y) != OK:
+            return REFUSED
+        if on_constraints(e, mode, e.shown, l.y) != OK:
+            return REFUSED
+    if e.slide.k > 0 and onto_surfaces(e, t, l.y) != OK:
+        return REFUSED
+    if e.landings.any_landed:
+        if not l.held_known:
+            set_motion(e, e.v, t, l.y)
+            if solve_here(e, mode, e.v) != OK:
+                return REFUSED
+            find_moved(e, e.landings.held)
+            l.held_known = True
+        keep_still(e, l.y)
+    return OK
+
+
+# -- all points
+
+
+def look_values(e: Engine, l: Look, out: Floats) -> int:
+    """Put what is asked for there, a row for each point."""
+    a = l.values
+    prepare(e, a, l.corrects)
+    for i in range(l.points.many):
+        if take_point(e, l, a, i, l.points.t[i]) != OK:
+            return REFUSED
+        put_asked(e, l, out, i * a.many)
+    return OK
+
+
+def put_asked(e: Engine, l: Look, out: Floats, at: int) -> None:
+    """Put the slots that are asked for there, from `at` on."""
+    a = l.values
+    n = e.model.slots
+    for j in range(a.many):
+        slot = a.slot.at[j]
+        if slot < n:
+            out[at + j] = e.v[slot]
+        else:
+            out[at + j] = 0.0 if l.vanishing[slot - n] != 0 else e.v[slot - n]
+
+
+def look_parts(e: Engine, l: Look, coefficient: Floats, out: Floats) -> int:
+    """Put what is asked for there in each mode that is combined, and the share of that mode.
+
+    A row for each part of each point; where nothing is slid on there is one, the mode.
+    """
+    m = e.model
+    s = e.slide
+    a = l.values
+    parts = s.k + 1
+    prepare(e, a, l.corrects)
+    for i in range(l.points.many):
+        if take_point(e, l, a, i, l.points.t[i]) != OK:
+            return REFUSED
+        for part in range(parts):
+            at = i * parts + part
+            coefficient[at] = s.coefficient[part] if s.k > 0 else 1.0
+            if s.k > 0:
+                set_flags(m, part_mode(e, part), e.v)
+                for b in range(2 * m.bonds):
+                    e.v[m.bond_slot + b] = s.solution[part * 2 * m.bonds + b]
+            put_asked(e, l, out, at * a.many)
+        set_flags(m, e.mode, e.v)
+    return OK
+
+
+def parts_of(e: Engine, state: Ints) -> int:
+    """Put the states of machines in each mode that is combined there; return how many they are."""
+    m = e.model
+    parts = e.slide.k + 1
+    for part in range(parts):
+        for k in range(m.machines):
+            state[part * m.machines + k] = (
+                part_mode(e, part).state[k] if e.slide.k > 0 else e.state[k]
+            )
+    return parts

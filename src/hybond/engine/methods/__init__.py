@@ -1,0 +1,1 @@
+"""One step, by Dormand and Prince or by Radau IIA; tolerances."""

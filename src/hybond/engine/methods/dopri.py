@@ -1,0 +1,248 @@
+"""The Runge-Kutta pair 5(4) of Dormand and Prince, with Shampine's dense output of order 4.
+
+The norm of the error is the root mean square over the controlled components in units of their
+scale. Sources: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6(1), 1980; L. F. Shampine,
+Math. Comput. 46, 1986; control: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
+II.4 and IV.2 (of volume II). After solvers/dopri.py and solvers/control.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.methods.scale import controlled, error_norm, tolerance
+from hybond.engine.mode.values import field
+from hybond.engine.words import Floats, float_table
+
+BETA: Final = 0.04
+EXPONENT: Final = 0.2 - 0.75 * 0.04
+SAFETY: Final = 0.9
+SHRINK: Final = 0.2
+GROW: Final = 10.0
+SMALLEST_ERROR: Final = 1e-4
+TABLE: Final = float_table(
+    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0, 0.0,
+    19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0, 0.0,
+    9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0, 0.0,
+    35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0, 0.0,
+    -71.0 / 57600.0, 0.0, 71.0 / 16695.0, -71.0 / 1920.0, 17253.0 / 339200.0, -22.0 / 525.0,
+    1.0 / 40.0,
+    1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    -8048581381.0 / 2820520608.0, 0.0, 131558114200.0 / 32700410799.0,
+    -1754552775.0 / 470086768.0, 127303824393.0 / 49829197408.0, -282668133.0 / 205662961.0,
+    40617522.0 / 29380423.0,
+    8663915743.0 / 2820520608.0, 0.0, -68118460800.0 / 10900136933.0,
+    14199869525.0 / 1410260304.0, -318862633887.0 / 49829197408.0, 2019193451.0 / 616988883.0,
+    -110615467.0 / 29380423.0,
+    -12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0,
+    -10690763975.0 / 1880347072.0, 701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0,
+    69997945.0 / 29380423.0,
+)  # fmt: skip
+"""Rows of seven: stages (1 to 5), solution (6), error (7), dense output (8 to 11)."""
+STAGE_AT: Final = float_table(0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0)
+
+
+def spacing(t: float) -> float:
+    """Return the distance to the next larger number."""
+    if t == 0.0:
+        return 5e-324
+    size = math.fabs(t)
+    power = math.floor(math.log(size) / math.log(2.0))
+    unit = math.pow(2.0, power)
+    if unit > size:
+        unit = 0.5 * unit
+    if size >= 2.0 * unit:
+        unit = 2.0 * unit
+    return unit * 2.220446049250313e-16
+
+
+def goes_elsewhere(e: Engine, t: float, y: Floats, forget: bool) -> bool:
+    """Take where the next step begins; say whether the last one did not end there."""
+    s = e.step
+    moved = forget or t != s.t
+    for k in range(e.states):
+        moved = moved or y[k] != s.y[k]
+        s.y[k] = y[k]
+    s.started = True
+    s.t = t
+    return moved
+
+
+def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
+    """Begin, or go on after an event. After DormandPrince._begin."""
+    s = e.step
+    n = e.states
+    forget = jumped or not s.started
+    if goes_elsewhere(e, t, y, forget):
+        if field(e, e.mode, t, s.y, s.f) != OK:
+            return NOT_FINITE
+        if not all_finite(n, s.f):
+            return say_fault(e, "HB-N202", "the derivative is not finite", "")
+    tolerance(e, s.y, s.y, s.scale)
+    s.controlled = controlled(n, s.scale)
+    if forget:
+        s.error_before = SMALLEST_ERROR
+        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
+        s.h = first_step(e, limit, 4.0)
+    return OK
+
+
+def first_step(e: Engine, limit: float, order: float) -> float:
+    """Choose the first step, with one evaluation of the field. After control.first_step."""
+    s = e.step
+    n = e.states
+    unit = limit if limit < math.inf else 1.0
+    d0 = error_norm(n, s.y, s.scale)
+    d1 = error_norm(n, s.f, s.scale)
+    h0 = 1e-6 * unit
+    if d1 > 0.0 and d1 < math.inf:
+        h0 = max(0.01 * d0, 10.0) / d1
+    h0 = min(h0, 1e-3 * unit) if h0 > 0.0 else 1e-6 * unit
+    for k in range(n):
+        s.trial[k] = s.y[k] + h0 * s.f[k]
+    if field(e, e.mode, s.t + h0, s.trial, s.rate) != OK:
+        return 0.01 * h0
+    for k in range(n):
+        s.rate[k] -= s.f[k]
+    d2 = error_norm(n, s.rate, s.scale) / h0
+    if not math.isfinite(d2):
+        return 0.01 * h0
+    h1 = math.inf
+    if d2 > 0.0 and d1 < math.inf:
+        if d1 > 0.0:
+            h1 = d1 / d2 * math.pow(0.01 / d1 * (d2 / d1), 1.0 / (order + 1.0))
+        h1 = max(h1 if d1 > 0.0 else 0.0, math.pow(d2, -0.5))
+    return min(100.0 * h0, min(h1, limit))
+
+
+def attempt(e: Engine, t1: float) -> float:
+    """Make a step to t1; return the norm of its error, nan if something is not finite."""
+    s = e.step
+    n = e.states
+    h = t1 - s.t0
+    for k in range(n):
+        s.k[k] = s.f0[k]
+    for stage in range(1, 7):
+        at = s.y1 if stage == 6 else s.trial
+        for k in range(n):
+            total = 0.0
+            for j in range(stage):
+                total += h * TABLE[7 * stage + j] * s.k[j * n + k]
+            at[k] = s.y0[k] + total
+        t = t1 if stage >= 5 else s.t0 + STAGE_AT[stage] * h
+        if field(e, e.mode, t, at, s.rate) != OK or not all_finite(n, s.rate):
+            return math.nan
+        for k in range(n):
+            s.k[stage * n + k] = s.rate[k]
+    if not all_finite(n, s.y1):
+        return math.nan
+    for k in range(n):
+        total = 0.0
+        for j in range(7):
+            total += h * TABLE[49 + j] * s.k[j * n + k]
+        s.error[k] = total
+    tolerance(e, s.y0, s.y1, s.scale)
+    return error_norm_of(n, s.error, s.scale, s.controlled)
+
+
+def error_norm_of(n: int, error: Floats, scale: Floats, many: int) -> float:
+    """Return the norm of an error over so many controlled components."""
+    total = 0.0
+    for k in range(n):
+        if scale[k] == 0.0:
+            if error[k] != 0.0:
+                return math.inf
+            continue
+        share = error[k] / scale[k]
+        total += share * share
+    return math.sqrt(total / float(many)) if total == total else math.nan
+
+
+def dopri_step(e: Engine, t_end: float) -> int:
+    """Make one step that satisfies the tolerance, not beyond `t_end`."""
+    s = e.step
+    n = e.states
+    remaining = t_end - s.t
+    begin_step(e)
+    smallest = 10.0 * spacing(s.t0)
+    h = max(min(s.h, e.model.max_step), smallest)
+    may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
+    s.rejected = 0
+    trial = h
+    error = 0.0
+    t1 = t_end
+    while True:
+        trial = h
+        # a little longer rather than a sliver of a step afterwards
+        t1 = t_end if may_land and remaining <= 1.01 * h else s.t0 + h
+        t1 = min(t1, t_end)
+        h = t1 - s.t0
+        error = attempt(e, t1)
+        if error <= 1.0:
+            break
+        s.rejected += 1
+        factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
+        smaller = h * max(factor, SHRINK)
+        if smaller < smallest:
+            if not math.isfinite(error):
+                return not_finite(e)
+            return say_fault(e, "HB-N201", "step size underflow", "")
+        h = smaller
+    grown = SAFETY * math.pow(max(error, 1e-10), -EXPONENT) * math.pow(s.error_before, BETA)
+    grown = min(max(grown, SHRINK), 1.0 if s.rejected > 0 else GROW)
+    if h < 0.99 * trial:
+        # cut short by t_end: its small error says little about the size after it
+        s.h = max(trial, h * grown) if grown >= 1.0 else h * grown
+    else:
+        s.h = h * grown
+        s.error_before = max(error, SMALLEST_ERROR)
+    accept(e, t1, n)
+    return OK
+
+
+def not_finite(e: Engine) -> int:
+    """Say why no step is small enough: a law or a derivative has no finite value."""
+    if e.refusal:
+        return NOT_FINITE
+    return say_fault(e, "HB-N202", "the derivative is not finite", "")
+
+
+def begin_step(e: Engine) -> None:
+    """Begin a step where the last one ended."""
+    s = e.step
+    s.t0 = s.t
+    for k in range(e.states):
+        s.y0[k] = s.y[k]
+        s.f0[k] = s.f[k]
+
+
+def dopri_retry(e: Engine, t_end: float) -> int:
+    """Repeat the last step with the size that ends it at `t_end`."""
+    error = attempt(e, t_end)
+    if not math.isfinite(error):
+        return not_finite(e)
+    accept(e, t_end, e.states)
+    return OK
+
+
+def accept(e: Engine, t1: float, n: int) -> None:
+    """Keep the step just made, with its dense output."""
+    s = e.step
+    h = t1 - s.t0
+    s.t1 = t1
+    s.t = t1
+    for k in range(n):
+        s.y[k] = s.y1[k]
+        s.f[k] = s.k[6 * n + k]
+    for row in range(4):
+        for k in range(n):
+            total = 0.0
+            for j in range(7):
+                total += h * TABLE[7 * (8 + row) + j] * s.k[j * n + k]
+            s.dense[row * n + k] = total

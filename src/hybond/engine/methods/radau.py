@@ -1,0 +1,369 @@
+"""Radau IIA of order 5 for stiff modes: one step, and the size of the next. As solvers.implicit.
+
+Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.8; K. Gustafsson,
+"Control-theoretic techniques for stepsize selection in implicit Runge-Kutta methods", ACM Trans.
+Math. Softw. 20(4), 1994.
+"""
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.lu import SINGULAR, lu_solve
+from hybond.engine.algebra.products import copy_floats
+from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.radau_room import PIECES, Radau
+from hybond.engine.methods.radau_stages import (
+    FRESH_MATRIX,
+    ITERATIONS,
+    KEPT_MATRIX,
+    NO_MATRIX,
+    STAGES_BEYOND,
+    STAGES_CONVERGED,
+    factorise,
+    iterate_stages,
+    mean_size,
+    rate_at,
+)
+from hybond.engine.methods.scale import tolerance
+from hybond.engine.words import Floats, float_table
+
+RADAU_SAFETY: Final = 0.9
+RADAU_SHRINK: Final = 0.2
+RADAU_GROW: Final = 8.0
+RADAU_SMALLEST: Final = 1e-2
+KEEP_SIZE: Final = 1.2
+SLOW_RATE: Final = 1e-3
+ERROR_WEIGHT: Final = float_table(-10.0488093998274156, 1.3821427331607489, -0.333333333333333333)
+TO_POLYNOMIAL: Final = float_table(
+    10.0488093998274156,
+    -1.3821427331607489,
+    0.333333333333333333,
+    -25.6295914470766394,
+    10.2962581137433061,
+    -2.66666666666666667,
+    15.5807820472492238,
+    -8.91411538058255716,
+    3.33333333333333333,
+)
+
+STEP_MADE: Final = 0
+STEP_REJECTED: Final = 1
+STEP_TOO_SMALL: Final = 2
+STEP_BEYOND: Final = 3
+
+
+def begin_radau(r: Radau, jumped: bool) -> None:
+    """Forget the Jacobian, or after a jump everything, where a motion starts or goes on."""
+    if r.matrix == FRESH_MATRIX:
+        r.matrix = KEPT_MATRIX
+    if not jumped:
+        return
+    r.matrix = NO_MATRIX
+    r.slow = False
+    r.served = 0.0
+    r.left = 1.0
+    r.known = False
+    r.span = 1.0
+    r.origin = 1.0
+    r.h_before = 0.0
+    r.error_before = 0.0
+
+
+def differences(e: Engine, r: Radau, rtol: float) -> int:
+    """Make the Jacobian by forward differences where the step starts, in the direction of motion.
+
+    A state at the edge of where its law is defined is more likely to have come from there than to
+    go there. As solvers.implicit.RadauIIA._differences.
+    """
+    n = r.n
+    tolerance(e, r.y0, r.y0, r.other)
+    for i in range(n):
+        r.shifted[i] = r.y0[i]
+    for j in range(n):
+        size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
+        if size == 0.0:
+            size = 1.0
+        delta = math.sqrt(2.220446049250313e-16) * math.copysign(size, r.f0[j])
+        found = NOT_FINITE
+        for way in range(2):
+            r.shifted[j] = r.y0[j] + (delta if way == 0 else -delta)
+            found = rate_at(e, n, r.t0, r.shifted, r.end)
+            if found == OK:
+                break
+        if found != OK:
+            return found
+        for i in range(n):
+            r.jacobian[i * n + j] = (r.end[i] - r.f0[i]) / (r.shifted[j] - r.y0[j])
+        r.shifted[j] = r.y0[j]
+    r.matrix = FRESH_MATRIX
+    r.served = 0.0
+    r.made += 1
+    return OK
+
+
+def filtered_error(r: Radau, f: Floats) -> float:
+    """Find the error ``(REAL/h - J)^-1 (f + weights z / h)``; return its norm."""
+    n = r.n
+    for i in range(n):
+        r.error_vector[i] = f[i] + (
+            ERROR_WEIGHT[0] / r.h * r.z[i]
+            + ERROR_WEIGHT[1] / r.h * r.z[n + i]
+            + ERROR_WEIGHT[2] / r.h * r.z[2 * n + i]
+        )
+    lu_solve(n, r.real, r.real_row, 1, r.error_vector)
+    return mean_size(n, 1, r.error_vector, r.other)
+
+
+def estimate_error(e: Engine, r: Radau) -> None:
+    """Estimate the error of the step that is tried. As solvers.implicit.RadauIIA._error."""
+    n = r.n
+    for i in range(n):
+        r.stage[i] = r.y[2 * n + i]
+    tolerance(e, r.y0, r.stage, r.other)
+    r.error = filtered_error(r, r.f0)
+    if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
+        return
+    # in a fast transient the estimate is too large; filtered twice it is right
+    for i in range(n):
+        r.shifted[i] = r.y0[i] + r.error_vector[i]
+    if rate_at(e, n, r.t0, r.shifted, r.end) != OK:
+        return
+    twice = filtered_error(r, r.end)
+    if twice < r.error:
+        r.error = twice
+
+
+def radau_rounds(r: Radau) -> float:
+    """Return how a step size is corrected for the iterations that the step took."""
+    return (2.0 * float(ITERATIONS) + 1.0) / (2.0 * float(ITERATIONS) + float(r.iterations))
+
+
+def try_radau(e: Engine, r: Radau, rtol: float) -> int:
+    """Try a step of size r.h to r.t1; if it is rejected, r.shrink says what to try next."""
+    n = r.n
+    r.shrink = 0.5
+    r.beyond = False
+    if factorise(r) == SINGULAR:
+        return STEP_REJECTED
+    found = iterate_stages(e, r, rtol)
+    if found != STAGES_CONVERGED:
+        if found == STAGES_BEYOND:
+            r.beyond = True
+            r.shrink = RADAU_SHRINK
+        if r.matrix != FRESH_MATRIX:
+            # the Jacobian may be to blame; where something is not finite, the size as well
+            r.matrix = NO_MATRIX
+            if found != STAGES_BEYOND:
+                r.shrink = 1.0
+        return STEP_REJECTED
+    estimate_error(e, r)
+    if not r.error <= 1.0:
+        factor = RADAU_SAFETY * radau_rounds(r) * math.pow(r.error, -0.25)
+        r.shrink = min(max(factor, RADAU_SHRINK), RADAU_SAFETY)
+        return STEP_REJECTED
+    for i in range(n):
+        r.y1[i] = r.y[2 * n + i]
+    if rate_at(e, n, r.t1, r.y1, r.f1) != OK:
+        r.beyond = True
+        r.shrink = RADAU_SHRINK
+        return STEP_REJECTED
+    for k in range(3):
+        for i in range(n):
+            r.coefficients[k * n + i] = (
+                TO_POLYNOMIAL[3 * k] * r.z[i]
+                + TO_POLYNOMIAL[3 * k + 1] * r.z[n + i]
+                + TO_POLYNOMIAL[3 * k + 2] * r.z[2 * n + i]
+            )
+    return STEP_MADE
+
+
+def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, longest: float) -> int:
+    """Make one step of about h that satisfies the tolerance and ends at t_end or before.
+
+    From r.t0, r.y0, r.f0 to r.t1, r.y1, r.f1. As solvers.implicit.RadauIIA._advance.
+    """
+    remaining = t_end - r.t0
+    smallest = 10.0 * spacing(r.t0)
+    h = max(min(h, longest), smallest)
+    may_land = remaining <= longest * (1.0 + 1e-12)
+    r.rejected = 0
+    tolerance(e, r.y0, r.y0, r.tolerance)
+    while True:
+        if r.matrix == NO_MATRIX and differences(e, r, rtol) != OK:
+            return STEP_BEYOND
+        r.trial = h
+        # a little longer rather than a sliver of a step afterwards
+        r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)
+        h = r.t1 - r.t0
+        r.h = h
+        if try_radau(e, r, rtol) == STEP_MADE:
+            return STEP_MADE
+        r.rejected += 1
+        if r.shrink < 1.0 and h * r.shrink < smallest:
+            return STEP_TOO_SMALL
+        h *= r.shrink
+
+
+def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
+    """Make one step from r.t0, and choose the size of the next, r.next.
+
+    As solvers.implicit.RadauIIA._advance, with what it leaves to the next step.
+    """
+    if r.slow:
+        r.matrix = NO_MATRIX
+        r.slow = False
+    made = advance_radau(e, r, rtol, t_end, r.next, longest)
+    if made != STEP_MADE:
+        return made
+    cut = r.h < 0.99 * r.trial
+    error = max(r.error, 1e-10)
+    factor = RADAU_SAFETY * radau_rounds(r) * math.pow(error, -0.25)
+    if r.h_before > 0.0 and not cut:
+        # Gustafsson: the error is expected to go on changing as over the last two steps
+        factor *= min(1.0, r.h / r.h_before * math.pow(r.error_before / error, 0.25))
+    factor = min(max(factor, RADAU_SHRINK), 1.0 if r.rejected > 0 else RADAU_GROW)
+    r.slow = r.iterations > 2 and r.rate > SLOW_RATE
+    if cut and factor >= 1.0:
+        # cut short by t_end: its small error says little about the size after it
+        r.next = max(r.trial, r.h * factor)
+    elif not r.slow and factor >= 1.0 and factor < KEEP_SIZE:
+        r.next = r.h
+    else:
+        r.next = r.h * factor
+    if not cut:
+        r.h_before = r.h
+        r.error_before = max(r.error, RADAU_SMALLEST)
+    for k in range(3 * r.n):
+        r.polynomial[k] = r.coefficients[k]
+    r.left = r.now_left
+    r.span = r.h
+    r.origin = 1.0
+    r.known = True
+    return STEP_MADE
+
+
+def step_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
+    """Make one step from r.t0, r.y0 and r.f0 to r.t1, r.y1 and r.f1, of about the size r.next."""
+    n = r.n
+    r.start = r.t0
+    copy_floats(n, r.y0, r.start_y)
+    copy_floats(n, r.f0, r.start_f)
+    h_before = r.h_before
+    error_before = r.error_before
+    made = control_radau(e, r, rtol, t_end, longest)
+    if made != STEP_MADE:
+        return made
+    r.again_matrix = r.matrix
+    r.again_h_before = h_before
+    r.again_error_before = error_before
+    r.again_left = r.left
+    r.again_span = r.span
+    copy_floats(3 * n, r.polynomial, r.again_polynomial)
+    if r.matrix == FRESH_MATRIX:
+        r.matrix = KEPT_MATRIX
+    r.pieces = 0
+    add_piece(r)
+    return STEP_MADE
+
+
+def add_piece(r: Radau) -> None:
+    """Note the dense output of the step just made, behind those of the same retry."""
+    n = r.n
+    k = r.pieces
+    r.piece_t0[k] = r.t0
+    r.piece_t1[k] = r.t1
+    for i in range(n):
+        r.piece_y0[k * n + i] = r.y0[i]
+        r.piece_y1[k * n + i] = r.y1[i]
+    for i in range(3 * n):
+        r.piece_polynomial[3 * k * n + i] = r.coefficients[i]
+    r.pieces = k + 1
+
+
+def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
+    """Repeat the last step, ending at t_end: in one step, if that is accurate enough.
+
+    Jacobian and step size of the steps to come are those of before. As
+    solvers.implicit.RadauIIA.retry.
+    """
+    n = r.n
+    next_size = r.next
+    slow = r.slow
+    left = r.left
+    h_before = r.h_before
+    error_before = r.error_before
+    copy_floats(n * n, r.jacobian, r.kept_jacobian)
+    r.slow = False
+    r.matrix = r.again_matrix
+    r.h_before = r.again_h_before
+    r.error_before = r.again_error_before
+    r.left = r.again_left
+    r.known = True
+    r.span = r.again_span
+    r.origin = 0.0
+    copy_floats(3 * n, r.again_polynomial, r.polynomial)
+    r.t0 = r.start
+    copy_floats(n, r.start_y, r.y0)
+    copy_floats(n, r.start_f, r.f0)
+    r.next = t_end - r.t0
+    r.pieces = 0
+    remade = 0
+    made = STEP_MADE
+    while made == STEP_MADE and r.t0 < t_end:
+        if r.pieces == PIECES:
+            made = STEP_TOO_SMALL
+            break
+        if r.pieces > 0 and r.matrix == FRESH_MATRIX:
+            r.matrix = KEPT_MATRIX
+        before = r.made
+        made = control_radau(e, r, rtol, t_end, longest)
+        remade += r.made - before
+        if made == STEP_MADE:
+            add_piece(r)
+            if r.t1 < t_end:
+                r.t0 = r.t1
+                copy_floats(n, r.y1, r.y0)
+                copy_floats(n, r.f1, r.f0)
+            else:
+                break
+    if remade > 0:
+        copy_floats(n * n, r.kept_jacobian, r.jacobian)
+        r.served = 0.0
+    r.matrix = KEPT_MATRIX
+    r.next = next_size
+    r.slow = slow
+    r.left = left
+    r.h_before = h_before
+    r.error_before = error_before
+    r.origin = 1.0
+    return made
+
+
+def radau_between(r: Radau, t: float, y: Floats) -> None:
+    """Put the state at a time of the last step into `y`: the collocation polynomial.
+
+    At both ends it is the state there to the last bit.
+    """
+    n = r.n
+    k = r.pieces - 1
+    while k > 0 and t < r.piece_t0[k]:
+        k -= 1
+    if t == r.piece_t0[k]:
+        for i in range(n):
+            y[i] = r.piece_y0[k * n + i]
+        return
+    if t == r.piece_t1[k]:
+        for i in range(n):
+            y[i] = r.piece_y1[k * n + i]
+        return
+    x = (t - r.piece_t0[k]) / (r.piece_t1[k] - r.piece_t0[k])
+    square = x * x
+    cube = square * x
+    at = 3 * k * n
+    for i in range(n):
+        y[i] = r.piece_y0[k * n + i] + (
+            x * r.piece_polynomial[at + i]
+            + square * r.piece_polynomial[at + n + i]
+            + cube * r.piece_polynomial[at + 2 * n + i]
+        )

@@ -1,0 +1,77 @@
+"""Radau IIA as a method that a run may ask for: start, step, retry, and what is between."""
+
+from hybond.engine.algebra.products import copy_floats
+from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, not_finite
+from hybond.engine.methods.radau import (
+    STEP_BEYOND,
+    STEP_MADE,
+    begin_radau,
+    retry_radau,
+    step_radau,
+)
+from hybond.engine.methods.radau_stages import rate_at
+from hybond.engine.methods.scale import controlled, tolerance
+from hybond.engine.words import Floats
+
+
+def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
+    """Begin, or go on after an event. As solvers.implicit.RadauIIA._begin."""
+    s = e.step
+    n = e.states
+    forget = jumped or not s.started
+    if goes_elsewhere(e, t, y, forget):
+        if rate_at(e, n, t, s.y, s.f) != OK:
+            return not_finite(e)
+        begin_radau(e.radau, forget)
+    tolerance(e, s.y, s.y, s.scale)
+    s.controlled = controlled(n, s.scale)
+    if forget:
+        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
+        s.h = first_step(e, limit, 3.0)
+    return OK
+
+
+def radau_step(e: Engine, t_end: float) -> int:
+    """Make one step that satisfies the tolerance, not beyond `t_end`."""
+    s = e.step
+    r = e.radau
+    begin_step(e)
+    r.t0 = s.t0
+    copy_floats(e.states, s.y0, r.y0)
+    copy_floats(e.states, s.f0, r.f0)
+    r.next = s.h
+    made = step_radau(e, r, e.model.rtol, t_end, e.model.max_step)
+    if made != STEP_MADE:
+        return radau_failed(e, made)
+    s.h = r.next
+    s.rejected = r.rejected
+    accept_radau(e)
+    return OK
+
+
+def radau_failed(e: Engine, made: int) -> int:
+    """Say why no step is small enough."""
+    if made == STEP_BEYOND or e.radau.beyond:
+        return not_finite(e)
+    return say_fault(e, "HB-N201", "step size underflow", "")
+
+
+def radau_retry(e: Engine, t_end: float) -> int:
+    """Repeat the last step, ending at `t_end`."""
+    made = retry_radau(e, e.radau, e.model.rtol, t_end, e.model.max_step)
+    if made != STEP_MADE:
+        return radau_failed(e, made)
+    accept_radau(e)
+    return OK
+
+
+def accept_radau(e: Engine) -> None:
+    """Keep the step just made."""
+    s = e.step
+    r = e.radau
+    s.t1 = r.t1
+    s.t = r.t1
+    copy_floats(e.states, r.y1, s.y1)
+    copy_floats(e.states, r.y1, s.y)
+    copy_floats(e.states, r.f1, s.f)

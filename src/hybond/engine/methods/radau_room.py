@@ -1,0 +1,142 @@
+"""What Radau IIA keeps from step to step, and room for the step that is tried."""
+
+from typing import Final
+
+from hybond.engine.algebra.lu_pair import Complex
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+PIECES: Final = 16
+"""Steps that the repetition of one may fall apart into."""
+
+
+@record
+class Radau:
+    """What one step leaves to the next, and room for the step that is tried.
+
+    `matrix` says whether there is a Jacobian and whether it was made where the step starts; the
+    factors are those of a step of size `served`, 0 if there are none. `polynomial`, in units of
+    `span`, foresees the stages; `origin` is 1 if its step ends where the next one starts, 0 if both
+    start there. Arrays of three rows hold stages: derivatives `f`, states `y`, differences `z` from
+    the start, their `last` correction, coefficients of the dense output.
+    """
+
+    n: int
+    matrix: int
+    jacobian: Floats
+    served: float
+    real: Floats
+    real_row: Ints
+    re: Floats
+    im: Floats
+    pair_row: Ints
+    left: float
+    known: bool
+    polynomial: Floats
+    span: float
+    origin: float
+    h_before: float
+    error_before: float
+    slow: bool
+    """Whether the iteration of the last step was so slow that the next makes a new Jacobian."""
+
+    t0: float
+    y0: Floats
+    f0: Floats
+    t1: float
+    y1: Floats
+    f1: Floats
+    h: float
+    trial: float
+    """Its size before the end of time cut it."""
+    next: float
+    error: float
+    rejected: int
+    shrink: float
+    f: Floats
+    y: Floats
+    z: Floats
+    last: Floats
+    coefficients: Floats
+    tolerance: Floats
+    other: Floats
+    size: float
+    rate: float
+    now_left: float
+    iterations: int
+    shifted: Floats
+    end: Floats
+    error_vector: Floats
+    stage: Floats
+    x_real: Floats
+    x_re: Floats
+    x_im: Floats
+    number: Complex
+
+    # to repeat the last step: where it started, and the memory that it was made with
+    start: float
+    start_y: Floats
+    start_f: Floats
+    again_matrix: int
+    again_h_before: float
+    again_error_before: float
+    again_left: float
+    again_span: float
+    again_polynomial: Floats
+    kept_jacobian: Floats
+    made: int
+    """Jacobians made so far."""
+    beyond: bool
+    """Whether the attempt that was given up led to where something is not finite."""
+
+    # dense output: of one step, or of those that its repetition took
+    pieces: int
+    piece_t0: Floats
+    piece_t1: Floats
+    piece_y0: Floats
+    piece_y1: Floats
+    piece_polynomial: Floats
+
+
+def make_radau(n: int) -> Radau:
+    """Return room for n states."""
+    r = Radau()
+    r.n = n
+    r.jacobian = floats(n * n)
+    r.real = floats(n * n)
+    r.real_row = ints(n)
+    r.re = floats(n * n)
+    r.im = floats(n * n)
+    r.pair_row = ints(n)
+    r.left = 1.0
+    r.polynomial = floats(3 * n)
+    r.span = 1.0
+    r.origin = 1.0
+    r.y0 = floats(n)
+    r.f0 = floats(n)
+    r.y1 = floats(n)
+    r.f1 = floats(n)
+    r.f = floats(3 * n)
+    r.y = floats(3 * n)
+    r.z = floats(3 * n)
+    r.last = floats(3 * n)
+    r.coefficients = floats(3 * n)
+    r.tolerance = floats(n)
+    r.other = floats(n)
+    r.shifted = floats(n)
+    r.end = floats(n)
+    r.error_vector = floats(n)
+    r.stage = floats(n)
+    r.x_real = floats(n)
+    r.x_re = floats(n)
+    r.x_im = floats(n)
+    r.number = Complex()
+    r.start_y = floats(n)
+    r.start_f = floats(n)
+    r.again_polynomial = floats(3 * n)
+    r.kept_jacobian = floats(n * n)
+    r.piece_t0 = floats(PIECES)
+    r.piece_t1 = floats(PIECES)
+    r.piece_y0 = floats(PIECES * n)
+    r.piece_y1 = floats(PIECES * n)
+    r.piece_polynomial = floats(PIECES * 3 * n)
+    return r

@@ -1,0 +1,207 @@
+"""The stages of a step of Radau IIA by Newton's iteration, as solvers.newton.
+
+Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.8. In the basis of
+the eigenvectors of the inverse of the method's matrix the linear system of an iteration, of three
+times the size of the state, falls apart into a real and a complex one.
+"""
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.values import field
+from hybond.engine.words import Floats, float_table
+
+ITERATIONS: Final = 7
+ENOUGH: Final = 0.001
+STEADY_SIZE: Final = 1e-3
+STAGE_1: Final = 0.15505102572168219
+STAGE_2: Final = 0.6449489742783178
+REAL: Final = 3.63783425274449573
+PAIR_RE: Final = 2.68108287362775213
+PAIR_IM: Final = 3.05043019924741057
+BUTCHER_INVERSE: Final = float_table(
+    3.22474487139158905,
+    1.16784008469040549,
+    -0.253197264742180826,
+    -3.56784008469040549,
+    0.775255128608410951,
+    1.05319726474218083,
+    5.53197264742180826,
+    -7.53197264742180826,
+    5.0,
+)
+REAL_OUT: Final = float_table(0.0944387624889752415, 0.250213122965333311, 1.0)
+REAL_IN: Final = float_table(4.17871859155190473, 0.327682820761062387, 0.523376445499449548)
+PAIR_OUT_RE: Final = float_table(-0.141255295020954208, 0.204129352293799932, 1.0)
+PAIR_OUT_IM: Final = float_table(0.0300291941051474245, -0.382942112757261938, 0.0)
+PAIR_IN_RE: Final = float_table(-2.08935929577595236, -0.163841410380531194, 0.238311777250275226)
+PAIR_IN_IM: Final = float_table(-0.251436317472893438, 1.28596347492780271, -0.298019602414112462)
+
+NO_MATRIX: Final = 0
+KEPT_MATRIX: Final = 1
+FRESH_MATRIX: Final = 2
+
+STAGES_CONVERGED: Final = 0
+STAGES_FAILED: Final = 1
+STAGES_BEYOND: Final = 2
+
+
+def rate_at(e: Engine, n: int, t: float, y: Floats, f: Floats) -> int:
+    """Find the derivative, of n numbers; NOT_FINITE where there is none."""
+    if field(e, e.mode, t, y, f) != OK or not all_finite(n, f):
+        return NOT_FINITE
+    return OK
+
+
+def factorise(r: Radau) -> int:
+    """Make factors for a step of size r.h, if those that there are do not serve."""
+    if r.served > 0.0 and math.fabs(r.h - r.served) <= STEADY_SIZE * r.h:
+        return REGULAR
+    n = r.n
+    for k in range(n * n):
+        r.real[k] = -r.jacobian[k]
+        r.re[k] = -r.jacobian[k]
+        r.im[k] = 0.0
+    for k in range(n):
+        r.real[k * n + k] += REAL / r.h
+        r.re[k * n + k] += PAIR_RE / r.h
+        r.im[k * n + k] = PAIR_IM / r.h
+    r.served = 0.0
+    if lu_factor(n, r.real, r.real_row) == SINGULAR:
+        return SINGULAR
+    if lu_factor_pair(n, r.re, r.im, r.pair_row, r.number) == SINGULAR:
+        return SINGULAR
+    r.served = r.h
+    return REGULAR
+
+
+def foresee(r: Radau) -> None:
+    """Begin with the stages that the polynomial of another step foresees."""
+    n = r.n
+    for k in range(3 * n):
+        r.z[k] = 0.0
+    if not r.known:
+        return
+    for s in range(3):
+        x = r.origin + r.h / r.span * (STAGE_1 if s == 0 else STAGE_2 if s == 1 else 1.0)
+        for i in range(n):
+            r.z[s * n + i] = (
+                (x - r.origin) * r.polynomial[i]
+                + (x * x - r.origin) * r.polynomial[n + i]
+                + (x * x * x - r.origin) * r.polynomial[2 * n + i]
+            )
+
+
+def stage_time(r: Radau, s: int) -> float:
+    """Return when a stage is."""
+    if s == 2:
+        return r.t1
+    return r.t0 + (STAGE_1 if s == 0 else STAGE_2) * r.h
+
+
+def stage_rate(e: Engine, r: Radau, s: int) -> int:
+    """Find the derivative at a stage."""
+    n = r.n
+    for i in range(n):
+        r.stage[i] = r.y[s * n + i]
+    found = rate_at(e, n, stage_time(r, s), r.stage, r.end)
+    for i in range(n):
+        r.f[s * n + i] = r.end[i]
+    return found
+
+
+def place_stages(r: Radau) -> None:
+    """Find the states of the stages from their differences."""
+    n = r.n
+    for s in range(3):
+        for i in range(n):
+            r.y[s * n + i] = r.y0[i] + r.z[s * n + i]
+
+
+def correct_stages(r: Radau) -> None:
+    """Correct the stages by what is left of their equations."""
+    n = r.n
+    for i in range(n):
+        r.x_real[i] = 0.0
+        r.x_re[i] = 0.0
+        r.x_im[i] = 0.0
+        for s in range(3):
+            residual = r.f[s * n + i] - (
+                BUTCHER_INVERSE[3 * s] / r.h * r.z[i]
+                + BUTCHER_INVERSE[3 * s + 1] / r.h * r.z[n + i]
+                + BUTCHER_INVERSE[3 * s + 2] / r.h * r.z[2 * n + i]
+            )
+            r.x_real[i] += REAL_IN[s] * residual
+            r.x_re[i] += PAIR_IN_RE[s] * residual
+            r.x_im[i] += PAIR_IN_IM[s] * residual
+    lu_solve(n, r.real, r.real_row, 1, r.x_real)
+    lu_solve_pair(n, r.re, r.im, r.pair_row, r.number, r.x_re, r.x_im)
+    for s in range(3):
+        for i in range(n):
+            half = PAIR_OUT_RE[s] * r.x_re[i] - PAIR_OUT_IM[s] * r.x_im[i]
+            r.last[s * n + i] = REAL_OUT[s] * r.x_real[i] + 2.0 * half
+            r.z[s * n + i] += r.last[s * n + i]
+    place_stages(r)
+
+
+def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
+    """Return the root mean square of rows in units of the tolerance; nothing in nothing is 0."""
+    total = 0.0
+    for s in range(rows):
+        for i in range(n):
+            a = x[s * n + i]
+            if unit[i] == 0.0:
+                if a != 0.0:
+                    return math.inf
+            else:
+                total += a / unit[i] * (a / unit[i])
+    size = math.sqrt(total / float(rows * n)) if n > 0 else 0.0
+    return size if size == size else math.inf
+
+
+def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
+    """Iterate until the error left is negligible, or until it is clear that it will not be.
+
+    As solvers.newton.solve_stages.
+    """
+    n = r.n
+    # below ten units of rounding of the state itself no iteration can come
+    enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
+    before = 0.0
+    foresee(r)
+    r.rate = 0.0
+    r.now_left = math.pow(max(r.left, 1e-16), 0.8)
+    place_stages(r)
+    other = False
+    for count in range(1, ITERATIONS + 1):
+        r.iterations = count
+        for s in range(3):
+            if stage_rate(e, r, s) != OK:
+                return STAGES_BEYOND
+        correct_stages(r)
+        r.size = mean_size(n, 3, r.last, r.other if other else r.tolerance)
+        if r.size == math.inf:
+            # a state that leaves 0 in this step
+            for i in range(n):
+                r.stage[i] = r.y[2 * n + i]
+            tolerance(e, r.y0, r.stage, r.other)
+            other = True
+            r.size = mean_size(n, 3, r.last, r.other)
+        if count > 1:
+            r.rate = r.size / before if before > 0.0 else 0.0
+            if not r.rate < 1.0:
+                return STAGES_FAILED
+            r.now_left = r.rate / (1.0 - r.rate)
+            ahead = math.pow(r.rate, float(ITERATIONS - count)) * r.now_left * r.size
+            if ahead > enough:
+                return STAGES_FAILED
+        if r.now_left * r.size <= enough:
+            return STAGES_CONVERGED
+        before = r.size
+    return STAGES_FAILED

@@ -1,0 +1,123 @@
+"""The tolerance of each state, from the size it has had. After simulation.py, ErrorScale."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine, Mode
+from hybond.engine.mode.newton import solve
+from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.values import set_state
+from hybond.engine.words import Floats
+
+NEGLIGIBLE: Final = 1e-6
+"""A stored quantity is measured against at least this part of what the system's energy would make
+of it, so that rounding in an idle storage does not steer the step size."""
+IDLE: Final = 1e-12
+"""Absolute size, in SI, below which an integrated signal is idle."""
+ROUNDED: Final = 2.220446049250313e-15
+"""Part of its terms that the rate of a stored quantity may be off by."""
+SHORT: Final = 1e-6
+"""Part of the run in which what that adds up to is no error."""
+
+
+def start_scale(e: Engine, mode: Mode) -> None:
+    """Learn what the rates of stored quantities cancel from, where motion starts.
+
+    From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
+    right to a part of what it adds. Where all is still and nothing pushes yet, the terms of a
+    moment later count. After modes.motion, _terms.
+    """
+    if not found_terms(e, mode, e.t):
+        soon = SHORT * e.until
+        if e.next_break < math.inf:
+            soon = min(soon, 0.5 * (e.next_break - e.t))
+        found_terms(e, mode, e.t + soon)
+        set_state(e, mode, e.v, e.t, e.y)
+        solve(e, mode, e.v)
+
+
+def found_terms(e: Engine, mode: Mode, t: float) -> bool:
+    """Put the rounding of what rates cancel from at `t` there; False if there is nothing."""
+    m = e.model
+    set_state(e, mode, e.v, t, e.y)
+    solve(e, mode, e.v)
+    found = False
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        size = size_of(e, mode, at, e.work.xi, e.v)
+        e.rounding[k] = ROUNDED * SHORT * e.until * size
+        found = found or size > 0.0
+    return found
+
+
+def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
+    """Put the error that a step from `y0` to `y1` may make into `out`."""
+    m = e.model
+    for k in range(e.states):
+        # what a rejected step tried must not loosen the tolerance for good
+        e.largest_state[k] = max(e.largest_state[k], math.fabs(y0[k]))
+        out[k] = max(max(math.fabs(y0[k]), math.fabs(y1[k])), e.largest_state[k])
+    if m.atol == m.atol:
+        for k in range(e.states):
+            out[k] = m.rtol * out[k] + m.atol
+        return
+    v = e.work.values
+    own = e.work.ahead
+    for k in range(m.storages):
+        v[m.stored_slot + k] = y0[k]
+    here = 0.0
+    tried = 0.0
+    for k in range(m.storages):
+        own[k] = math.fabs(own_stiffness(m, k, v))
+        here += own[k] * y0[k] * y0[k]
+        tried += own[k] * (y1[k] * y1[k])
+    e.scale_energy = max(e.scale_energy, 0.5 * here)
+    most = max(e.scale_energy, 0.5 * tried)
+    for k in range(m.storages):
+        moved = out[k] > 0.0
+        floor = 0.0
+        if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
+            floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])
+        out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
+        # what has not moved yet has no size: the solver chooses its first step without it
+        if moved:
+            out[k] = max(out[k], e.rounding[k])
+    for k in range(m.storages, e.states):
+        out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
+
+
+def controlled(n: int, scale: Floats) -> int:
+    """Return how many components have a finite scale, at least 1."""
+    many = 0
+    for k in range(n):
+        if scale[k] < math.inf:
+            many += 1
+    return max(many, 1)
+
+
+def error_norm(n: int, error: Floats, scale: Floats) -> float:
+    """Return the root mean square of ``error/scale`` over the controlled components.
+
+    A component of scale 0 and error 0 counts as 0; scale 0 with an error gives infinity. After
+    solvers/control.py.
+    """
+    many = 0
+    total = 0.0
+    for k in range(n):
+        if not scale[k] < math.inf:
+            continue
+        many += 1
+        if scale[k] == 0.0:
+            if error[k] != 0.0:
+                total = math.inf if error[k] == error[k] else math.nan
+            continue
+        share = error[k] / scale[k]
+        total += share * share
+    return (
+        math.sqrt(total / float(many))
+        if many > 0 and total >= 0.0
+        else (0.0 if many == 0 else math.nan)
+    )

@@ -1,0 +1,63 @@
+"""One step of the method that the run was asked for, and what is between its ends."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.methods.dopri import dopri_retry, dopri_start, dopri_step
+from hybond.engine.methods.radau import radau_between
+from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
+from hybond.engine.words import Floats
+
+RADAU: Final = 1
+
+
+def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
+    """Begin, or go on after an event, in the mode ``e.mode``."""
+    if e.model.method == RADAU:
+        return radau_start(e, t, y, t_bound, jumped)
+    return dopri_start(e, t, y, t_bound, jumped)
+
+
+def step(e: Engine, t_end: float) -> int:
+    """Make one step that satisfies the tolerance, not beyond `t_end`."""
+    e.refusal = False
+    e.curved = False
+    if e.model.method == RADAU:
+        return radau_step(e, t_end)
+    return dopri_step(e, t_end)
+
+
+def retry(e: Engine, t_end: float) -> int:
+    """Repeat the last step with the size that ends it at `t_end`."""
+    e.refusal = False
+    e.curved = False
+    if e.model.method == RADAU:
+        return radau_retry(e, t_end)
+    return dopri_retry(e, t_end)
+
+
+def between(e: Engine, t: float, y: Floats) -> None:
+    """Put the state at a time within the last step into `y`, at its ends bit for bit.
+
+    After solvers/dense.py, Polynomial.
+    """
+    s = e.step
+    n = e.states
+    if e.model.method == RADAU and not e.curved:
+        radau_between(e.radau, t, y)
+        return
+    if t == s.t0 or t == s.t1:
+        for k in range(n):
+            y[k] = s.y0[k] if t == s.t0 else s.y1[k]
+        return
+    x = (t - s.t0) / (s.t1 - s.t0)
+    # one product after the other: a touch is decided by the last bits
+    x2 = x * x
+    x3 = x2 * x
+    x4 = x3 * x
+    for k in range(n):
+        y[k] = s.y0[k] + (
+            x * s.dense[k] + x2 * s.dense[n + k] + x3 * s.dense[2 * n + k] + x4 * s.dense[3 * n + k]
+        )

@@ -1,0 +1,1 @@
+"""The equations of a mode: rows eliminated, bond variables, what is stored."""

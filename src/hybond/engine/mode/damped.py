@@ -1,0 +1,116 @@
+"""Newton with steps that are shortened until they help. After equations/damped.py.
+
+Full steps jump to and fro where a law is bent like a root on both sides of rest: two orifices in a
+row. A step is taken as far as the *next* one, with the same slopes, becomes smaller.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import Engine, Mode
+from hybond.engine.mode.newton_system import (
+    is_zero,
+    largest_of,
+    newton_step,
+    system,
+    with_free,
+)
+from hybond.engine.words import Floats
+
+DAMPED_STEPS: Final = 200
+SHORTEST: Final = 2.0**-30
+"""The smallest part of a step that is tried."""
+
+
+def shorter_steps(e: Engine, mode: Mode, v: Floats, tolerance: float) -> bool:
+    """Find the free unknowns, into ``e.work.guess``, where full steps did not find them.
+
+    `e.work.base` is what the knowns give. A step below `tolerance` of the largest unknown is the
+    last.
+    """
+    r = e.work.guess.at
+    for turn in range(2):
+        if turn == 0 and not mode.guessed:
+            continue
+        for j in range(mode.finite_frees):
+            r[j] = mode.guess.at[j] if turn == 0 else 0.0
+        if damped(e, mode, v, r, tolerance):
+            return True
+    return False
+
+
+def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+    """Go from `r` to a root; False if none is found."""
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    fit(work.whole, frees)
+    fit(work.weight, frees)
+    fit(work.trial, frees)
+    for j in range(frees):
+        work.weight.at[j] = 0.0
+    for _ in range(DAMPED_STEPS):
+        with_free(mode, n, work.base, r, work.w)
+        rows = system(e, mode, v, work.w)
+        if is_zero(rows, work.residual.at):
+            return True
+        if not all_finite(rows, work.residual.at):
+            return False
+        if not all_finite(rows * frees, work.jacobian.at):
+            return False
+        newton_step(e, rows, frees)
+        size = largest_of(frees, r)
+        last = True
+        for j in range(frees):
+            step = work.step.at[j]
+            work.whole.at[j] = step
+            work.weight.at[j] = max(work.weight.at[j], max(math.fabs(r[j]), math.fabs(step)))
+            last = last and math.fabs(step) <= tolerance * size
+        part = 1.0
+        if not last:
+            fit(work.slopes_there, rows * frees)
+            for i in range(rows * frees):
+                work.slopes_there.at[i] = work.jacobian.at[i]
+            part = helpful_part(e, mode, v, r, rows)
+        for j in range(frees):
+            r[j] -= part * work.whole.at[j]
+        if last:
+            return True
+        if part == 0.0:
+            return False
+    return False
+
+
+def helpful_part(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int) -> float:
+    """Return the part of the whole step from `r` after which the next one is smaller; 0: none."""
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    length = weighted(e, frees, work.whole.at)
+    part = 1.0
+    while part >= SHORTEST:
+        for j in range(frees):
+            work.trial.at[j] = r[j] - part * work.whole.at[j]
+        with_free(mode, n, work.base, work.trial.at, work.w)
+        system(e, mode, v, work.w)
+        if all_finite(rows, work.residual.at):
+            for i in range(rows * frees):
+                work.jacobian.at[i] = work.slopes_there.at[i]
+            newton_step(e, rows, frees)
+            if weighted(e, frees, work.step.at) <= (1.0 - 0.5 * part) * length:
+                return part
+        part *= 0.5
+    return 0.0
+
+
+def weighted(e: Engine, n: int, a: Floats) -> float:
+    """Return the largest magnitude of a step, each part of it measured by its weight."""
+    most = 0.0
+    for j in range(n):
+        weight = e.work.weight.at[j]
+        most = max(most, math.fabs(a[j]) / (weight if weight > 0.0 else 1.0))
+    return most

@@ -1,0 +1,337 @@
+"""The equations of a mode, ready to evaluate: made when the mode is first entered.
+
+After equations/mode.py, prepare, and programs/program.py, equations.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
+from hybond.engine.algebra.products import all_finite, times_matrix
+from hybond.engine.algebra.svd import null_space, rank_above, svd
+from hybond.engine.engine import (
+    NO_MODE,
+    OK,
+    Engine,
+    Mode,
+    say_fault,
+    svd_room,
+)
+from hybond.engine.inputs.interval import configuration
+from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.elimination import Elimination, is_free
+from hybond.engine.mode.kept_modes import find_kept, keep_mode
+from hybond.engine.mode.leakage import fold, least_leakage
+from hybond.engine.mode.newton_system import system
+from hybond.engine.mode.reading import read_rates
+from hybond.engine.mode.tableau import build, switch_on
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, some
+
+RANK_TOLERANCE: Final = 1e-10
+TRIALS: Final = 3
+"""Generic points at which ranks are found."""
+
+
+def mode_of(e: Engine, state: Ints) -> int:
+    """Take the equations of a mode within the present interval into `e.mode`."""
+    m = e.model
+    e.clock += 1
+    configuration(e, state, e.key)
+    at = find_kept(e, e.key)
+    if at != NO_MODE:
+        e.mode = some(e.modes[at])
+        e.mode.used = e.clock
+        e.mode_at = at
+        return check_depth(e, e.mode)
+    e.mode_at = keep_mode(e, e.key)
+    mode = some(e.modes[e.mode_at])
+    mode.used = e.clock
+    e.mode = mode
+    for j in range(m.junctions):
+        e.given[j] = 0
+    mode.opened = False
+    make_equations(e, mode, e.given)
+    e.modes_built += 1
+    return check_depth(e, mode)
+
+
+def check_depth(e: Engine, mode: Mode) -> int:
+    """Refuse a mode in which a constraint would have to be differentiated twice."""
+    if mode.too_high:
+        return say_fault(
+            e, "HB-C103", "a constraint on storage leaves no rate free that could keep it", ""
+        )
+    return OK
+
+
+def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
+    """Eliminate a configuration and keep what evaluation asks for."""
+    m = e.model
+    switch_on(m, mode)
+    mode.too_high = build(e, mode, given) > 0
+    for k in range(m.priors):
+        mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
+    power = e.work.power
+    finite = e.work.finite
+    for k in range(2 * m.bonds):
+        mode.same[k] = power.same[k]
+    mode.finite_frees = free_columns(finite, mode.free_column)
+    take_rows(m, finite, mode.knowns, mode.finite)
+    take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
+    mode.power = mode.finite
+    mode.power_free = mode.finite_free
+    mode.power_frees = mode.finite_frees
+    if e.work.table.done > 0:
+        mode.power = mode.own_power
+        mode.power_free = mode.own_power_free
+        mode.power_frees = free_columns(power, e.work.columns)
+        take_rows(m, power, mode.knowns, mode.own_power)
+        take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
+    take_constraints(e, mode)
+    divide_rows(m, mode)
+    note_rates(m, mode)
+    mode.direct = mode.finite
+    read_rates(e, mode, mode.rates)
+    mode.guessed = False
+    fit(mode.guess, mode.finite_frees + 1)
+    mode.ways.known = False
+    mode.saw = False
+    mode.leakage.stages = 0
+    mode.leakage.first = 0
+    mode.leakage.second = 0
+    mode.loose = 0
+    if mode.too_high:
+        return
+    mode.rank = generic_rank(e, mode) if mode.structures > 0 else 0
+    mode.affine = mode.rank == mode.structures
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d >= 0 and m.dynamic_affine[d] == 0:
+            mode.affine = False
+        if d < 0 and not is_hidden_affine(m, mode, -1 - d):
+            mode.affine = False
+    if mode.finite_frees == 0:
+        return
+    if mode.dynamics == 0:
+        fit(mode.freedom, 2 * m.bonds * mode.finite_frees)
+        mode.loose = mode.finite_frees
+        for i in range(2 * m.bonds * mode.finite_frees):
+            mode.freedom.at[i] = mode.finite_free.at[i]
+    else:
+        mode.loose = generic_null(e, mode)
+    least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
+    if mode.dynamics == 0 and mode.leakage.stages > 0:
+        fold(e, mode)
+        read_rates(e, mode, mode.rates)
+
+
+def free_columns(x: Elimination, column: Ints) -> int:
+    """Put the free unknowns of an elimination there and return how many they are."""
+    many = 0
+    for k in range(x.unknowns):
+        if is_free(x, k):
+            column[many] = k
+            many += 1
+    return many
+
+
+def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
+    """Take what knowns give to each bond variable; equal ones share the row of the first."""
+    n = x.unknowns
+    entries = 0
+    for k in range(n):
+        for i in range(x.count[k]):
+            if x.column[k * x.columns + i] >= n:
+                entries += 1
+    fit_rows(rows, n, entries)
+    entries = 0
+    for k in range(n):
+        rows.first.at[k] = entries
+        if x.solved[k] == 0 or x.same[k] != k:
+            continue
+        begin = entries
+        for i in range(x.count[k]):
+            j = x.column[k * x.columns + i] - n
+            if j < 0 or j >= knowns or x.entry[k * x.columns + n + j] == 0.0:
+                continue
+            # in the order of knowns, which sums follow
+            at = entries
+            while at > begin and rows.column.at[at - 1] > j:
+                rows.column.at[at] = rows.column.at[at - 1]
+                at -= 1
+            rows.column.at[at] = j
+            entries += 1
+        for i in range(begin, entries):
+            rows.value.at[i] = -x.entry[k * x.columns + n + rows.column.at[i]]
+    rows.first.at[n] = entries
+
+
+def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
+    """Take what free unknowns give to each bond variable."""
+    fit(block, x.unknowns * frees)
+    for k in range(x.unknowns):
+        row = x.same[k]
+        for j in range(frees):
+            if row == column[j]:
+                block.at[k * frees + j] = 1.0
+            else:
+                entry = x.entry[row * x.columns + column[j]]
+                block.at[k * frees + j] = -entry if entry != 0.0 else 0.0
+
+
+def take_constraints(e: Engine, mode: Mode) -> None:
+    """Take the constraints on what is stored, and what sources must agree on, by knowns."""
+    table = e.work.table
+    entries = 0
+    for c in range(table.done):
+        entries += 1 + table.count[table.order[c]]
+    fit_rows(mode.constraints, table.done, entries)
+    entries = 0
+    for c in range(table.done):
+        mode.constraints.first.at[c] = entries
+        pivot = table.order[c]
+        mode.constraints.column.at[entries] = pivot
+        mode.constraints.value.at[entries] = 1.0
+        entries += 1
+        for i in range(table.count[pivot]):
+            k = table.column[pivot * table.columns + i]
+            mode.constraints.column.at[entries] = k
+            mode.constraints.value.at[entries] = table.entry[pivot * table.columns + k]
+            entries += 1
+    mode.constraints.first.at[table.done] = entries
+    w = e.work
+    fit_rows(mode.agreements, w.agreements, w.agreement_entries)
+    for r in range(w.agreements + 1):
+        mode.agreements.first.at[r] = w.agreement_first[r] if r > 0 else 0
+    for i in range(w.agreement_entries):
+        mode.agreements.column.at[i] = w.agreement_column[i]
+        mode.agreements.value.at[i] = w.agreement_value[i]
+
+
+def divide_rows(m: Model, mode: Mode) -> None:
+    """Tell dynamic rows of the power structure from the others."""
+    mode.structures = 0
+    others = 0
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d >= 0 and m.dynamic_kind[d] == 0:
+            mode.structure[mode.structures] = i
+            mode.structures += 1
+        else:
+            mode.other[others] = i
+            others += 1
+
+
+def note_rates(m: Model, mode: Mode) -> None:
+    """Note of which sources the rate is asked for."""
+    first = m.storages + mode.sources
+    for k in range(mode.sources):
+        rated = mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0
+        mode.rated[k] = 1 if rated and mode.structures > 0 else 0
+        if not rated or mode.structures > 0:
+            continue
+        for i in range(mode.finite.first.at[mode.finite.rows]):
+            if mode.finite.column.at[i] == first + k:
+                mode.rated[k] = 1
+
+
+def is_hidden_affine(m: Model, mode: Mode, c: int) -> bool:
+    """Whether the slopes of the derivative of a constraint do not read bond variables.
+
+    Those of storage laws read what is stored; those of rates of sources may read anything.
+    """
+    for i in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
+        k = mode.constraints.column.at[i] - m.storages
+        if k >= 0 and mode.source[k] >= 0 and m.source_curved[mode.source[k]] != 0:
+            return False
+    return True
+
+
+def is_fieldless(e: Engine, mode: Mode) -> bool:
+    """Whether an active law reads ``pre()``, one of a landed machine left out."""
+    m = e.model
+    for k in range(m.priors):
+        if mode.prior_acts[k] != 0 and not is_prior_landed(e, k):
+            return True
+    return False
+
+
+def is_prior_active(m: Model, mode: Mode, k: int) -> bool:
+    """Whether a law that reads ``pre()`` acts in a mode. After model/fieldless.py."""
+    for i in range(m.prior_first[k], m.prior_first[k + 1]):
+        if mode.on[m.prior_switch[i]] == 0:
+            return False
+    machine = m.prior_machine[k]
+    return machine < 0 or mode.state[machine] == m.prior_state[k]
+
+
+def is_prior_landed(e: Engine, k: int) -> bool:
+    """Whether a machine that has landed switches a law that reads ``pre()``."""
+    m = e.model
+    for i in range(m.prior_first[k], m.prior_first[k + 1]):
+        if e.landed[m.switch_machine[m.prior_switch[i]]] != 0:
+            return True
+    return False
+
+
+def generic_values(e: Engine, trial: int, v: Floats) -> None:
+    """Fill values with fixed numbers between 0.3 and 1.7 that no law is special at."""
+    seed = 12345 + 7919 * trial
+    for k in range(2 * e.model.slots):
+        # Lehmer's generator, small enough for 32 bits
+        seed = (seed * 16807) % 65537
+        v[k] = 0.3 + 1.4 * (float(seed) + 0.5) / 65537.0
+
+
+def generic_rank(e: Engine, mode: Mode) -> int:
+    """Return the structural rank of the power structure's dynamic rows."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    best = 0
+    frees = mode.power_frees
+    for trial in range(TRIALS):
+        generic_values(e, trial, w.generic)
+        frozen_at(e, mode, w.generic, w.frozen)
+        fit(w.a, mode.structures * n)
+        fit(w.b, mode.structures * frees)
+        for i in range(mode.structures):
+            for k in range(n):
+                w.a.at[i * n + k] = w.frozen.at[mode.structure[i] * n + k]
+        times_matrix(mode.structures, n, frees, w.a.at, mode.power_free.at, w.b.at)
+        if frees == 0 or not all_finite(mode.structures * frees, w.b.at):
+            continue
+        largest = 0.0
+        for i in range(mode.structures * frees):
+            largest = max(largest, math.fabs(w.b.at[i]))
+        d = svd_room(e, max(mode.structures, frees), max(mode.structures, frees))
+        svd(d, mode.structures, frees, w.b.at)
+        best = max(best, rank_above(d, min(mode.structures, frees), RANK_TOLERANCE * largest))
+    return best
+
+
+def generic_null(e: Engine, mode: Mode) -> int:
+    """Find the free directions that no dynamic row ever sees, hidden rows included."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    frees = mode.finite_frees
+    smallest = -1
+    fit(mode.freedom, n * frees)
+    for trial in range(TRIALS):
+        generic_values(e, trial, w.generic)
+        for k in range(n):
+            w.w[k] = w.generic[m.bond_slot + k]
+        rows = system(e, mode, w.generic, w.w)
+        if not all_finite(rows * frees, w.jacobian.at):
+            continue
+        fit(w.a, frees * frees)
+        d = svd_room(e, max(rows, frees), max(rows, frees))
+        many = null_space(d, rows, frees, w.jacobian.at, RANK_TOLERANCE, w.a.at)
+        if smallest < 0 or many < smallest:
+            smallest = many
+            times_matrix(n, frees, many, mode.finite_free.at, w.a.at, mode.freedom.at)
+    return max(smallest, 0)

@@ -1,0 +1,75 @@
+"""The modes that a run keeps, found by their configurations; the least recently used goes.
+
+Configurations of one bucket are a chain: `bucket` has its first mode, `Mode.behind` the next one.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.engine import BUCKETS, KEPT, NO_MODE, Engine, Mode, make_mode
+from hybond.engine.words import Ints, some
+
+
+def find_kept(e: Engine, key: Ints) -> int:
+    """Return where the mode of a configuration stands, NO_MODE if it is not kept."""
+    n = e.model.machines + e.model.discrete
+    at = e.bucket[bucket_of(n, key)]
+    while at != NO_MODE and not is_same(n, some(e.modes[at]).state, key):
+        at = some(e.modes[at]).behind
+    return at
+
+
+def keep_mode(e: Engine, key: Ints) -> int:
+    """Return where there is room for the mode of a configuration, from now on found by it."""
+    n = e.model.machines + e.model.discrete
+    at = e.modes_made
+    if at < KEPT:
+        e.modes[at] = make_mode(e.model)
+        e.modes_made += 1
+    else:
+        at = 0
+        for k in range(KEPT):
+            if some(e.modes[k]).used < some(e.modes[at]).used:
+                at = k
+        forget_mode(e, at)
+    mode = some(e.modes[at])
+    for k in range(n):
+        mode.state[k] = key[k]
+    own = bucket_of(n, key)
+    mode.behind = e.bucket[own]
+    e.bucket[own] = at
+    return at
+
+
+def forget_mode(e: Engine, at: int) -> None:
+    """Take a mode out of its chain."""
+    gone = some(e.modes[at])
+    own = bucket_of(e.model.machines + e.model.discrete, gone.state)
+    if e.bucket[own] == at:
+        e.bucket[own] = gone.behind
+        return
+    before = before_in_chain(e, own, at)
+    before.behind = gone.behind
+
+
+def before_in_chain(e: Engine, own: int, at: int) -> Mode:
+    """Return the mode behind which another one stands in a bucket."""
+    k = e.bucket[own]
+    while some(e.modes[k]).behind != at:
+        k = some(e.modes[k]).behind
+    return some(e.modes[k])
+
+
+def bucket_of(n: int, key: Ints) -> int:
+    """Return the bucket of a configuration."""
+    found = 0
+    for k in range(n):
+        found = (31 * found + key[k]) % BUCKETS
+    return found
+
+
+def is_same(n: int, a: Ints, b: Ints) -> bool:
+    """Whether two configurations are the same."""
+    for k in range(n):
+        if a[k] != b[k]:
+            return False
+    return True

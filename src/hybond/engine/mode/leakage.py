@@ -1,0 +1,233 @@
+"""Undetermined variables: the member of the admissible set with the least leakage power.
+
+First the leaks of controlled junctions, then those of the undetermined bonds. After
+equations/leakage.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
+from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.svd import null_space, pseudo_inverse
+from hybond.engine.engine import Engine, Leakage, Mode, svd_room
+from hybond.engine.model import Model
+from hybond.engine.words import Floats
+
+MOVED: Final = 1e-9
+"""A variable is undetermined if a unit of freedom moves it by more than this."""
+RANK: Final = 1e-10
+CANCELS: Final = 1e-13
+"""What is below this part of its terms is what rounding leaves of zero."""
+
+
+def junction_rows(m: Model, mode: Mode, rows: Floats) -> int:
+    """Put the rows there whose squares are the leakage power of controlled junctions.
+
+    Blocked effort of an OFF 1-junction, shorted flow of an OFF 0-junction, through flow of an ON
+    1-junction, common effort of an ON 0-junction. Returns how many there are.
+    """
+    n = 2 * m.bonds
+    many = 0
+    for j in range(m.junctions):
+        if m.junction_switch[j] < 0 or m.end_first[j] == m.end_first[j + 1]:
+            continue
+        for k in range(n):
+            rows[many * n + k] = 0.0
+        common = 0 if m.junction_kind[j] == 0 else m.bonds
+        if mode.on[m.junction_switch[j]] == 0:
+            for i in range(m.end_first[j], m.end_first[j + 1]):
+                rows[many * n + m.bonds - common + m.end_bond[i]] += float(m.end_sign[i])
+        else:
+            rows[many * n + common + m.end_bond[m.end_first[j]]] = 1.0
+        many += 1
+    return many
+
+
+def is_undetermined(n: int, many: int, freedom: Floats, k: int) -> bool:
+    """Whether the columns of `freedom`, of n rows, move bond variable k."""
+    largest = 0.0
+    for i in range(n * many):
+        largest = max(largest, math.fabs(freedom[i]))
+    own = 0.0
+    for i in range(many):
+        own = max(own, math.fabs(freedom[k * many + i]))
+    return own > MOVED * largest
+
+
+def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage) -> None:
+    """Find the projection of any solution onto the one of least leakage.
+
+    `freedom` has a row for each bond variable and `many` columns: directions in which they are
+    free.
+    """
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    p.stages = 0
+    p.first = 0
+    p.second = 0
+    if many == 0:
+        return
+    fit(w.a, (m.junctions + 1) * n)
+    rows = junction_rows(m, mode, w.a.at)
+    fit(w.b, max(rows, n) * many)
+    fit(w.c, many * max(rows, n) + many * many)
+    fit(p.amount, many)
+    d = svd_room(e, max(rows, n), max(many, n))
+    left = many
+    fit(p.basis2, n * many)
+    if rows > 0:
+        fit(p.basis, n * many)
+        fit(p.taken, many * n)
+        for i in range(n * many):
+            p.basis.at[i] = freedom[i]
+        times_matrix(rows, n, many, w.a.at, freedom, w.b.at)
+        pseudo_inverse(d, rows, many, w.b.at, MOVED, w.c.at)
+        times_matrix(many, rows, n, w.c.at, w.a.at, p.taken.at)
+        p.first = many
+        p.stages = 1
+        left = null_space(d, rows, many, w.b.at, RANK, w.c.at)
+        times_matrix(n, many, left, freedom, w.c.at, p.basis2.at)
+    else:
+        for i in range(n * many):
+            p.basis2.at[i] = freedom[i]
+    if left == 0:
+        return
+    # second stage: the undetermined bonds
+    fit(p.taken2, left * n)
+    bonds = 0
+    for k in range(n):
+        if is_undetermined(n, many, freedom, k):
+            for i in range(left):
+                w.b.at[bonds * left + i] = p.basis2.at[k * left + i]
+            bonds += 1
+    if bonds == 0:
+        return
+    pseudo_inverse(d, bonds, left, w.b.at, MOVED, w.c.at)
+    row = 0
+    for k in range(n):
+        moved = is_undetermined(n, many, freedom, k)
+        for i in range(left):
+            p.taken2.at[i * n + k] = w.c.at[i * bonds + row] if moved else 0.0
+        if moved:
+            row += 1
+    p.second = left
+    p.stages = 2
+
+
+def project(p: Leakage, n: int, w: Floats) -> None:
+    """Replace bond variables by those of least leakage."""
+    if p.first > 0:
+        take_off(n, p.first, p.basis.at, p.taken.at, p.amount.at, w)
+    if p.second > 0:
+        take_off(n, p.second, p.basis2.at, p.taken2.at, p.amount.at, w)
+
+
+def take_off(n: int, many: int, basis: Floats, taken: Floats, amount: Floats, w: Floats) -> None:
+    """Take ``basis taken w`` off `w`."""
+    for i in range(many):
+        total = 0.0
+        for k in range(n):
+            total += taken[i * n + k] * w[k]
+        amount[i] = total
+    for k in range(n):
+        total = 0.0
+        for i in range(many):
+            total += basis[k * many + i] * amount[i]
+        w[k] -= total
+
+
+def fold(e: Engine, mode: Mode) -> None:
+    """Take least leakage off the rows of a mode in which nothing is left to Newton.
+
+    It is the same at every instant there: ``direct = (1 - basis2 taken2)(1 - basis taken) finite``.
+    """
+    p = mode.leakage
+    w = e.work
+    n = 2 * e.model.bonds
+    first = p.first * mode.knowns
+    # what each projection takes off the rows, and the sizes of the terms of that
+    fit(w.a, 2 * first)
+    times_rows(mode, p.first, n, p.taken.at, w.a)
+    fit(w.b, 2 * p.second * mode.knowns)
+    times_rows(mode, p.second, n, p.taken2.at, w.b)
+    after_first(p, n, mode.knowns, w.a.at, w.b.at)
+    mode.direct = mode.shared
+    fit_places(mode.direct.first, n + 1)
+    mode.direct.rows = n
+    fit(w.row, 2 * mode.knowns)
+    entries = 0
+    for k in range(n):
+        mode.direct.first.at[k] = entries
+        if mode.same[k] == k:
+            put_finite(mode, k, w.row.at)
+            less_share(p.first, mode.knowns, p.basis.at, k * p.first, w.a.at, w.row.at)
+            less_share(p.second, mode.knowns, p.basis2.at, k * p.second, w.b.at, w.row.at)
+            entries = keep_entries(mode.direct, entries, mode.knowns, w.row.at)
+    mode.direct.first.at[n] = entries
+
+
+def times_rows(mode: Mode, many: int, n: int, taken: Floats, out: Block) -> None:
+    """Put ``taken finite`` into `out`, of `many` rows, and below it the sizes of its terms."""
+    rows = mode.finite
+    sizes = many * mode.knowns
+    for i in range(2 * sizes):
+        out.at[i] = 0.0
+    for i in range(many):
+        for k in range(n):
+            factor = taken[i * n + k]
+            if factor == 0.0:
+                continue
+            for j in range(rows.first.at[mode.same[k]], rows.first.at[mode.same[k] + 1]):
+                at = i * mode.knowns + rows.column.at[j]
+                term = factor * rows.value.at[j]
+                out.at[at] += term
+                out.at[sizes + at] += math.fabs(term)
+
+
+def after_first(p: Leakage, n: int, knowns: int, first: Floats, second: Floats) -> None:
+    """Make what the second projection takes off what it takes off after the first."""
+    for i in range(p.second):
+        for j in range(p.first):
+            factor = 0.0
+            for k in range(n):
+                factor += p.taken2.at[i * n + k] * p.basis.at[k * p.first + j]
+            for c in range(knowns):
+                second[i * knowns + c] -= factor * first[j * knowns + c]
+                at = p.second * knowns + i * knowns + c
+                second[at] += math.fabs(factor) * first[p.first * knowns + j * knowns + c]
+
+
+def put_finite(mode: Mode, k: int, row: Floats) -> None:
+    """Put row k of what knowns give there, and behind it the sizes of its terms."""
+    for j in range(2 * mode.knowns):
+        row[j] = 0.0
+    for i in range(mode.finite.first.at[k], mode.finite.first.at[k + 1]):
+        row[mode.finite.column.at[i]] = mode.finite.value.at[i]
+        row[mode.knowns + mode.finite.column.at[i]] = math.fabs(mode.finite.value.at[i])
+
+
+def less_share(many: int, knowns: int, basis: Floats, at: int, taken: Floats, row: Floats) -> None:
+    """Take ``basis taken`` off a row, whose part of `basis` begins at `at`; add to the sizes."""
+    for i in range(many):
+        factor = basis[at + i]
+        if factor == 0.0:
+            continue
+        for j in range(knowns):
+            row[j] -= factor * taken[i * knowns + j]
+            row[knowns + j] += math.fabs(factor) * taken[(many + i) * knowns + j]
+
+
+def keep_entries(rows: Rows, entries: int, knowns: int, row: Floats) -> int:
+    """Keep what is more than rounding of a row as the next of `rows`; return where it ends."""
+    for j in range(knowns):
+        if math.fabs(row[j]) > CANCELS * row[knowns + j]:
+            grow_places(rows.column, entries + 1)
+            grow_block(rows.value, entries + 1)
+            rows.column.at[entries] = j
+            rows.value.at[entries] = row[j]
+            entries += 1
+    return entries

@@ -1,0 +1,95 @@
+"""Bond variables that are read while time passes: those and no others are evaluated in a step.
+
+Which these are is told once, for the rates of the state when a mode is made, for guards when they
+begin to be watched. At events and where something is printed all are evaluated.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.algebra.blocks import Rows, row_times
+from hybond.engine.engine import OK, Engine, Mode, Reads
+from hybond.engine.mode.newton import solve
+from hybond.engine.mode.storage import co_energy
+from hybond.engine.model import Model, value
+from hybond.engine.words import Floats
+
+
+def read_nothing(m: Model, r: Reads) -> None:
+    """Forget what is read."""
+    r.many = 0
+    for b in range(2 * m.bonds):
+        r.chosen[b] = 0
+    for k in range(m.most_sources):
+        r.valued[k] = 0
+        r.rated[k] = 0
+
+
+def read_rates(e: Engine, mode: Mode, r: Reads) -> None:
+    """Read what the rates of the state do: of stored quantities, of integrated signals."""
+    m = e.model
+    read_nothing(m, r)
+    for k in range(m.storages):
+        read_bond(m, mode, r, m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0))
+    for k in range(m.integrals):
+        read_pair(m, mode, r, m.rule_first[m.machines] + k)
+
+
+def read_guard(m: Model, mode: Mode, r: Reads, rule: int) -> None:
+    """Read what a guard does, and what rounding of that is measured by."""
+    begin = r.many
+    read_pair(m, mode, r, rule)
+    for i in range(begin, r.many):
+        at = r.bond[i] * mode.finite_frees
+        for j in range(mode.finite_frees):
+            if mode.finite_free.at[at + j] != 0.0:
+                read_bond(m, mode, r, mode.free_column[j])
+
+
+def read_pair(m: Model, mode: Mode, r: Reads, pair: int) -> None:
+    """Read the bond variables that a guard or a rate does."""
+    for i in range(m.read_first[pair], m.read_first[pair + 1]):
+        b = m.read_slot[i] - m.bond_slot
+        if b >= 0 and b < 2 * m.bonds:
+            read_bond(m, mode, r, b)
+
+
+def read_bond(m: Model, mode: Mode, r: Reads, b: int) -> None:
+    """Read a bond variable, with the sources that its terms are made of."""
+    if r.chosen[b] != 0:
+        return
+    r.chosen[b] = 1
+    r.bond[r.many] = b
+    r.many += 1
+    read_sources(m, mode, r, mode.finite, mode.same[b])
+    read_sources(m, mode, r, mode.direct, mode.same[b])
+
+
+def read_sources(m: Model, mode: Mode, r: Reads, rows: Rows, k: int) -> None:
+    """Read the sources whose values and rates stand in a row."""
+    for i in range(rows.first.at[k], rows.first.at[k + 1]):
+        source = rows.column.at[i] - m.storages
+        if source >= mode.sources:
+            r.rated[source - mode.sources] = mode.rated[source - mode.sources]
+        elif source >= 0:
+            r.valued[source] = 1
+
+
+def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
+    """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
+    if mode.dynamics > 0:
+        return solve(e, mode, v)
+    m = e.model
+    xi = e.work.xi
+    co_energy(m, v, xi)
+    for k in range(mode.sources):
+        source = mode.source[k]
+        at = m.storages + k
+        if r.valued[k] != 0:
+            law = m.source_value[source] if source >= 0 else -1
+            xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
+        xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
+    for i in range(r.many):
+        b = r.bond[i]
+        e.work.w[b] = row_times(mode.direct, mode.same[b], xi)
+        v[m.bond_slot + b] = e.work.w[b]
+    return OK

@@ -1,0 +1,97 @@
+"""What rounding is measured by: the size of the terms that made what a guard reads.
+
+A difference that is no more than rounding of its terms counts as zero. Those of a bond variable are
+found where a guard is asked that reads it, not where it is evaluated. After equations/mode.py,
+solution, and modes/jump.py, reach_of_bonds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import row_size
+from hybond.engine.engine import Engine, Mode
+from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
+from hybond.engine.model import Model
+from hybond.engine.words import Floats
+
+STORED: Final = 10.0
+"""Rounding of a bond variable is measured by this multiple of what the energy of the run would make
+of it."""
+
+
+def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
+    """Return the size of the terms of bond variable `b`, as `solve` found it from the knowns `xi`.
+
+    Those of what is left free count as well, and the value itself.
+    """
+    first = e.model.bond_slot
+    size = row_size(mode.finite, mode.same[b], xi)
+    at = b * mode.finite_frees
+    for j in range(mode.finite_frees):
+        if mode.finite_free.at[at + j] != 0.0:
+            free = v[first + mode.free_column[j]]
+            size += math.fabs(mode.finite_free.at[at + j]) * math.fabs(free)
+    return max(size, math.fabs(v[first + b]))
+
+
+def sizes_of(e: Engine, mode: Mode, v: Floats) -> None:
+    """Put the sizes of the terms of all bond variables into `e.work.sizes`, after `solve`."""
+    for b in range(2 * e.model.bonds):
+        e.work.sizes[b] = size_of(e, mode, b, e.work.xi, v)
+
+
+def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floats) -> None:
+    """Put what rounding of each signal that a pair reads is measured by into `terms`.
+
+    Where junctions have laws, bond variables are measured by what is stored as well, of which
+    `mode.seen` tells: junction laws count rounding of that as zero, and beside them every guard
+    does. While machines slide those of bond variables are there, see `blend.begin_sizes`. After
+    Trials.measured.
+    """
+    m = e.model
+    reach = STORED * math.sqrt(e.energy) if m.laws > 0 else 0.0
+    for i in range(m.read_first[pair], m.read_first[pair + 1]):
+        slot = m.read_slot[i]
+        b = slot - m.bond_slot
+        if b < 0 or b >= 2 * m.bonds:
+            terms[slot] = math.fabs(v[slot])
+        elif e.slide.k == 0:
+            terms[slot] = max(size_of(e, mode, b, xi, v), reach * mode.seen[b])
+
+
+def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:
+    """Put the values themselves there as what rounding of the signals of a pair is measured by."""
+    for i in range(m.read_first[pair], m.read_first[pair + 1]):
+        terms[m.read_slot[i]] = math.fabs(v[m.read_slot[i]])
+
+
+def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
+    """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
+
+    Rounding of what is stored shows itself in bond variables in these proportions, times the root
+    of the energy.
+    """
+    m = e.model
+    w = e.work
+    if mode.saw:
+        return
+    reach_of(e, x, 1.0, w.reach)
+    v = with_stored(e, x)
+    for k in range(m.storages):
+        w.reach[k] *= math.fabs(own_stiffness(m, k, v))
+        if not math.isfinite(w.reach[k]):
+            w.reach[k] = 0.0
+    for k in range(2 * m.bonds):
+        same = mode.same[k]
+        if same < k:
+            mode.seen[k] = mode.seen[same]
+            continue
+        most = 0.0
+        for i in range(mode.finite.first.at[k], mode.finite.first.at[k + 1]):
+            j = mode.finite.column.at[i]
+            if j < m.storages:
+                most = max(most, math.fabs(mode.finite.value.at[i]) * w.reach[j])
+        mode.seen[k] = most
+    mode.saw = m.groups == 0

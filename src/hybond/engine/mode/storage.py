@@ -1,0 +1,193 @@
+"""Laws of storage: co-energy variables, stiffness, energy. After equations/storage.py.
+
+What is stored is read where it stands in a vector of values.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.model import Model, value
+from hybond.engine.words import Floats, float_table
+
+PARTS: Final = 200
+"""Pieces into which the integral of an energy is divided at the most."""
+NODE: Final = float_table(
+    0.995657163025808080735527280689003,
+    0.973906528517171720077964012084452,
+    0.930157491355708226001207180059508,
+    0.865063366688984510732096688423493,
+    0.780817726586416897063717578345042,
+    0.679409568299024406234327365114874,
+    0.562757134668604683339000099272694,
+    0.433395394129247190799265943165784,
+    0.294392862701460198131126603103866,
+    0.14887433898163121088482600112972,
+    0.0,
+)
+"""Of Kronrod's formula with 21 points on [-1, 1]: the upper half."""
+KRONROD: Final = float_table(
+    0.011694638867371874278064396062192,
+    0.03255816230796472747881897245939,
+    0.05475589657435199603138130024458,
+    0.07503967481091995276704314091619,
+    0.093125454583697605535065465083366,
+    0.109387158802297641899210590325805,
+    0.123491976262065851077958109585166,
+    0.134709217311473325928054001771707,
+    0.142775938577060080797094273138717,
+    0.147739104901338491374841515972068,
+    0.149445554002916905664936468389821,
+)
+GAUSS: Final = float_table(
+    0.0,
+    0.066671344308688137593568809893332,
+    0.0,
+    0.149451349150580593145863397657697,
+    0.0,
+    0.219086362515982043995534934228163,
+    0.0,
+    0.269266719309996355091226921569469,
+    0.0,
+    0.295524224714752870173815619188769,
+    0.0,
+)
+"""Of Gauss's with 10 of these points."""
+
+
+def co_energy(m: Model, v: Floats, z: Floats) -> None:
+    """Put the effort of each C and the flow of each I, power inward, into `z`."""
+    for k in range(m.storages):
+        z[k] = co_energy_of(m, k, v)
+
+
+def co_energy_of(m: Model, k: int, v: Floats) -> float:
+    """Return the co-energy variable of port k, which reads what its storage stores only."""
+    law = m.co_energy[k]
+    if law >= 0:
+        return value(m, law, v)
+    total = 0.0
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        total += m.stiff_constant[i] * v[m.stored_slot + m.stiff_other[i]]
+    return total
+
+
+def stiff(m: Model, i: int, v: Floats) -> float:
+    """Return entry i of the stiffness."""
+    return m.stiff_constant[i] if m.stiff_value[i] < 0 else value(m, m.stiff_value[i], v)
+
+
+def own_stiffness(m: Model, k: int, v: Floats) -> float:
+    """Return the derivative of the co-energy variable of port k by what it stores itself."""
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        if m.stiff_other[i] == k:
+            return stiff(m, i, v)
+    return 0.0
+
+
+def coupled(m: Model, k: int, v: Floats) -> float:
+    """Return what the other ports of its field add to the co-energy variable of port k.
+
+    The sum of magnitudes. After StorageLaws.coupled.
+    """
+    total = 0.0
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        j = m.stiff_other[i]
+        if j != k:
+            total += math.fabs(stiff(m, i, v) * v[m.stored_slot + j])
+    return total
+
+
+def with_stored(e: Engine, x: Floats) -> Floats:
+    """Return values to try something with, `x` being stored."""
+    m = e.model
+    values = e.work.values
+    for k in range(m.storages):
+        values[m.stored_slot + k] = x[k]
+    return values
+
+
+def energy_of(e: Engine, x: Floats) -> float:
+    """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
+
+    Storage on pseudo bonds has none: effort times flow is no power there.
+    """
+    m = e.model
+    total = 0.0
+    for k in range(m.storages):
+        if m.co_energy[k] >= 0 or m.storage_pseudo[k] != 0:
+            continue
+        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+            j = m.stiff_other[i]
+            if m.storage_pseudo[j] == 0:
+                total += 0.5 * m.stiff_constant[i] * x[j] * x[k]
+    for g in range(m.groups):
+        first = m.group_storage[m.group_first[g]]
+        if m.storage_pseudo[first] == 0:
+            total += energy_along(e, g, x)
+    return total
+
+
+def power_at(e: Engine, g: int, x: Floats, part: float) -> float:
+    """Return ``z dx`` of a storage at a part of the way from 0 to what it stores."""
+    m = e.model
+    v = e.work.values
+    for i in range(m.group_first[g], m.group_first[g + 1]):
+        k = m.group_storage[i]
+        v[m.stored_slot + k] = part * x[k]
+    total = 0.0
+    for i in range(m.group_first[g], m.group_first[g + 1]):
+        k = m.group_storage[i]
+        total += value(m, m.co_energy[k], v) * x[k]
+    return total
+
+
+def energy_along(e: Engine, g: int, x: Floats) -> float:
+    """Integrate ``z dx`` of a storage from 0 along a ray."""
+    m = e.model
+    first = m.point_first[g]
+    points = m.point_first[g + 1] - first
+    total = 0.0
+    if points > 0:
+        for i in range(points):
+            power = power_at(e, g, x, m.point_at[first + i])
+            total += m.point_weight[first + i] * power
+        return total
+    # halves until each piece is as good as it can be, from the left
+    low = 0.0
+    width = 1.0
+    for _ in range(PARTS):
+        if low >= 1.0:
+            break
+        fine = 0.0
+        coarse = 0.0
+        size = 0.0
+        for i in range(21):
+            k = i if i <= 10 else 20 - i
+            at = -NODE[k] if i <= 10 else NODE[k]
+            f = power_at(e, g, x, low + 0.5 * width * (1.0 + at))
+            fine += KRONROD[k] * f
+            coarse += GAUSS[k] * f
+            size += KRONROD[k] * math.fabs(f)
+        good = math.fabs(fine - coarse) <= 1e-7 * size
+        if good or width <= 1e-9:
+            total += 0.5 * width * fine
+            low += width
+            width = min(2.0 * width, 1.0 - low)
+        else:
+            width = 0.5 * width
+    return total
+
+
+def reach_of(e: Engine, x: Floats, energy: float, reach: Floats) -> None:
+    """Put what each storage would hold with all of `energy` there. After modes/jump.py."""
+    m = e.model
+    v = with_stored(e, x)
+    for k in range(m.storages):
+        own = math.fabs(own_stiffness(m, k, v))
+        reach[k] = 0.0
+        if own > 0.0 and math.isfinite(own) and math.isfinite(energy):
+            most = math.sqrt(2.0 * energy / own)
+            reach[k] = most if math.isfinite(most) else 0.0

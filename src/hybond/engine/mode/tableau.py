@@ -1,0 +1,325 @@
+"""The equations of one configuration as rows: power structure, storage, sources, resistors.
+
+Rows with constant coefficients are eliminated in the order that tells structure from laws: power
+structure, storage with its co-energy variables given, sources with their values given, and then
+constant linear resistors. A row without unknowns is a constraint. What is left (modulated
+two-ports, nonlinear laws, sources that read bond variables) is evaluated each time. After
+equations/tableau.py.
+
+Columns: efforts and flows, co-energy variables, values of sources, rates of sources.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.engine import Engine, Mode
+from hybond.engine.mode.elimination import (
+    USED,
+    Elimination,
+    add_row,
+    begin_elimination,
+    copy_elimination,
+    give,
+    make_equal,
+    put_in,
+    settle_equal,
+)
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints
+
+NOT_OPEN: Final = 0
+COMMON: Final = 1
+NET: Final = 2
+"""What is given from outside of the pair of a junction whose law is left open."""
+
+
+def switch_on(m: Model, mode: Mode) -> None:
+    """Find what the machines switch ON, and the Booleans of a mode."""
+    for k in range(m.switches):
+        mode.on[k] = 0
+    for k in range(m.machines):
+        state = m.state_first[k] + mode.state[k]
+        for i in range(m.on_first[state], m.on_first[state + 1]):
+            mode.on[m.on_switch[i]] = 1
+    for k in range(m.switches):
+        mode.flags[k] = float(mode.on[k])
+    for k in range(m.machines):
+        for s in range(m.state_first[k], m.state_first[k + 1]):
+            mode.flags[m.switches + s] = 1.0 if s == m.state_first[k] + mode.state[k] else 0.0
+
+
+def part_of(m: Model, mode: Mode, element: int) -> int:
+    """Return what an element says in a mode."""
+    number = 0
+    for i in range(m.select_first[element], m.select_first[element + 1]):
+        index = m.select_index[i]
+        state = mode.state[index]
+        if m.select_kind[i] != 0:
+            for d in range(m.discrete):
+                if m.discrete_kind[d] == m.select_kind[i] and m.discrete_index[d] == index:
+                    state = mode.state[m.machines + d]
+        number = number * m.select_many[i] + state
+    return m.element_part[m.element_first[element] + number]
+
+
+def build(e: Engine, mode: Mode, given: Ints) -> int:
+    """Eliminate the rows of a configuration, into `e.work.power` and `e.work.finite`.
+
+    ``given[k]`` says which variable of junction k is given from outside: NOT_OPEN, COMMON or NET.
+    Returns how many hidden rows determine nothing: differentiating once is not enough.
+    """
+    m = e.model
+    power = e.work.power
+    unknowns = 2 * m.bonds
+    value0 = unknowns + m.storages
+    begin_elimination(power)
+    begin_elimination(e.work.table)
+    e.work.agreements = 0
+    e.work.agreement_entries = 0
+    mode.sources = 0
+    mode.dynamics = 0
+    join_equal(m, power, given)
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+        give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
+        give(power, unknowns + k, -1.0)
+        keep(e, add_row(power))
+    # what is the same in every mode comes first
+    for element in range(m.steady):
+        add_power(e, mode, part_of(m, mode, element))
+    for j in range(m.junctions):
+        if m.junction_switch[j] < 0 and given[j] == NOT_OPEN:
+            add_balance(e, j, -1)
+    for element in range(m.steady):
+        add_laws(e, mode, part_of(m, mode, element))
+    for element in range(m.steady, m.elements):
+        add_power(e, mode, part_of(m, mode, element))
+    for j in range(m.junctions):
+        if given[j] != NOT_OPEN:
+            add_port(e, mode, j, given[j])
+    for j in range(m.junctions):
+        if given[j] == NOT_OPEN and m.junction_switch[j] >= 0:
+            if mode.on[m.junction_switch[j]] != 0:
+                add_joined(e, j, -1)
+            else:
+                add_nothing(e, j, -1)
+    for element in range(m.steady, m.elements):
+        add_laws(e, mode, part_of(m, mode, element))
+    mode.knowns = m.storages + 2 * mode.sources
+    return add_hidden(e, mode, value0)
+
+
+def join_equal(m: Model, power: Elimination, given: Ints) -> None:
+    """Make the common variables of junctions one that are always ON."""
+    for j in range(m.junctions):
+        if m.junction_switch[j] >= 0 or given[j] != NOT_OPEN:
+            continue
+        common = 0 if m.junction_kind[j] == 0 else m.bonds
+        for i in range(m.end_first[j], m.end_first[j + 1] - 1):
+            make_equal(power, common + m.end_bond[i], common + m.end_bond[i + 1])
+    settle_equal(power)
+
+
+def keep(e: Engine, left: int) -> None:
+    """Keep a row that constrains knowns only: they are made independent of each other."""
+    if left == USED:
+        return
+    power = e.work.power
+    table = e.work.table
+    first = power.unknowns
+    for i in range(left):
+        at = power.met[i]
+        give(table, at - first, power.total[at])
+    if left > 0:
+        store_agreement(e, add_row(table))
+
+
+def store_agreement(e: Engine, left: int) -> None:
+    """Keep a row among sources alone."""
+    if left == USED or left == 0:
+        return
+    w = e.work
+    table = w.table
+    for i in range(left):
+        w.agreement_column[w.agreement_entries] = table.met[i]
+        w.agreement_value[w.agreement_entries] = table.total[table.met[i]]
+        w.agreement_entries += 1
+    w.agreements += 1
+    w.agreement_first[w.agreements] = w.agreement_entries
+
+
+def give_row(m: Model, power: Elimination, row: int) -> None:
+    """Give a row of the tables."""
+    for i in range(m.row_first[row], m.row_first[row + 1]):
+        give(power, m.row_column[i], m.row_value[i])
+
+
+def add_power(e: Engine, mode: Mode, part: int) -> None:
+    """Add the power structure of a part; the value of a source gets the next column."""
+    m = e.model
+    source = m.part_source[part]
+    for row in range(m.part_power[part], m.part_law[part]):
+        give_row(m, e.work.power, row)
+        if source >= 0:
+            give(e.work.power, 2 * m.bonds + m.storages + mode.sources, -1.0)
+            mode.source[mode.sources] = source
+            mode.source_level[mode.sources] = m.source_constant[source]
+            mode.sources += 1
+        keep(e, add_row(e.work.power))
+    for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
+        mode.dynamic[mode.dynamics] = d
+        mode.dynamics += 1
+
+
+def add_laws(e: Engine, mode: Mode, part: int) -> None:
+    """Add the laws of a part."""
+    m = e.model
+    for row in range(m.part_law[part], m.part_power[part + 1]):
+        give_row(m, e.work.power, row)
+        keep(e, add_row(e.work.power))
+
+
+def add_balance(e: Engine, j: int, own: int) -> None:
+    """Add the sum that a junction, ON, makes zero, or the known column `own`."""
+    m = e.model
+    other = m.bonds if m.junction_kind[j] == 0 else 0
+    for i in range(m.end_first[j], m.end_first[j + 1]):
+        give(e.work.power, other + m.end_bond[i], float(m.end_sign[i]))
+    if own >= 0:
+        give(e.work.power, own, -1.0)
+    keep(e, add_row(e.work.power))
+
+
+def add_joined(e: Engine, j: int, own: int) -> None:
+    """Add the rows of a junction that is ON."""
+    m = e.model
+    common = 0 if m.junction_kind[j] == 0 else m.bonds
+    for i in range(m.end_first[j], m.end_first[j + 1] - 1):
+        give(e.work.power, common + m.end_bond[i], 1.0)
+        give(e.work.power, common + m.end_bond[i + 1], -1.0)
+        keep(e, add_row(e.work.power))
+    add_balance(e, j, own)
+
+
+def add_nothing(e: Engine, j: int, own: int) -> None:
+    """Add the rows of a junction that is OFF: each bond gets zero, or the known column `own`."""
+    m = e.model
+    common = 0 if m.junction_kind[j] == 0 else m.bonds
+    for i in range(m.end_first[j], m.end_first[j + 1]):
+        give(e.work.power, common + m.end_bond[i], 1.0)
+        if own >= 0:
+            give(e.work.power, own, -1.0)
+        keep(e, add_row(e.work.power))
+
+
+def add_port(e: Engine, mode: Mode, j: int, given: int) -> None:
+    """Add the rows of a junction one of whose pair of variables is given: a source without law."""
+    m = e.model
+    own = 2 * m.bonds + m.storages + mode.sources
+    mode.source[mode.sources] = -1 - j
+    mode.source_level[mode.sources] = 0.0
+    mode.sources += 1
+    if given == COMMON:
+        add_nothing(e, j, own)
+    else:
+        add_joined(e, j, own)
+
+
+def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
+    """Add the time derivatives of constraints; return how many determine nothing.
+
+    What is stored dependently is not asked afterwards: sums that cancel on the constraints are
+    gone.
+    """
+    m = e.model
+    finite = e.work.finite
+    table = e.work.table
+    copy_elimination(e.work.power, finite)
+    too_high = 0
+    for c in range(table.done):
+        pivot = table.order[c]
+        mode.constraint_hidden[c] = -1
+        if is_constant(e, mode, pivot):
+            give_hidden(e, mode, pivot, value0)
+            if add_row(finite) != USED:
+                too_high += 1
+        else:
+            mode.constraint_hidden[c] = mode.dynamics
+            mode.dynamic[mode.dynamics] = -1 - c
+            mode.dynamics += 1
+    told = e.work.told
+    for k in range(m.storages):
+        told[k] = 0
+    for c in range(table.done):
+        pivot = table.order[c]
+        told[pivot] = 1
+        for i in range(table.count[pivot]):
+            k = table.column[pivot * table.columns + i] - m.storages
+            if k >= 0 and not is_source_timed(m, mode, k):
+                told[pivot] = 0
+    if table.done > 0:
+        put_in(finite, table, 2 * m.bonds, told)
+    return too_high
+
+
+def is_source_timed(m: Model, mode: Mode, k: int) -> bool:
+    """Whether the value of source k of a mode depends on time and inputs only."""
+    return mode.source[k] < 0 or m.source_timed[mode.source[k]] != 0
+
+
+def is_linear(m: Model, k: int) -> bool:
+    """Whether the co-energy variable of a storage is linear, as far as its stiffness tells."""
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        if m.stiff_value[i] >= 0:
+            return False
+    return True
+
+
+def is_constant(e: Engine, mode: Mode, pivot: int) -> bool:
+    """Whether the time derivative of a constraint has constant coefficients."""
+    m = e.model
+    table = e.work.table
+    constant = is_linear(m, pivot)
+    for i in range(table.count[pivot]):
+        k = table.column[pivot * table.columns + i]
+        if k < m.storages:
+            constant = constant and is_linear(m, k)
+        elif mode.source[k - m.storages] >= 0:
+            constant = constant and m.source_linear[mode.source[k - m.storages]] != 0
+    return constant
+
+
+def give_hidden(e: Engine, mode: Mode, pivot: int, value0: int) -> None:
+    """Give the time derivative of a constraint with constant coefficients."""
+    m = e.model
+    table = e.work.table
+    finite = e.work.finite
+    row = e.work.base
+    for k in range(2 * m.bonds):
+        row[k] = 0.0
+    add_rates(m, row, pivot, 1.0)
+    for i in range(table.count[pivot]):
+        k = table.column[pivot * table.columns + i]
+        c = table.entry[pivot * table.columns + k]
+        if k < m.storages:
+            add_rates(m, row, k, c)
+        elif has_rate(m, mode, k - m.storages):
+            give(finite, value0 + (k - m.storages) + mode.sources, c)
+    for k in range(2 * m.bonds):
+        if row[k] != 0.0:
+            give(finite, k, row[k])
+
+
+def has_rate(m: Model, mode: Mode, k: int) -> bool:
+    """Whether the value of source k of a mode moves with time."""
+    return mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0
+
+
+def add_rates(m: Model, row: Floats, k: int, c: float) -> None:
+    """Add c times the rate of a co-energy variable, by bond variables."""
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        s = m.stiff_other[i]
+        at = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
+        way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
+        row[at] += c * m.stiff_constant[i] * way

@@ -1,0 +1,96 @@
+"""Values that expressions read: of a mode, at a time, with a state. After programs/program.py."""
+
+from __future__ import annotations
+
+from hybond.engine.engine import OK, Engine, Mode
+from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.reading import solve_read
+from hybond.engine.model import value
+from hybond.engine.sliding.blend import blended_field, solve_here
+from hybond.engine.words import Floats
+
+
+def set_values(e: Engine, mode: Mode, v: Floats, t: float, x: Floats, s: Floats) -> None:
+    """Write all but bond variables; the a priori copy is left alone."""
+    m = e.model
+    set_time(e, v, t)
+    for k in range(m.switches + m.state_first[m.machines]):
+        v[m.on_slot + k] = mode.flags[k]
+    for k in range(m.storages):
+        v[m.stored_slot + k] = x[k]
+    for k in range(m.integrals):
+        v[m.signal_slot + k] = s[k]
+
+
+def set_state(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> None:
+    """Write all but bond variables, the state being stored quantities, then signals."""
+    m = e.model
+    for k in range(m.switches + m.state_first[m.machines]):
+        v[m.on_slot + k] = mode.flags[k]
+    set_motion(e, v, t, y)
+
+
+def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
+    """Write what changes while time passes in a mode, but bond variables."""
+    m = e.model
+    set_time(e, v, t)
+    for k in range(m.storages):
+        v[m.stored_slot + k] = y[k]
+    for k in range(m.integrals):
+        v[m.signal_slot + k] = y[m.storages + k]
+
+
+def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
+    """Write all values of a motion, the a priori copy being the same.
+
+    If time passes in a pinnacle's mode, a machine has landed: what its law reads is zero. After
+    Program.evaluate.
+    """
+    m = e.model
+    set_state(e, mode, v, t, y)
+    status = solve_here(e, mode, v)
+    for k in range(m.slots):
+        v[m.slots + k] = v[k]
+    for k in range(m.priors):
+        acts = mode.prior_acts[k] != 0
+        for i in range(m.prior_read[k], m.prior_read[k + 1]):
+            if acts:
+                v[m.slots + m.prior_slot[i]] = 0.0
+    return status
+
+
+def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
+    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field.
+
+    Of bond variables only those are evaluated that rates read.
+    """
+    m = e.model
+    v = e.v
+    e.evaluations += 1
+    if e.slide.k > 0:
+        status = blended_field(e, t, y, rate)
+        e.refusal = e.refusal or status != OK
+        return status
+    set_motion(e, v, t, y)
+    status = solve_read(e, mode, mode.rates, v)
+    if status != OK:
+        # a trial point beyond where the laws hold: the solver shortens its step
+        e.refusal = True
+        return status
+    w = e.work.w
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+        rate[k] = -w[at] if negative else w[at]
+    for k in range(m.integrals):
+        rate[m.storages + k] = value(m, m.integral_rate[k], v)
+    return status
+
+
+def begin_field(e: Engine, mode: Mode) -> None:
+    """Write what does not change while time passes in a mode: its Booleans."""
+    m = e.model
+    for k in range(2 * m.slots):
+        e.v[k] = 0.0
+    for k in range(m.switches + m.state_first[m.machines]):
+        e.v[m.on_slot + k] = mode.flags[k]

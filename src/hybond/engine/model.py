@@ -1,0 +1,454 @@
+"""What a model brings along: sizes, tables, and functions of its expressions.
+
+Tables in several columns that belong together say so by their names: rows of a table begin at
+``*_first[k]`` and end before ``*_first[k + 1]``. An expression is known by its number; -1 stands
+for a constant that is in the table beside it.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.words import Floats, Ints, Outside, Text, given
+
+
+@given
+class Model:
+    """One model.
+
+    Slots: where a name stands in the vector `v` of values that expressions read. Time is slot 0;
+    then, from the slots named here on, inputs, their rates, integrated signals, stored quantities,
+    efforts, flows, and Booleans: what is ON, states of machines, comparisons of time. A second
+    copy of as many slots follows, the a priori values.
+    """
+
+    bonds: int
+    storages: int
+    integrals: int
+    inputs: int
+    watches: int
+    machines: int
+    switches: int
+    """Controlled junctions and elements."""
+    nodes: int
+    slots: int
+    input_slot: int
+    input_rate_slot: int
+    signal_slot: int
+    stored_slot: int
+    bond_slot: int
+    on_slot: int
+    state_slot: int
+    at_slot: int
+    most_sources: int
+    """Sources that the equations of a mode may have, ports of junction laws counted."""
+    most_dynamic: int
+    """Rows that are evaluated anew each time, at the most; hidden ones not counted."""
+
+    # machines: those of the model, then those that stand for laws of junctions, as in the model
+    state_first: Ints
+    """The first state of each machine among all states; ``machines + 1`` entries."""
+    start: Ints
+    is_law: Ints
+    laws: int
+    """How many machines stand for laws of junctions."""
+    on_first: Ints
+    """Of each state: what it switches on, in `on_switch`."""
+    on_switch: Ints
+    switch_node: Ints
+    """The node of each switch."""
+    switch_machine: Ints
+    rule_first: Ints
+    """Of each machine: its rules, in order."""
+    rule_source: Ints
+    rule_target: Ints
+    rule_landed: Ints
+    """1 or -1: in force where the machine has landed, if the reaction has this sign."""
+    rule_reaction: Ints
+    rule_value: Ints
+    """The guard as it is: an expression."""
+    rule_watched: Ints
+    """Whether the guard may become true while time passes."""
+    rule_test: Ints
+    """The guard while time passes: an expression. Pair k is the guard of rule k."""
+    atom_first: Ints
+    """Of each rule: the differences of its comparisons."""
+    atom_value: Ints
+    atom_size: Ints
+    atom_zero: Ints
+    """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
+
+    tells: int
+    """1: what explains an event is written down with it."""
+    told_first: Ints
+    """Of each rule: the pairs that show what its guard reads."""
+    told_pair: Ints
+    givers: int
+    """Sources that can give energy at a jump: their own bond variable, the other, a sign."""
+    giver_own: Ints
+    giver_other: Ints
+    giver_sign: Floats
+
+    # what each pair reads: guards in all their forms, then rates of integrated signals, gaps
+    read_first: Ints
+    read_slot: Ints
+
+    # what elements say, by what is constant in a mode
+    elements: int
+    """Elements but storages and junctions: steady ones first, in order, then the others."""
+    steady: int
+    """How many of them say the same in every mode."""
+    select_first: Ints
+    """Of each element: what selects its part, in `select_kind` and so on; the last runs fastest."""
+    select_kind: Ints
+    """0: the state of a machine, 1: a comparison of time, 2: the level of an input."""
+    select_index: Ints
+    select_many: Ints
+    element_first: Ints
+    """Of each element: its parts, in `element_part`, in the order of what selects."""
+    element_part: Ints
+    part_power: Ints
+    """Of each part: its first row of the power structure; its laws follow; then the next part's."""
+    part_law: Ints
+    part_dynamic: Ints
+    """Of each part: the first of its dynamic rows."""
+    part_source: Ints
+    """Of each part: its source, or -1."""
+    row_first: Ints
+    row_column: Ints
+    row_value: Floats
+    discrete: int
+    """What beside machines selects equations: comparisons of time, levels of inputs."""
+    discrete_kind: Ints
+    discrete_index: Ints
+
+    # dynamic rows: expression = 0
+    dynamics: int
+    dynamic_kind: Ints
+    """0: power structure, 1: law."""
+    dynamic_node: Ints
+    dynamic_source: Ints
+    """Whether it is that of a source."""
+    dynamic_impulsive: Ints
+    """Whether it is that of a law which was declared impulsive."""
+    dynamic_value: Ints
+    dynamic_affine: Ints
+    """Whether its slopes do not read bond variables."""
+    dynamic_free: Ints
+    """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
+    free_column: Ints
+    slope_first: Ints
+    slope_column: Ints
+    slope_value: Ints
+    slope_constant: Floats
+    frozen_first: Ints
+    """Slopes with moduli held: what the structure is at an instant."""
+    frozen_column: Ints
+    frozen_value: Ints
+    frozen_constant: Floats
+    drift_value: Ints
+    """The time derivative of each row at constant bond variables, and its slopes."""
+    drift_first: Ints
+    drift_column: Ints
+    drift_slope: Ints
+    drift_constant: Floats
+
+    # sources
+    sources: int
+    source_node: Ints
+    source_bond: Ints
+    source_value: Ints
+    source_constant: Floats
+    source_rate: Ints
+    """-1: zero."""
+    source_linear: Ints
+    """Whether the rate does not read bond variables."""
+    source_curved: Ints
+    """Whether the slopes of the rate read bond variables."""
+    source_timed: Ints
+    """Whether the value depends on time and inputs only."""
+    source_first: Ints
+    """Of each source: the slopes of its rate by bond variables."""
+    source_column: Ints
+    source_slope: Ints
+    source_slope_constant: Floats
+
+    # junctions
+    junctions: int
+    junction_kind: Ints
+    """0 or 1."""
+    junction_switch: Ints
+    """-1: not controlled."""
+    junction_node: Ints
+    end_first: Ints
+    """Of each junction: its bonds, and 1 where one points at it, else -1."""
+    end_bond: Ints
+    end_sign: Ints
+
+    # storage
+    storage_bond: Ints
+    storage_kind: Ints
+    """0: a C, 1: an I."""
+    storage_sign: Ints
+    """1 if the bond points at it."""
+    storage_start: Floats
+    storage_pseudo: Ints
+    storage_class: Ints
+    """Whose impulses are compared with whose; `bond_class` of all efforts, then flows."""
+    bond_class: Ints
+    classes: int
+    co_energy: Ints
+    """The law of each stored quantity, -1: the row of `stiff_constant` is."""
+    stiff_first: Ints
+    """Of each stored quantity: derivatives of its co-energy variable, by those of its storage."""
+    stiff_other: Ints
+    stiff_value: Ints
+    stiff_constant: Floats
+    groups: int
+    """Storages that are not linear."""
+    group_first: Ints
+    group_storage: Ints
+    point_first: Ints
+    """Of each group: points of Gauss's formula for its energy; none: found with error control."""
+    point_at: Floats
+    point_weight: Floats
+
+    # where power enters and leaves, over bonds on which effort times flow is power
+    suppliers: int
+    """Bonds of sources."""
+    supplier_bond: Ints
+    supplier_sign: Ints
+    """1 if the bond points away from the source."""
+    dissipators: int
+    """Ports of resistors."""
+    dissipator_bond: Ints
+    dissipator_sign: Ints
+    """1 if the bond points at the resistor."""
+
+    # signals, inputs, time
+    integral_rate: Ints
+    """Pair ``rules + k`` is the same on pairs."""
+    integral_start: Floats
+    input_kind: Ints
+    """0: constant, 1: table that is held, 2: table with straight lines, 3: pulses, 4: set
+    from outside."""
+    input_first: Ints
+    """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
+    of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
+    input_number: Floats
+    input_period: Floats
+    """The time after which a table repeats; 0: it does not."""
+    level_first: Ints
+    """Of each table that is held: which of its levels a piece has, in `level_of`."""
+    level_of: Ints
+    samples: int
+    """Signals that are set at instants and held between them."""
+    sample_signal: Ints
+    """Which integrated signal, of rate zero, each is."""
+    sample_value: Ints
+    sample_every: Floats
+    sample_phase: Floats
+    called: int
+    """Inputs of kind 5, which are called; their numbers are their breaks. Only runs by hybond
+    itself have these, and blocks."""
+    input_rated: Ints
+    """Of each input: whether the rate is read, if it is called."""
+    blocks: int
+    sample_block: Ints
+    """Of each sample: the block that is called, with -1 for its signal and value; or -1."""
+    most_called: int
+    """Values that a block reads or sets, at the most."""
+    block_first: Ints
+    """Of each block: the expressions that it reads."""
+    block_value: Ints
+    block_set: Ints
+    """Of each block: the integrated signals that it sets, in `block_signal`."""
+    block_signal: Ints
+    watch_slope: Floats
+    """A comparison of time: ``slope * time + offset`` is compared with zero."""
+    watch_offset: Floats
+    watch_operator: Ints
+    """0: <, 1: <=, 2: >, 3: >=."""
+    watch_time: Floats
+
+    # states that hold at an instant only
+    priors: int
+    """Sources whose law reads ``pre()``."""
+    prior_first: Ints
+    """Of each: the switches that must be ON for it to act."""
+    prior_switch: Ints
+    prior_machine: Ints
+    """The machine whose law brought it in, or -1."""
+    prior_state: Ints
+    """The state of that machine in which it acts so."""
+    prior_read: Ints
+    """Of each: where what it reads so stands in `prior_slot`; then the next one's."""
+    prior_slot: Ints
+
+    # laws of junctions: a port for each junction whose law is left open
+    ports: int
+    port_machine: Ints
+    port_node: Ints
+    port_junction: Ints
+    port_domain: Ints
+    port_two_sided: Ints
+    """Whether the common variable may have either sign: dry friction."""
+    port_planar: Ints
+    """Whether it is one of two that share a disk."""
+    port_impulsive: Ints
+    law_rebounds: Ints
+    """Of each machine: whether it is a law with restitution."""
+    port_limit: Ints
+    """Options of laws: an expression, -1 if it is constant, -2 if there is none."""
+    port_limit_constant: Floats
+    port_breakaway: Ints
+    port_breakaway_constant: Floats
+    port_gap: Ints
+    port_gap_constant: Floats
+    port_gap_pair: Ints
+    """The gap among the pairs; -1 if it is constant."""
+    port_gate: Ints
+    port_gate_constant: Floats
+    port_restitution: Ints
+    port_restitution_constant: Floats
+    port_stiffness: Ints
+    port_stiffness_constant: Floats
+    pair_first: Ints
+    """Rows ``2 k`` and ``2 k + 1``: common and net variable of port k, by bond variables."""
+    pair_column: Ints
+    pair_value: Floats
+    limit_first: Ints
+    """The same rows: slopes by bond variables of limit and breakaway of port k."""
+    limit_column: Ints
+    limit_slope: Ints
+    limit_slope_constant: Floats
+    disks: int
+    """Friction in the plane: two junctions that share a disk."""
+    disk_machine: Ints
+    disk_port: Ints
+    """The two ports of each disk."""
+    disk_heading: Ints
+    """What it keeps between events, among the integrated signals: the direction of slip."""
+    disk_slow: Ints
+    """The speed at which slip ends, or below zero, up to which the direction counts."""
+    law_planar: Ints
+    """Of each machine: whether it is friction in the plane."""
+    orient: Ints
+    """Whether the net variable of each port is given, for all states of the other machines, the
+    last of which runs fastest."""
+
+    # contacts that may come to rest, and what they then carry
+    contacts: int
+    contact_at: Ints
+    """Of each state: the contact that it closes by an impact law, or -1."""
+    contact_machine: Ints
+    contact_state: Ints
+    contact_rest: Ints
+    """The state that the machine rests in."""
+    reactions: int
+    reaction_first: Ints
+    """Of each contact: its reactions."""
+    reaction_column: Ints
+    """The bond variable that the contact carries at rest."""
+    reaction_own: Floats
+    """Sign of the impact law's value in what must vanish at rest."""
+    reaction_law: Ints
+    reaction_law_constant: Floats
+    prescribed_first: Ints
+    """Of each reaction: bond variables whose sum must vanish at rest."""
+    prescribed_column: Ints
+    prescribed_sign: Floats
+
+    # switching surfaces: where two rules of a machine, forth and back, share one function
+    surfaces: int
+    surface_machine: Ints
+    surface_below: Ints
+    surface_above: Ints
+    """The states in which the machine is where the function is negative, and positive."""
+    surface_up: Ints
+    surface_down: Ints
+    """The rules that lead there."""
+    surface_value: Ints
+    surface_twin: Ints
+    """Of each pair of surfaces, row after row: whether they coincide."""
+    surface_first: Ints
+    """Of each surface: the slopes of its function."""
+    surface_kind: Ints
+    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable;
+    5: it reads that Boolean of the mode."""
+    surface_index: Ints
+    surface_slope: Ints
+    surface_constant: Floats
+    surface_rest: Ints
+    """Of each surface: what else the rule asks for that leads up, then that which leads down."""
+    rest_value: Ints
+    rest_moves: Ints
+    """Whether that changes while time passes."""
+
+    # what is printed
+    outputs: int
+    output_value: Ints
+    until: float
+    points: int
+    rtol: float
+    atol: float
+    """nan: none is given."""
+    max_step: float
+    event_tol: float
+    max_writes: int
+    max_events: int
+    max_steps: int
+    """Between two events."""
+    method: int
+    """0: rk45, 1: radau."""
+    slides: int
+    """1: time goes on along surfaces into which both sides push; 0: refused."""
+    decided: int
+    """1: least leakage decides what a guard reads and the equations leave open."""
+    answers: Outside
+
+
+@given
+def value(m: Model, k: int, v: Floats) -> float:
+    """Return expression k of the model at the values `v`."""
+    return float(m.answers.value(k, v))
+
+
+@given
+def machine_name(m: Model, k: int) -> Text:
+    """Return the name of machine k."""
+    return str(m.answers.machines[k])
+
+
+@given
+def state_name(m: Model, k: int) -> Text:
+    """Return the name of state k, counted over all machines."""
+    return str(m.answers.states[k])
+
+
+@given
+def stored_name(m: Model, k: int) -> Text:
+    """Return the name of stored quantity k, or of an integrated signal behind them."""
+    return str(m.answers.stored[k])
+
+
+@given
+def output_name(m: Model, k: int) -> Text:
+    """Return the name of output k."""
+    return str(m.answers.outputs[k])
+
+
+@given
+def node_name(m: Model, k: int) -> Text:
+    """Return the name of node k."""
+    return str(m.answers.nodes[k])
+
+
+@given
+def bond_name(m: Model, k: int) -> Text:
+    """Return the name of bond variable k: efforts, then flows."""
+    return str(m.answers.bonds[k])
+
+
+@given
+def rule_text(m: Model, k: int) -> Text:
+    """Return the guard of rule k as written."""
+    return str(m.answers.rules[k])

@@ -1,0 +1,1 @@
+"""What a run of the library gives: segments, events, reasons, signals."""

@@ -1,0 +1,204 @@
+"""What happened at an instant, in words: transitions with what their guards read, impulses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hybond.engine.tables import ModelTables
+from hybond.engine.tables.contacts import rules_of
+from hybond.equations.surfaces import surfaces_of
+from hybond.model.expressions import names
+from hybond.model.graph import Mode
+from hybond.model.kinds import TWO_PORTS
+from hybond.modes.signals import named_rows
+from hybond.trace import Energy, Fired, Step, StepKind
+
+if TYPE_CHECKING:
+    from hybond.engine.outcome.records import Instants
+
+KINDS: tuple[StepKind, ...] = ("mythical", "pinnacle", "continuous")
+LANDS, SLIDES_ON, SLIDES_OFF = -2, -3, -4
+WHY = {
+    -1: "complementarity",
+    LANDS: "impacts accumulate",
+    -5: "the other surfaces push it back",
+    -6: "its jump throws it back",
+}
+"""Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
+SLIDING = -1
+"""The state of a machine that slides."""
+
+
+class Explaining:
+    """The words of one model.
+
+    Parameters
+    ----------
+    tables : ModelTables
+    """
+
+    def __init__(self, tables: ModelTables) -> None:
+        graph = self.graph = tables.graph
+        self._rules = [f.rule for own in rules_of(graph) for f in own]
+        self._surfaces = surfaces_of(graph)
+        self._bonds = tables.bonds
+        rows = named_rows(graph)
+        self._names = rows.names
+        terms = np.bincount(rows.name, minlength=len(rows.names)).tolist()
+        self._terms: list[int] = terms
+        self._of_bond: dict[int, list[tuple[int, float]]] = {}
+        for name, variable, sign in zip(
+            rows.name.tolist(), rows.variable.tolist(), rows.sign.tolist(), strict=True
+        ):
+            self._of_bond.setdefault(variable, []).append((name, sign))
+        self._passing = self._passages()
+
+    def steps(self, found: Instants, k: int) -> tuple[Step, ...]:
+        """Return the modes visited at instant k."""
+        mode = found.before(k)
+        first, beyond = int(found.visit[k]), int(found.visit[k + 1])
+        steps = []
+        for v in range(first, beyond):
+            mode = self.entered(found, v, mode)
+            if v + 1 == beyond:
+                # a machine that slides, or is pushed back, is shown where the run says
+                mode = tuple(found.states[k].tolist())
+            steps.append(self._step(found, v, mode))
+        return tuple(steps)
+
+    def entered(self, found: Instants, v: int, mode: Mode) -> Mode:
+        """Return the mode that the transitions of a visit lead to from another."""
+        states = list(mode)
+        fired = found.rows.fired[found.fired[v] : found.fired[v + 1], :3].tolist()
+        for machine, _, target in fired:
+            if target != SLIDING:
+                states[machine] = target
+        return tuple(states)
+
+    def _step(self, found: Instants, v: int, mode: Mode) -> Step:
+        rows = found.rows
+        hits = slice(int(found.hit[v]), int(found.hit[v + 1]))
+        impulses: dict[str, float] = {}
+        exchanged: dict[str, float] = {}
+        if hits.stop > hits.start:
+            areas = rows.hit_area[hits].tolist()
+            struck = list(zip(rows.hit[hits].tolist(), areas, strict=True))
+            impulses = self._impulses(struck)
+            exchanged = self._exchanged(struck, mode)
+        energy = None
+        if rows.visit[v, 4]:
+            before, after, given = rows.visit_energy[v].tolist()
+            energy = Energy(before, after, given, before + given - after)
+        return Step(
+            mode,
+            KINDS[int(rows.visit[v, 0])],
+            self.fired(found, v),
+            impulses,
+            energy,
+            self.open(found, v),
+            exchanged,
+        )
+
+    def fired(self, found: Instants, v: int) -> tuple[Fired, ...]:
+        """Return the transitions into a mode visited."""
+        return tuple(self._fired(found, f) for f in range(found.fired[v], found.fired[v + 1]))
+
+    def open(self, found: Instants, v: int) -> tuple[str, ...]:
+        """Return the bond variables that the equations of a mode visited leave open."""
+        numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
+        return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
+
+    def open_reads(self, text: str) -> str:
+        """Return what the rule of a text reads of bond variables, as written."""
+        rule = next(r for r in self._rules if r.text == text)
+        free = tuple(n for n, e in rule.reads if any(a[:2] in ("e:", "f:") for a in names(e)))
+        return ", ".join(free)
+
+    def _fired(self, found: Instants, f: int) -> Fired:
+        rows = found.rows
+        number, source, target, why = rows.fired[f, :4].tolist()
+        machine = self.graph.machines[number]
+        reads = rows.read[found.read[f] : found.read[f + 1]].tolist()
+        values: dict[str, float] = {}
+        impulses: dict[str, float] = {}
+        over: tuple[str, ...] = ()
+        if why >= 0:
+            rule = self._rules[why]
+            guard = rule.text
+            for (name, _), (finite, impulse, strikes) in zip(rule.reads, reads, strict=True):
+                values[name] = finite
+                if strikes:
+                    impulses[name] = impulse
+            over = tuple(
+                self._rules[r].text for r in rows.over[found.over[f] : found.over[f + 1]].tolist()
+            )
+        elif why in (SLIDES_ON, SLIDES_OFF):
+            text = self._surfaces[int(reads[0][0])].text
+            longer = "" if why == SLIDES_ON else "no longer "
+            guard = f"{text}: {longer}pushed into from both sides"
+        else:
+            guard = WHY[why]
+            if why == LANDS:
+                values = {"impacts": reads[0][0], "t": reads[1][0]}
+        return Fired(
+            machine.path,
+            "sliding" if source == SLIDING else machine.states[source],
+            "sliding" if target == SLIDING else machine.states[target],
+            guard,
+            values,
+            impulses,
+            over,
+        )
+
+    # -- impulses
+
+    def _impulses(self, struck: list[tuple[int, list[float]]]) -> dict[str, float]:
+        """Return the signals that carry an impulse, by name, in the order of the graph."""
+        totals: dict[int, float] = {}
+        limits: dict[int, float] = {}
+        for variable, (area, floor) in struck:
+            for name, sign in self._of_bond.get(variable, ()):
+                totals[name] = totals.get(name, 0.0) + sign * area
+                # all terms of a sum are of one kind, and so is what counts as none
+                limits[name] = self._terms[name] * floor
+        return {self._names[n]: a for n, a in sorted(totals.items()) if abs(a) > limits[n]}
+
+    def _passages(self) -> dict[int, list[tuple[int, int | None, str]]]:
+        """Return of bond variables what passes there: place, the node that must be OFF, name."""
+        bonds = len(self.graph.bonds)
+        found: dict[int, list[tuple[int, int | None, str]]] = {}
+        place = 0
+        for node in self.graph.nodes:
+            if node.kind in ("Se", "0"):
+                passing = ["f"] * len(node.ends)
+            elif node.kind in ("Sf", "1"):
+                passing = ["e"] * len(node.ends)
+            elif node.kind in TWO_PORTS:
+                # a zero modulus shorts side 1 and opens (TF) or shorts (GY) side 2
+                passing = ["f", "e" if node.kind == "TF" else "f"]
+            else:
+                continue
+            source = node.kind in ("Se", "Sf")
+            if not source and not node.controlled:
+                continue
+            for end, variable in zip(node.ends, passing, strict=True):
+                at = end.bond + (bonds if variable == "f" else 0)
+                name = f'"{self.graph.bonds[end.bond].name}".{variable}'
+                found.setdefault(at, []).append((place, None if source else node.index, name))
+                place += 1
+        return found
+
+    def _exchanged(self, struck: list[tuple[int, list[float]]], mode: Mode) -> dict[str, float]:
+        """Return what passed through source bonds and bonds of what is OFF."""
+        found = []
+        off: frozenset[int] | None = None
+        for variable, (area, _) in struck:
+            for place, node, name in self._passing.get(variable, ()):
+                if node is not None:
+                    off = self.graph.off_nodes(mode) if off is None else off
+                    if node not in off:
+                        continue
+                found.append((place, name, area))
+        return {name: area for _, name, area in sorted(found)}

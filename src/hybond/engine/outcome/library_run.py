@@ -1,0 +1,244 @@
+"""A run by the library, from tables to a trace; what was computed is kept whatever happens."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+from hybond.engine.compiled.native import ACCUMULATES, REFUSED, NativeModel, NativeRun
+from hybond.engine.outcome.faults import Fault, error_of
+from hybond.engine.outcome.records import CAUSES, Instants, Records
+from hybond.engine.outcome.signals import Signals
+from hybond.engine.tables import ModelTables, tables_of
+from hybond.engine.tables.options import METHODS, Options
+from hybond.errors import HybondError
+from hybond.model.graph import FlatGraph
+from hybond.modes.journal import Journal
+from hybond.modes.sampling import Runner
+from hybond.trace import Accumulation, Trace
+
+LOOKED = 0.05
+"""Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
+FIRST = 1
+"""Steps of the first slice; each may be longer than the one before by GROWS."""
+GROWS = 2.0
+MOST = 1_000_000
+STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
+"""What to say of events that accumulate: impacts, other events of a machine, any events."""
+
+
+class Declined(Exception):
+    """The library met what it does not do; the text says what."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a run is asked for.
+
+    Parameters
+    ----------
+    until, rtol, max_step, event_tol : float
+    atol : float or None
+    solver : str
+        ``"rk45"`` or ``"radau"``.
+    slides : bool
+    max_events, max_steps, max_writes : int
+    """
+
+    until: float
+    solver: str
+    rtol: float
+    atol: float | None
+    max_step: float
+    event_tol: float
+    slides: bool
+    max_events: int
+    max_steps: int
+    max_writes: int
+
+    def tables(self, graph: FlatGraph) -> ModelTables:
+        """Return the tables of a model for such a run.
+
+        Raises
+        ------
+        ModelError
+            As `tables_of`.
+        """
+        numbers: dict[str, float] = {
+            "until": self.until,
+            "points": 1,
+            "rtol": self.rtol,
+            "atol": math.nan if self.atol is None else self.atol,
+            "max_step": self.max_step,
+            "event_tol": self.event_tol,
+            "max_writes": self.max_writes,
+            "max_events": self.max_events,
+            "max_steps": self.max_steps,
+            "method": METHODS[self.solver],
+            "slides": int(self.slides),
+        }
+        return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
+
+
+class LibraryRun:
+    """One run by the library; `trace` holds what it did.
+
+    Parameters
+    ----------
+    tables : ModelTables
+    progress : callable
+    keep : int or None
+    journal : Journal or None
+    runners : mapping
+        What runs each block, by its path.
+    """
+
+    def __init__(
+        self,
+        tables: ModelTables,
+        *,
+        progress: Callable[[float, int], None] | None = None,
+        keep: int | None = None,
+        journal: Journal | None = None,
+        runners: Mapping[str, Runner] | None = None,
+    ) -> None:
+        self.tables = tables
+        self.trace = Trace()
+        self.records = Records(tables, self.trace)
+        self.progress = progress
+        self.keep = keep
+        self.journal = journal
+        self._slice = FIRST
+        model = NativeModel(tables)
+        self._native = NativeRun(model, runners=runners)
+        self.trace.signals = Signals(model, self.trace)
+
+    def run(self) -> str:
+        """Run to the end; return ``"ok"`` or ``"accumulation"``.
+
+        Raises
+        ------
+        HybondError
+            What stopped the run. `trace` is complete up to there.
+        KeyboardInterrupt
+            Likewise.
+        """
+        try:
+            with _interrupts() as asked:
+                self._go(asked)
+        finally:
+            self.records.close()
+            self._tidy()
+            self._count()
+            if self.journal is not None:
+                self.journal.close()
+        if self._native.status == REFUSED:
+            raise self._error()
+        if self._native.status == ACCUMULATES:
+            self._note_stuck()
+            return "accumulation"
+        return "ok"
+
+    def _go(self, asked: Callable[[], bool]) -> None:
+        """Run in slices about as long as whoever looks on waits."""
+        begin = time.perf_counter()
+        for rows in self._native.slices(steps=lambda: self._slice):
+            took = time.perf_counter() - begin
+            fits = self._slice * LOOKED / max(took, 1e-6)
+            self._slice = int(min(max(fits, 0.25 * self._slice, 1.0), GROWS * self._slice, MOST))
+            instants = self.records.add(rows)
+            if self.journal is not None and instants is not None:
+                _write(self.journal, instants)
+            self._tidy()
+            if self.progress is not None:
+                self.progress(self._native.t, self.trace.events.total)
+            if asked():
+                raise KeyboardInterrupt
+            begin = time.perf_counter()
+
+    def _tidy(self) -> None:
+        """Let go of what need not be kept, in large pieces."""
+        if self.journal is not None:
+            self.journal.flush()
+        if self.keep is None:
+            return
+        for record in (self.trace.events, self.trace.segments):
+            if len(record) > 2 * self.keep:
+                record.forget(len(record) - self.keep)
+
+    def _count(self) -> None:
+        native = self._native
+        self.trace.energy = max(self.trace.energy, native.energy)
+        self.trace.stats.update(
+            steps=float(self.records.steps),
+            rejected=float(native.rejected),
+            events=float(self.trace.events.total),
+            evaluations=float(native.evaluations),
+            modes=float(native.modes_made),
+        )
+
+    def _note_stuck(self) -> None:
+        number, count, why, t, ratio = self._native.stuck
+        graph = self.tables.graph
+        if number >= 0:
+            machine = graph.machines[number].path
+        else:
+            fired = [f.machine for step in self.trace.events[-1].steps for f in step.fired]
+            machine = fired[0] if fired else graph.machines[0].path
+        self.trace.accumulations.append(
+            Accumulation(t, None if math.isnan(ratio) else ratio, count, machine)
+        )
+        shrinking = "" if math.isnan(ratio) else f", intervals shrinking by {ratio:.6g}"
+        reason = STUCK[why] or f"{machine} cannot rest: its rebounds do not vanish"
+        self.trace.warn(
+            f"events of {machine} accumulate at t = {t:.9g} s{shrinking}: the run stops there; "
+            f"{reason}"
+        )
+
+    def _error(self) -> HybondError:
+        code, why, place = self._native.fault
+        if code.startswith("HB-E"):
+            raise Declined(why)
+        numbers = self.tables.numbers
+        limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
+        fault = Fault(code, why, place, self._native.fault_t, self._native.mode, limits)
+        return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
+
+
+def _write(journal: Journal, found: Instants) -> None:
+    """Write the events of a slice."""
+    rows = found.rows
+    for k, t in enumerate(rows.instant_time[:, 0].tolist()):
+        cause = CAUSES.get(int(rows.instant_place[k, 0]))
+        if cause is not None:
+            mode = tuple(found.states[k].tolist())
+            journal.row(t, cause, mode, rows.instant_state[k, 1].tolist())
+
+
+@contextmanager
+def _interrupts() -> Iterator[Callable[[], bool]]:
+    """Note Ctrl-C instead of raising it where rows could be lost; a second one raises."""
+    noted: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if noted:
+            raise KeyboardInterrupt
+        noted.append(number)
+
+    try:
+        main = threading.current_thread() is threading.main_thread()
+        usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        before = signal.signal(signal.SIGINT, note) if main and usual else None
+    except ValueError:
+        before = None
+    try:
+        yield lambda: bool(noted)
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGINT, before)

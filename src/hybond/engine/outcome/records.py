@@ -1,0 +1,332 @@
+"""The records of a run, made of the rows that the library wrote: segments and events.
+
+Each is made when somebody asks for it. What a run is told of at once, accumulations, slidings and
+what its modes leave open, is noted as the rows come in.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.native import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
+from hybond.engine.outcome.explain import LANDS, Explaining
+from hybond.engine.tables import ModelTables
+from hybond.equations.surfaces import surfaces_of
+from hybond.model.graph import Mode
+from hybond.programs.interval import interval_after
+from hybond.programs.sliding_program import corners_of, flipped
+from hybond.solvers.dense import Polynomial
+from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace
+
+Vector = NDArray[np.float64]
+
+CAUSES: dict[int, Cause] = {
+    0: "start",
+    1: "guard",
+    2: "time",
+    3: "input",
+    4: "accumulation",
+    6: "sample",
+}
+BROKEN = 16
+"""What the cause of an instant is more than it was, if it could not be settled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Steps in order; the columns are those of `Rows`."""
+
+    time: Vector
+    until: Vector
+    state: Vector
+    dense: Vector
+    place: NDArray[np.intc]
+
+    def part(self, first: int, last: int) -> Steps:
+        """Return the steps from `first` to `last` - 1."""
+        k = slice(first, last)
+        return Steps(self.time[k], self.until[k], self.state[k], self.dense[k], self.place[k])
+
+    @staticmethod
+    def joined(parts: Sequence[Steps]) -> Steps:
+        """Return steps of several slices as one."""
+        if len(parts) == 1:
+            return parts[0]
+        return Steps(
+            np.concatenate([p.time for p in parts]),
+            np.concatenate([p.until for p in parts]),
+            np.concatenate([p.state for p in parts]),
+            np.concatenate([p.dense for p in parts]),
+            np.concatenate([p.place for p in parts]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Interpolants(Sequence[Callable[[float], Vector]]):
+    """The polynomials of the steps from `first` to `last` - 1, made when asked for."""
+
+    steps: Steps
+    first: int
+    last: int
+
+    def __len__(self) -> int:
+        return self.last - self.first
+
+    @overload
+    def __getitem__(self, k: int) -> Polynomial: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> list[Polynomial]: ...
+
+    def __getitem__(self, k: int | slice) -> Polynomial | list[Polynomial]:
+        if isinstance(k, slice):
+            return [self[j] for j in range(*k.indices(len(self)))]
+        n = self.first + range(len(self))[k]
+        t0, t1 = self.steps.time[n, :2].tolist()
+        y0, y1, _ = self.steps.state[n]
+        return Polynomial(t0, t1, y0, y1, self.steps.dense[n])
+
+
+class Instants:
+    """The instants of a slice, with where the rows behind each of them begin.
+
+    Parameters
+    ----------
+    rows : Rows
+    mode : Mode
+        In which time was before the first.
+    """
+
+    def __init__(self, rows: Rows, mode: Mode) -> None:
+        self.rows = rows
+        self.mode = mode
+        self.visit = _first(rows.instant_place[:, 1])
+        self.fired = _first(rows.visit[:, 1])
+        self.hit = _first(rows.visit[:, 2])
+        self.open = _first(rows.visit[:, 3])
+        self.read = _first(rows.fired[:, 4])
+        self.over = _first(rows.fired[:, 5])
+        self.slid = _first(rows.instant_place[:, 2])
+        machines = (rows.instant_place.shape[1] - MACHINES_OF_INSTANT) // 2
+        self.states = rows.instant_place[:, MACHINES_OF_INSTANT : MACHINES_OF_INSTANT + machines]
+        self.landed = rows.instant_place[:, MACHINES_OF_INSTANT + machines :]
+
+    def before(self, k: int) -> Mode:
+        """Return the mode before instant k."""
+        return tuple(self.states[k - 1].tolist()) if k else self.mode
+
+
+class Records:
+    """Turns the rows of one run into its trace.
+
+    Parameters
+    ----------
+    tables : ModelTables
+    trace : Trace
+    """
+
+    def __init__(self, tables: ModelTables, trace: Trace) -> None:
+        self.graph = tables.graph
+        self.trace = trace
+        self.explain = Explaining(tables)
+        self.broken: tuple[Instants, int] | None = None
+        """An instant that could not be settled."""
+        self.mode: Mode = self.graph.start_mode
+        self.t = 0.0
+        self.steps = 0
+        self._surfaces = surfaces_of(self.graph)
+        self._waiting: list[Steps] = []
+        """Those of the segment that is not over."""
+        self._instants = 0
+        self._surfaces_of: list[tuple[int, ...]] = []
+        """The numbers of the surfaces of each sliding."""
+        self._slid: tuple[int, ...] = ()
+        self._slides: list[tuple[int, int | None]] = [(0, None)]
+        """From which instant on which of the trace's slidings lasts."""
+
+    def add(self, rows: Rows) -> Instants | None:
+        """Add the rows of a slice; return its instants, if there are any."""
+        found = Instants(rows, self.mode) if len(rows.instant_time) else None
+        if found is not None:
+            self._add_instants(found)
+        if len(rows.step_time):
+            self.t = float(rows.step_time[-1, 2])
+            self.steps += len(rows.step_time)
+            new = Steps(
+                rows.step_time, rows.step_until, rows.step_state, rows.step_dense, rows.step_place
+            )
+            self._add_steps(new)
+        return found
+
+    def close(self) -> None:
+        """Note that the run is over."""
+        if self._waiting:
+            waiting, self._waiting = Steps.joined(self._waiting), []
+            self._note_segments(waiting, [0, len(waiting.time)])
+        self._slide_until(self.t)
+
+    # -- motion
+
+    def _add_steps(self, new: Steps) -> None:
+        """Note the segments that are over; what belongs to the next one waits."""
+        key = np.column_stack([new.place[:, 0], new.until])
+        if self._waiting:
+            last = self._waiting[-1]
+            if (key[0] == (last.place[-1, 0], last.until[-1])).all() and (key == key[0]).all():
+                self._waiting.append(new)
+                return
+            new = Steps.joined([*self._waiting, new])
+            key = np.column_stack([new.place[:, 0], new.until])
+        changes = np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1
+        begins = [0, *changes.tolist()]
+        self._note_segments(new, begins)
+        at = begins[-1]
+        self._waiting = [new.part(at, len(new.time))]
+
+    def _note_segments(self, steps: Steps, begins: list[int]) -> None:
+        """Note segments; each begins at a step, and ends where the next one does."""
+        times = steps.time[begins[:-1], 0].tolist()
+        if not times:
+            return
+        slides = self._slides
+        numbers = [bisect_right(slides, int(steps.place[k, 0]), key=_begin) for k in begins[:-1]]
+        which = [slides[n - 1][1] for n in numbers]
+        self.trace.segments.extend(
+            times, lambda k: self._segment(steps, begins[k], begins[k + 1], which[k])
+        )
+
+    def _segment(self, steps: Steps, first: int, last: int, sliding: int | None) -> Segment:
+        machines = len(self.graph.machines)
+        place = steps.place[first, MACHINES_OF_STEP:].tolist()
+        landed = tuple(
+            m.path for m, k in zip(self.graph.machines, place[machines:], strict=True) if k
+        )
+        t0 = float(steps.time[first, 0])
+        return Segment(
+            tuple(place[:machines]),
+            interval_after(self.graph, t0),
+            np.concatenate([[t0], steps.time[first:last, 2]]),
+            np.vstack([steps.state[first : first + 1, 0], steps.state[first:last, 2]]),
+            Interpolants(steps, first, last),
+            landed,
+            sliding,
+            None if sliding is None else self._surfaces_of[sliding],
+        )
+
+    # -- events
+
+    def _add_instants(self, found: Instants) -> None:
+        rows = found.rows
+        causes = rows.instant_place[:, 0]
+        many = len(causes)
+        if causes[-1] >= BROKEN:
+            many -= 1
+            self.broken = (found, many)
+        times = rows.instant_time[:many, 0].tolist()
+        calm = np.diff(found.hit[found.visit]) == 0
+        self.trace.events.extend(times, lambda k: self._event(found, k), plain=calm[:many].tolist())
+        if self._slid or rows.instant_place[:, 2].any():
+            for k in range(many):
+                self._note_slid(found, k)
+        for f in np.flatnonzero(rows.fired[:, 3] == LANDS).tolist():
+            self._note_landing(found, f)
+        if len(rows.open):
+            self._note_open(found, many)
+        if many:
+            self.mode = tuple(found.states[many - 1].tolist())
+            self.trace.energy = max(self.trace.energy, float(rows.instant_time[many - 1, 1]))
+            self.t = times[-1]
+        self._instants += many
+
+    def _event(self, found: Instants, k: int) -> Event:
+        """Return one event."""
+        rows = found.rows
+        t = float(rows.instant_time[k, 0])
+        before, after = rows.instant_state[k]
+        return Event(
+            t,
+            CAUSES[int(rows.instant_place[k, 0])],
+            self.explain.steps(found, k),
+            before,
+            after,
+            tuple(
+                m.path
+                for m, at in zip(self.graph.machines, found.landed[k].tolist(), strict=True)
+                if at
+            ),
+        )
+
+    def _note_landing(self, found: Instants, f: int) -> None:
+        rows = found.rows
+        count, t, ratio = rows.read[found.read[f] : found.read[f] + 3, 0].tolist()
+        machine = self.graph.machines[int(rows.fired[f, 0])]
+        self.trace.accumulations.append(
+            Accumulation(
+                t,
+                None if math.isnan(ratio) else ratio,
+                int(count),
+                machine.path,
+                landed=True,
+                state=machine.states[int(rows.fired[f, 2])],
+            )
+        )
+
+    def _note_slid(self, found: Instants, k: int) -> None:
+        rows = found.rows
+        slid = tuple(rows.slid[found.slid[k] : found.slid[k + 1]].tolist())
+        if set(slid) == set(self._slid):
+            return
+        t = float(rows.instant_time[k, 0])
+        self._slide_until(t)
+        self._slid = slid
+        number: int | None = None
+        if slid:
+            number = len(self.trace.slidings)
+            self._surfaces_of.append(slid)
+            surfaces = tuple(self._surfaces[j] for j in slid)
+            mode: Mode = tuple(found.states[k].tolist())
+            self.trace.slidings.append(
+                Sliding(
+                    t,
+                    t,
+                    tuple(self.graph.machines[s.machine].path for s in surfaces),
+                    tuple(s.text for s in surfaces),
+                    tuple(flipped(mode, surfaces, c) for c in corners_of(len(slid), "additive")),
+                    "additive",
+                )
+            )
+        self._slides.append((self._instants + k + 1, number))
+
+    def _slide_until(self, t: float) -> None:
+        if self._slid:
+            self.trace.slidings[-1] = replace(self.trace.slidings[-1], t1=t)
+
+    def _note_open(self, found: Instants, many: int) -> None:
+        """Warn of what the modes leave open in which time goes on."""
+        for k in range(many):
+            last = int(found.visit[k + 1]) - 1
+            names = self.explain.open(found, last)
+            if names:
+                mode: Mode = tuple(found.states[k].tolist())
+                self.trace.warn(
+                    f"in mode ({self.graph.mode_text(mode)}) the equations leave "
+                    f"{', '.join(names)} open; least leakage decides"
+                )
+
+
+def _first(counts: NDArray[np.intc]) -> NDArray[np.intp]:
+    """Return where the rows of each begin that has so many, and where the last ends."""
+    found = np.zeros(len(counts) + 1, dtype=np.intp)
+    np.cumsum(counts, out=found[1:])
+    return found
+
+
+def _begin(slide: tuple[int, int | None]) -> int:
+    return slide[0]

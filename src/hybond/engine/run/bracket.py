@@ -1,0 +1,111 @@
+"""When a guard becomes true between two instants, and where what it compares is zero.
+
+After modes/locate.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.run.guard_values import atom_at, holds_at
+from hybond.engine.run.locator import Locator
+
+SEARCH: Final = 40
+"""Most iterations of one root or extremum search."""
+
+
+def root(e: Engine, g: Locator, which: int, low: float, high: float) -> float:
+    """Return the end of a bracket of the sign change of a comparison, a few last places wide."""
+    a = low
+    b = high
+    fa = atom_at(e, g, which, a)
+    fb = atom_at(e, g, which, b)
+    if fa == 0.0 or fa * fb > 0.0:
+        return high
+    side = 0
+    wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))
+    for _ in range(SEARCH):
+        if b - a <= wide or fb == 0.0 or fb == fa:
+            break
+        c = b - fb * (b - a) / (fb - fa)
+        # a step off either end keeps the bracket shrinking from both sides
+        c = min(max(c, a + 0.25 * wide), b - 0.25 * wide)
+        fc = atom_at(e, g, which, c)
+        if fc * fb > 0.0 or fc == 0.0:
+            b = c
+            fb = fc
+            if side > 0:
+                fa = 0.5 * fa
+            side = 1
+        else:
+            a = c
+            fa = fc
+            if side < 0:
+                fb = 0.5 * fb
+            side = -1
+    return b
+
+
+def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
+    """Return the first instant in ``(low, high]`` at which guard k holds."""
+    turned = 0
+    which = 0
+    crosses = False
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        before = atom_at(e, g, a, low)
+        after = atom_at(e, g, a, high)
+        if (before > 0.0) != (after > 0.0) or before * after == 0.0:
+            turned += 1
+            which = a
+            crosses = before != 0.0 and before * after <= 0.0
+    g.bracket_low = low
+    g.bracket_high = high
+    if turned == 1 and crosses:
+        around(e, g, k, root(e, g, which, low, high))
+    low = g.bracket_low
+    high = g.bracket_high
+    wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))
+    while high - low > wide and not g.failed:
+        middle = 0.5 * (low + high)
+        if holds_at(e, g, k, middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def around(e: Engine, g: Locator, k: int, here: float) -> None:
+    """Narrow the bracket to near the root of its comparison.
+
+    The guard may hold a little before it, because rounding counts as zero, or a little after, where
+    the comparison is strict. All guards are asked alike: a bounce ever smaller begins and ends at
+    the same distance then.
+    """
+    reach = 4.0 * spacing(here)
+    low = g.bracket_low
+    high = g.bracket_high
+    if holds_at(e, g, k, here):
+        if not g.rounded:
+            g.bracket_low = here
+            g.bracket_high = here
+            return
+        yes = here
+        at = here - reach
+        while at > low and not g.failed and holds_at(e, g, k, at):
+            yes = at
+            reach = 2.0 * reach
+            at = here - reach
+        g.bracket_low = max(at, low)
+        g.bracket_high = yes
+        return
+    no = here
+    at = here + reach
+    while at < high and not g.failed and not holds_at(e, g, k, at):
+        no = at
+        reach = 2.0 * reach
+        at = here + reach
+    g.bracket_low = no
+    g.bracket_high = min(at, high)

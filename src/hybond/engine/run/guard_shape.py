@@ -1,0 +1,164 @@
+"""Samples of guards in a block of a step, and what they show.
+
+After modes/locate.py, _Shape.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.run.guard_values import (
+    atom_here,
+    begin_sizes_in_motion,
+    look,
+    measure_in_motion,
+    size_here,
+    test_here,
+)
+from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
+
+UNRESOLVED: Final = 0.02
+"""A block whose samples leave more than this part of their spread unexplained is halved."""
+ROUNDED: Final = 1e-9
+"""... unless that is less than this part of the largest sample."""
+NEAR: Final = 0.05
+"""An extremum is searched if the polynomial comes this near to zero, as a part of the spread."""
+SLACK: Final = 1e-12
+"""Part of samples that rounding may add to the polynomial through them."""
+ROUNDING: Final = 1e-13
+"""Part of the terms of a comparison that rounding leaves unexplained."""
+
+
+def sample(e: Engine, g: Locator) -> None:
+    """Sample all guards of the block."""
+    for i in range(SAMPLES):
+        look(e, g, g.t[i])
+        for k in range(g.guards):
+            g.truth[k * SAMPLES + i] = 1 if test_here(e, g.rule[k]) else 0
+        for a in range(g.atoms):
+            g.shape[a * SAMPLES + i] = atom_here(e, g, a)
+
+
+def find_shape(g: Locator) -> None:
+    """Say what the samples of all comparisons look like. After _Shape.of."""
+    for k in range(g.guards):
+        g.calm[k] = 1
+        g.turn[k] = math.inf
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            if not stays(g, a):
+                g.calm[k] = 0
+            g.turn[k] = min(g.turn[k], first_turn(g, a))
+
+
+def stays(g: Locator, a: int) -> bool:
+    """Whether a comparison stays away from zero; note whether its samples show what it does."""
+    at = a * SAMPLES
+    least = g.shape[at]
+    most = g.shape[at]
+    size = 0.0
+    finite = True
+    for i in range(SAMPLES):
+        finite = finite and math.isfinite(g.shape[at + i])
+        least = min(least, g.shape[at + i])
+        most = max(most, g.shape[at + i])
+        size = max(size, math.fabs(g.shape[at + i]))
+    spread = most - least
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    rest = rest_below(g, a, size)
+    if finite and rest <= UNRESOLVED * spread:
+        if floor_of(g, least, most, up) > NEAR * spread + 3.0 * rest:
+            g.doubtful[a] = 0
+            return True
+    rest = rest_of(g, a)
+    g.rest[a] = rest
+    shown = rest <= UNRESOLVED * spread or rest <= ROUNDED * size or not finite
+    g.doubtful[a] = 0 if shown else 1
+    if size == 0.0:
+        return True
+    low = least if up > 0.0 else -most if up < 0.0 else 0.0
+    bound = NEAR * spread + 3.0 * rest
+    if not low > bound:
+        return False
+    if floor_of(g, least, most, up) > bound:
+        return True
+    for i in range(GRID):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.fine[i * SAMPLES + j] * g.shape[at + j]
+        if not up * total > bound:
+            return False
+    return True
+
+
+def rest_of(g: Locator, a: int) -> float:
+    """Return what a polynomial leaves of the samples of a comparison."""
+    rest = 0.0
+    for i in range(SAMPLES):
+        total = 0.0
+        for j in range(SAMPLES):
+            total += g.left_over[i * SAMPLES + j] * g.shape[a * SAMPLES + j]
+        rest = max(rest, math.fabs(total))
+    return rest
+
+
+def rest_below(g: Locator, a: int, size: float) -> float:
+    """Return what it leaves no more than: the length of that, of samples of such a size."""
+    total = 0.0
+    for j in range(SAMPLES - TERMS):
+        part = 0.0
+        for i in range(SAMPLES):
+            part += g.beyond[j * SAMPLES + i] * g.shape[a * SAMPLES + i]
+        total += part * part
+    return math.sqrt(total) + SLACK * size
+
+
+def floor_of(g: Locator, least: float, most: float, sign: float) -> float:
+    """Return what ``sign * polynomial`` is nowhere below, of the least and the largest sample."""
+    middle = 0.5 * (least + most)
+    away = g.swing * 0.5 * (most - least) + SLACK * math.fabs(middle)
+    return sign * middle - away
+
+
+def first_turn(g: Locator, a: int) -> float:
+    """Return where samples that begin positive first become negative, or the other way round."""
+    at = a * SAMPLES
+    up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
+    for i in range(1, SAMPLES):
+        if up * g.shape[at + i] < 0.0:
+            before = up * g.shape[at + i - 1]
+            share = before / (before - up * g.shape[at + i])
+            return FRACTION[i - 1] + share * (FRACTION[i] - FRACTION[i - 1])
+    return math.inf
+
+
+def is_resolved(e: Engine, g: Locator) -> bool:
+    """Whether the samples show all that the guards do, rounding left out."""
+    for k in range(g.guards):
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            if g.doubtful[a] != 0 and not is_rounding(e, g, g.rule[k], a):
+                return False
+    return True
+
+
+def is_rounding(e: Engine, g: Locator, rule: int, a: int) -> bool:
+    """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
+    m = e.model
+    if rule < 0:
+        return size_here(e, g, a) * ROUNDING >= g.rest[a]
+    # what a bond variable cancels from: its own value may be nothing but rounding
+    g.looked = math.nan
+    look(e, g, g.t[0])
+    begin_sizes_in_motion(e)
+    measure_in_motion(e, rule)
+    largest = 0.0
+    for i in range(SAMPLES):
+        look(e, g, g.t[i])
+        for p in range(m.read_first[rule], m.read_first[rule + 1]):
+            slot = m.read_slot[p]
+            if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
+                e.v[slot] = max(math.fabs(e.v[slot]), e.work.terms[slot])
+        largest = max(largest, size_here(e, g, a))
+        g.looked = math.nan
+    return largest * ROUNDING >= g.rest[a]

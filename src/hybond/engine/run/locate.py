@@ -1,0 +1,124 @@
+"""Locating guards inside a step, on its dense output.
+
+A guard is a level: none that leaves the current state is true when a step begins. Within a step
+its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
+guard itself is asked, so that an even number of crossings or a touch is not lost. The instant found
+is the first at which the guard holds, on the comparison that made it true (Illinois method),
+confirmed by the test that settling applies. After modes/locate.py.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.run.bracket import bracket
+from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
+from hybond.engine.run.guard_shape import find_shape, is_resolved, sample
+from hybond.engine.run.guard_values import holds_at
+from hybond.engine.run.locator import DEEPEST, FRACTION, SAMPLES, Locator, has_failed
+
+
+def locate(e: Engine, g: Locator) -> int:
+    """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
+    g.at = math.inf
+    g.failed = False
+    g.looked = math.nan
+    if g.guards == 0:
+        return OK
+    left = 1
+    g.low[0] = e.step.t0
+    g.high[0] = e.step.t1
+    g.depth[0] = 0
+    while left > 0:
+        left -= 1
+        low = g.low[left]
+        high = g.high[left]
+        depth = g.depth[left]
+        for k in range(SAMPLES):
+            g.t[k] = low + (high - low) * FRACTION[k]
+        g.t[SAMPLES - 1] = high
+        sample(e, g)
+        find_shape(g)
+        if has_failed(g):
+            return REFUSED
+        if depth < DEEPEST and not is_resolved(e, g):
+            middle = 0.5 * (low + high)
+            g.low[left] = middle
+            g.high[left] = high
+            g.depth[left] = depth + 1
+            g.low[left + 1] = low
+            g.high[left + 1] = middle
+            g.depth[left + 1] = depth + 1
+            left += 2
+            continue
+        first_of_block(e, g)
+        if has_failed(g):
+            return REFUSED
+        if g.at < math.inf:
+            return OK
+    return OK
+
+
+def first_of_block(e: Engine, g: Locator) -> None:
+    """Find the first instant of the block at which a guard holds: the likeliest first."""
+    for k in range(g.guards):
+        g.done[k] = 0
+    for _ in range(g.guards):
+        next_one = -1
+        for k in range(g.guards):
+            if g.done[k] == 0 and (next_one < 0 or g.turn[k] < g.turn[next_one]):
+                next_one = k
+        g.done[next_one] = 1
+        quiet = g.calm[next_one] != 0
+        for i in range(SAMPLES):
+            quiet = quiet and g.truth[next_one * SAMPLES + i] == 0
+        if not quiet:
+            g.at = min(g.at, of_rule(e, g, next_one, g.at))
+        if g.failed:
+            return
+
+
+def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
+    """Return the first instant of the block at which guard k holds, infinity if none.
+
+    `before` is one at which another guard does.
+    """
+    first = g.atom_first[k]
+    stop = g.atom_first[k + 1]
+    end = math.inf
+    if before < math.inf and not holds_at(e, g, k, before):
+        # unless it holds and ceases to before that, it becomes true later than another guard
+        end = before
+    c = g.candidate
+    c.count = 0
+    g.mark.count = 0
+    for i in range(1, SAMPLES):
+        if g.truth[k * SAMPLES + i] != 0:
+            keep(e, g, c, g.t[i])
+    for a in range(first, stop):
+        begin = c.count
+        extrema(e, g, a, end)
+        for i in range(begin, c.count):
+            if stop - first > 1:
+                beside(e, g, a, c.at[i])
+    if stop - first > 1:
+        between_roots(e, g, first, stop, end)
+    sort(c)
+    for i in range(c.count):
+        if g.failed:
+            break
+        # true there: it may have become so at any time after the candidate before
+        at = c.at[i]
+        low = g.t[0]
+        for j in range(SAMPLES):
+            if g.t[j] < at:
+                low = max(low, g.t[j])
+        for j in range(i):
+            if c.at[j] < at:
+                low = max(low, c.at[j])
+        if at >= end or low >= before:
+            break
+        if at > e.step.t0 and holds_at(e, g, k, at):
+            return bracket(e, g, k, low, at)
+    return math.inf

@@ -1,0 +1,408 @@
+"""The executive: time passes in a mode until something happens, then the mode is settled.
+
+Nothing else changes the state: a jump is made by settling alone. After modes/executive.py
+and modes/motion.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.contacts.landing import (
+    before_event,
+    keep_still,
+    land_contacts,
+    observe_event,
+    stuck,
+)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.inputs.interval import interval_after, is_due, is_timed
+from hybond.engine.instant.instant import (
+    GUARD,
+    INPUT,
+    SAMPLE,
+    START,
+    TIME,
+    Instant,
+    begin_instant,
+    make_instant,
+)
+from hybond.engine.instant.jump import is_constrained, on_constraints
+from hybond.engine.instant.settle import Settling, make_settling, settle
+from hybond.engine.laws.laws import check_limits, limits_vary, observe
+from hybond.engine.methods.scale import start_scale
+from hybond.engine.methods.stepping import between, retry, start, step
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.values import begin_field, evaluate, set_state
+from hybond.engine.planar.descent import (
+    ENDLESS,
+    IS_DOWN,
+    begin_descent,
+    end_descent,
+    step_descent,
+)
+from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
+from hybond.engine.run.locate import locate
+from hybond.engine.run.locator import Locator, make_locator, watch
+from hybond.engine.run.report import (
+    Report,
+    keep_left,
+    report_end,
+    report_event,
+    report_step,
+)
+from hybond.engine.sliding.blend import combine_here, onto_surfaces
+from hybond.engine.sliding.sliding import slide_after
+from hybond.engine.words import Floats, floats, record
+
+SHORTER: Final = 30
+"""Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
+VAIN: Final = 3
+"""Instants in a row without any change after which rounding is swept out of what is stored."""
+IDLE: Final = 100
+"""Instants in a row without any change that end a run."""
+MOMENT: Final = 1e-13
+"""What counts as no time for all of them together, as a part of the run."""
+BEYOND: Final = 50.0
+"""Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
+this many at once."""
+STOPPED: Final = 5
+"""Why a motion ended: its stretch did, and nothing happened."""
+PAUSED: Final = 7
+"""Likewise: a run in slices has had the steps of this one."""
+ACCUMULATES: Final = 3
+
+
+@record
+class Run:
+    """The parts of a run."""
+
+    settling: Settling
+    instant: Instant
+    locator: Locator
+    report: Report
+    events: int
+    before: Floats
+    idle: int
+    idle_at: Floats
+    """When the last instants were at which a guard held and nothing changed, in a ring."""
+    begun: bool
+    flowing: bool
+    """Whether time passes in a mode: a run in slices was paused there."""
+    beyond: float
+    """How many of the last steps have touched a place where a law has no value."""
+    taken: int
+    """Steps since the last instant."""
+    slice: int
+    """Steps and instants that this slice of the run still has; -1: as many as it takes."""
+
+
+def make_run(e: Engine, report: Report) -> Run:
+    """Return a run that has not begun."""
+    r = Run()
+    r.settling = make_settling(e)
+    r.instant = make_instant()
+    r.locator = make_locator(e)
+    r.report = report
+    r.before = floats(e.states)
+    r.idle_at = floats(IDLE + 1)
+    r.slice = -1
+    return r
+
+
+def begin(e: Engine) -> None:
+    """Put the model's start there."""
+    m = e.model
+    e.until = m.until
+    e.stop = m.until
+    e.t = 0.0
+    for k in range(m.storages):
+        e.y[k] = m.storage_start[k]
+    for k in range(m.integrals):
+        e.y[m.storages + k] = m.integral_start[k]
+    for k in range(m.machines):
+        e.state[k] = m.start[k]
+
+
+def run_to_end(e: Engine, r: Run) -> int:
+    """Run to the end: OK, REFUSED with a fault, ACCUMULATES, or PAUSED where a slice ends."""
+    status = OK
+    if not r.begun:
+        r.begun = True
+        begin(e)
+        e.samples_end = e.until
+        interval_after(e, 0.0)
+        status = settle_now(e, r, START)
+        if status == OK:
+            status = rest_now(e, r)
+    while status == OK and (e.t < e.until or r.flowing):
+        cause = flow(e, r)
+        if cause < 0:
+            return REFUSED
+        if cause == PAUSED:
+            return PAUSED
+        status = settle_now(e, r, cause)
+        if status == OK:
+            status = rest_now(e, r)
+        if status == OK and stuck(e):
+            status = ACCUMULATES
+        r.slice = r.slice - 1 if r.slice > 0 else r.slice
+    if status != REFUSED:
+        report_end(e, r.report)
+    return status
+
+
+def settle_now(e: Engine, r: Run, cause: int) -> int:
+    """Settle the present instant, and report what changed. After Executive._settle."""
+    i = r.instant
+    begin_instant(i, e.t, cause)
+    if cause != START:
+        keep_left(e, r.report)
+    if e.model.laws > 0:
+        e.laws.sweep = r.idle >= VAIN
+    before_event(e)
+    if settle(e, r.settling, i) != OK:
+        return REFUSED
+    settled = i.steps > 0
+    if settled:
+        observe_event(e, i)
+    for k in range(e.states):
+        r.before[k] = e.landings.before[k]
+    if slide_after(e, i, r.before) != OK:
+        return REFUSED
+    if i.steps > 0:
+        r.events += 1
+        report_event(e, r.report, i)
+    if settled or cause != GUARD:
+        r.idle = 0
+    else:
+        r.idle_at[r.idle % (IDLE + 1)] = e.t
+        r.idle += 1
+        if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.until:
+            why = "a guard holds again and again, and nothing changes"
+            return say_fault(e, "HB-N406", why, "")
+    if r.events > e.model.max_events:
+        return say_fault(e, "HB-N404", "too many events", "")
+    return OK
+
+
+def rest_now(e: Engine, r: Run) -> int:
+    """Land what was hit and does not rebound: time goes on from the limit of its impacts.
+
+    After Executive._rest.
+    """
+    landed = 1
+    while landed > 0:
+        if e.landings.touches == 0:
+            return OK
+        landed = land_contacts(e, r.settling, r.instant)
+        if landed < 0:
+            return REFUSED
+        if landed > 0:
+            r.events += 1
+            report_event(e, r.report, r.instant)
+    return OK
+
+
+def flow(e: Engine, r: Run) -> int:
+    """Let time pass in the mode; return why it ended, -1 if the run stops.
+
+    After Executive._flow.
+    """
+    m = e.model
+    g = r.locator
+    if not r.flowing and begin_flow(e, r) != OK:
+        return -1
+    r.flowing = False
+    end = min(e.next_break, e.stop)
+    instant = m.event_tol * max(e.until, math.fabs(e.t))
+    while True:
+        if r.slice == 0:
+            r.flowing = True
+            return PAUSED
+        r.slice = r.slice - 1 if r.slice > 0 else r.slice
+        if step(e, end) != OK:
+            return -1
+        if m.disks > 0 and follow(e) != OK:
+            return -1
+        r.taken += 1
+        if r.taken > m.max_steps:
+            say_fault(e, "HB-N409", "too many steps without an event", "")
+            return -1
+        r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
+        if e.refusal and r.beyond > BEYOND:
+            return -1
+        if locate(e, g) != OK:
+            return -1
+        at = g.at
+        if at < math.inf:
+            if land(e, g) != OK:
+                return -1
+            at = g.at
+            if at >= end - instant:
+                # one instant with the timed event: settled once, there
+                at = math.inf
+                if e.step.t1 < end and retry(e, end) != OK:
+                    return -1
+        if at == math.inf:
+            if note(e, r, e.step.t1) != OK:
+                return -1
+            if e.step.t1 >= end:
+                if e.next_break <= end:
+                    return timed_cause(e)
+                return GUARD if end >= e.until else STOPPED
+            if go_on(e) != OK:
+                return -1
+            continue
+        if note(e, r, at) != OK:
+            return -1
+        if m.disks > 0 and lead_to_rest(e, r, end) != OK:
+            return -1
+        timed = e.t >= end and e.next_break <= end
+        return timed_cause(e) if timed else GUARD
+
+
+def begin_flow(e: Engine, r: Run) -> int:
+    """Make ready for time to pass in the mode."""
+    m = e.model
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    watch(e, r.locator, e.state)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
+    begin_field(e, e.mode)
+    if m.disks > 0:
+        begin_slips(e, e.t, e.y)
+        begin_field(e, e.mode)
+    if e.slide.k == 0:
+        start_scale(e, e.mode)
+    r.beyond = 0.0
+    r.taken = 0
+    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+
+
+def follow(e: Engine) -> int:
+    """Repeat a step shorter until it follows slip in the plane. After Executive._followed."""
+    for _ in range(SHORTER):
+        if follows_slip(e):
+            return OK
+        h = 0.25 * (e.step.t1 - e.step.t0)
+        if e.step.t0 + h == e.step.t0:
+            return say_fault(e, "HB-N408", "no step follows the slip", "")
+        if retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+    return OK
+
+
+def lead_to_rest(e: Engine, r: Run, end: float) -> int:
+    """Lead slip in the plane to its end, if it is about to end. After Executive._to_rest."""
+    m = e.model
+    p = e.planar
+    if not begin_descent(e, e.t, e.y):
+        return OK
+    p.leading = True
+    watch(e, r.locator, e.state)
+    p.leading = False
+    begin_field(e, e.mode)
+    while e.t < end:
+        found = step_descent(e, e.t, e.y, end)
+        if found == ENDLESS:
+            return REFUSED
+        if found == IS_DOWN or e.step.t1 == e.step.t0:
+            break
+        if locate(e, r.locator) != OK:
+            return REFUSED
+        if r.locator.at < math.inf:
+            for d in range(m.disks):
+                p.ends[d] = 0
+            if note(e, r, r.locator.at) != OK:
+                return REFUSED
+            break
+        if note(e, r, e.step.t1) != OK:
+            return REFUSED
+        if any_ends(e):
+            break
+    end_descent(e, e.t, e.y)
+    return OK
+
+
+def any_ends(e: Engine) -> bool:
+    """Whether the last step has brought a slip to rest."""
+    found = False
+    for d in range(e.model.disks):
+        found = found or e.planar.ends[d] != 0
+    return found
+
+
+def land(e: Engine, g: Locator) -> int:
+    """Repeat the step so that it ends just past the instant found. After Executive._land."""
+    h = e.step.t1 - e.step.t0
+    longest = e.step.t1
+    at = g.at
+    for k in range(2):
+        past = 1e-6 if k == 0 else 1e-3
+        end = at + past * (at - e.step.t0)
+        if end >= longest or end - e.step.t0 <= 1e-9 * h:
+            break
+        if retry(e, end) != OK or locate(e, g) != OK:
+            return REFUSED
+        if g.at < math.inf:
+            return OK
+    # the instant was not found again: the step as it was
+    if e.step.t1 != longest and retry(e, longest) != OK:
+        return REFUSED
+    g.at = at
+    return OK
+
+
+def note(e: Engine, r: Run, t: float) -> int:
+    """Note a step that ends at `t`, and put the state back on its constraints."""
+    m = e.model
+    for k in range(e.states):
+        e.y[k] = e.step.y1[k]
+    if t != e.step.t1:
+        between(e, t, e.y)
+    if is_constrained(e.mode):
+        if evaluate(e, e.mode, e.shown, t, e.y) != OK:
+            return REFUSED
+        if on_constraints(e, e.mode, e.shown, e.y) != OK:
+            return REFUSED
+    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+        return REFUSED
+    keep_still(e, e.y)
+    if m.laws > 0:
+        set_state(e, e.mode, e.shown, t, e.y)
+        observe(e, e.shown)
+    if m.disks > 0:
+        arm_slips(e, t, e.y)
+    e.t = t
+    report_step(e, r.report)
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
+    return OK
+
+
+def look_at_limits(e: Engine) -> int:
+    """Look at limits of friction at the present point of the motion."""
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    return check_limits(e, e.t, e.shown)
+
+
+def go_on(e: Engine) -> int:
+    """Tell the solver of a state that was put back on its constraints: no jump, no history."""
+    for k in range(e.states):
+        if e.y[k] != e.step.y1[k]:
+            return start(e, e.t, e.y, e.until, False)
+    return OK
+
+
+def timed_cause(e: Engine) -> int:
+    """Return why a timed event is one."""
+    if is_timed(e, e.next_break):
+        return TIME
+    for k in range(e.model.samples):
+        if is_due(e.model, k, e.next_break):
+            return SAMPLE
+    return INPUT

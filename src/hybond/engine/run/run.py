@@ -1,0 +1,22 @@
+"""The program: runs a model and prints what is asked for."""
+
+from __future__ import annotations
+
+from hybond.engine.engine import REFUSED, Engine
+from hybond.engine.run.motion import Run, make_run, run_to_end
+from hybond.engine.run.report import Report, put_fault, put_final, put_header
+
+
+def run_program(e: Engine, report: Report) -> int:
+    """Run from the start; return the exit code: 0 fine, 3 the numerics.
+
+    What was computed is printed first.
+    """
+    run: Run = make_run(e, report)
+    put_header(e, report)
+    status = run_to_end(e, run)
+    put_final(e, report)
+    if status == REFUSED:
+        put_fault(e)
+        return 3
+    return 0

@@ -1,0 +1,1 @@
+"""Motion along switching surfaces."""

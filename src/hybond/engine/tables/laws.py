@@ -1,0 +1,156 @@
+"""Tables of the laws of junctions: the columns `port_*` of `portable.model.Model`."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING
+
+from hybond.engine.tables.expressions import number_of
+from hybond.equations.calculus import gradient
+from hybond.equations.ports import orientation
+from hybond.errors import ModelError
+from hybond.model.expressions import Expr, Number
+from hybond.model.graph import FlatGraph
+from hybond.model.laws import JunctionLaw
+from hybond.model.planar_friction import HEADING, SLOW
+from hybond.names import join
+
+if TYPE_CHECKING:
+    from hybond.engine.tables.make import ModelTables
+
+NONE = -2
+"""What stands for an option that a law does not have."""
+CONFIGURATIONS = 4096
+"""Ways to set the machines beside the laws, for each of which a variable of each law is given."""
+OPTIONS = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
+
+
+def put_laws(t: ModelTables) -> None:
+    """Put the laws of junctions into the tables: a port for each junction that has one.
+
+    Raises
+    ------
+    ModelError
+        HB-E650 more settings of machines beside the laws than are looked at.
+    """
+    g = t.graph
+    laws = [(m, law) for m in g.machines if m.law is not None for law in m.law.junctions]
+    junctions = [n.index for n in g.nodes if n.is_junction]
+    domains = sorted({g.nodes[law.node].domain.name for _, law in laws})
+    t.numbers["ports"] = len(laws)
+    t.ints["port_machine"] = [m.index for m, _ in laws]
+    t.ints["port_node"] = [law.node for _, law in laws]
+    t.ints["port_junction"] = [junctions.index(law.node) for _, law in laws]
+    t.ints["port_domain"] = [domains.index(g.nodes[law.node].domain.name) for _, law in laws]
+    t.ints["port_two_sided"] = [int(law.two_sided) for _, law in laws]
+    t.ints["port_planar"] = [int(law.planar) for _, law in laws]
+    t.ints["port_impulsive"] = [int(law.impulsive) for _, law in laws]
+    t.ints["law_rebounds"] = [
+        int(m.law is not None and m.law.restitution is not None) for m in g.machines
+    ]
+    for option in OPTIONS:
+        _put_option(t, option, [law for _, law in laws])
+    _put_gaps(t, [law for _, law in laws])
+    _put_pairs(t, [law for _, law in laws])
+    _put_slopes(t, [law for _, law in laws])
+    _put_disks(t, [law for _, law in laws])
+    _put_orientation(t)
+
+
+def _put_option(t: ModelTables, option: str, laws: list[JunctionLaw]) -> None:
+    numbers, constants = [], []
+    for law in laws:
+        e: Expr | None = getattr(law, option)
+        number, constant = (NONE, 0.0) if e is None else t.values.entry(e, option)
+        numbers.append(number)
+        constants.append(constant)
+    t.ints[f"port_{option}"] = numbers
+    t.floats[f"port_{option}_constant"] = constants
+
+
+def _put_gaps(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put gaps among the pairs as well: their rounding is that of their terms."""
+    pairs = []
+    for law in laws:
+        if law.gap is None or isinstance(law.gap, Number):
+            pairs.append(-1)
+            continue
+        pairs.append(len(t.pairs))
+        t.pairs.append(law.gap)
+    t.ints["port_gap_pair"] = pairs
+
+
+def _column(g: FlatGraph, name: str) -> int:
+    kind, _, index = name.partition(":")
+    return int(index) + (len(g.bonds) if kind == "f" else 0)
+
+
+def _put_pairs(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put the common and the net variable of each port, sums of bond variables."""
+    first, columns, values = [0], [], []
+    for law in laws:
+        for e in (law.common, law.net):
+            for name, slope in gradient(e).items():
+                assert isinstance(slope, Number)
+                columns.append(_column(t.graph, name))
+                values.append(number_of(slope.value))
+            first.append(len(columns))
+    t.ints["pair_first"] = first
+    t.ints["pair_column"] = columns
+    t.floats["pair_value"] = values
+
+
+def _put_slopes(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put how limits of friction follow bond variables."""
+    first, columns, slopes, constants = [0], [], [], []
+    for law in laws:
+        for e in (law.limit, law.breakaway):
+            for name, slope in gradient(e).items() if e is not None else ():
+                number, constant = t.values.entry(slope)
+                columns.append(_column(t.graph, name))
+                slopes.append(number)
+                constants.append(constant)
+            first.append(len(columns))
+    t.ints["limit_first"] = first
+    t.ints["limit_column"] = columns
+    t.ints["limit_slope"] = slopes
+    t.floats["limit_slope_constant"] = constants
+
+
+def _put_disks(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put friction in the plane: the ports of each disk, and what it keeps between events."""
+    g = t.graph
+    own = [m for m in g.machines if m.law is not None and m.law.planar]
+    at = {i.path: i.index for i in g.integrals}
+    place = {law.node: k for k, law in enumerate(laws)}
+    t.numbers["disks"] = len(own)
+    t.ints["disk_machine"] = [m.index for m in own]
+    t.ints["disk_port"] = [place[law.node] for m in own if m.law for law in m.law.junctions]
+    t.ints["disk_heading"] = [at[join(m.path, HEADING)] for m in own]
+    t.ints["disk_slow"] = [at[join(m.path, SLOW)] for m in own]
+    t.ints["law_planar"] = [int(m.law is not None and m.law.planar) for m in g.machines]
+
+
+def _put_orientation(t: ModelTables) -> None:
+    """Put which variable of each law is given, for all states of the other machines."""
+    g = t.graph
+    t.ints["orient"] = []
+    if not t.numbers["ports"]:
+        return
+    sizes = [1 if m.law is not None else len(m.states) for m in g.machines]
+    if math.prod(sizes) > CONFIGURATIONS:
+        raise ModelError(
+            f"the machines beside junction laws have {math.prod(sizes)} settings, more than an "
+            f"export looks at ({CONFIGURATIONS})",
+            code="HB-E650",
+            where=g.name,
+            hint="write the diodes and contacts as machines with rules, or split the model",
+        )
+    known: dict[frozenset[int], list[int]] = {}
+    for mode in product(*(range(k) for k in sizes)):
+        on = g.on_nodes(mode)
+        if on not in known:
+            given = orientation(g, mode)
+            known[on] = [int(v == "net") for v in given.values()]
+        t.ints["orient"] += known[on]

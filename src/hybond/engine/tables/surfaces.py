@@ -1,0 +1,76 @@
+"""Tables of switching surfaces: the columns `surface_*` of `portable.model.Model`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from hybond.engine.tables.contacts import rules_of
+from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
+from hybond.model.expressions import Expr, differentiate, names, simplify
+from hybond.model.graph import Rule
+
+if TYPE_CHECKING:
+    from hybond.engine.tables.make import ModelTables
+
+KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4, "on": 5, "in": 5}
+"""What a switching function reads: stored quantities, signals, time, inputs, bond variables, and
+what is ON or the state of a machine."""
+
+
+def put_surfaces(t: ModelTables) -> None:
+    """Put the switching surfaces of all machines into the tables."""
+    g = t.graph
+    surfaces = surfaces_of(g)
+    # what was found of a surface is kept from model to model: its rules are equal, not the same
+    listed = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
+    rules: dict[tuple[int, Rule], int] = {}
+    for k, rule in enumerate(listed):
+        rules.setdefault(rule, k)
+    t.numbers["surfaces"] = len(surfaces)
+    t.ints["surface_machine"] = [s.machine for s in surfaces]
+    t.ints["surface_below"] = [s.below for s in surfaces]
+    t.ints["surface_above"] = [s.above for s in surfaces]
+    t.ints["surface_up"] = [rules[s.machine, s.up] for s in surfaces]
+    t.ints["surface_down"] = [rules[s.machine, s.down] for s in surfaces]
+    t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
+    t.ints["surface_twin"] = [
+        int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
+    ]
+    slopes = [_slopes(t, s) for s in surfaces]
+    t.ints["surface_first"] = _first(slopes)
+    t.ints["surface_kind"] = [k for row in slopes for k, _, _ in row]
+    t.ints["surface_index"] = [k for row in slopes for _, k, _ in row]
+    t.ints["surface_slope"] = [k for row in slopes for _, _, (k, _) in row]
+    t.floats["surface_constant"] = [a for row in slopes for _, _, (_, a) in row]
+    # what else the rules ask for: first of the one that leads up, then of the other
+    rests = [list(rest) for s in surfaces for rest in (s.up_rest, s.down_rest)]
+    t.ints["surface_rest"] = _first(rests)
+    t.ints["rest_value"] = [t.values.number(e) for row in rests for e in row]
+    t.ints["rest_moves"] = [int(moves(e)) for row in rests for e in row]
+
+
+def _first(rows: Sequence[Sequence[object]]) -> list[int]:
+    """Return where each row begins in all of them, and where the last ends."""
+    found = [0]
+    for row in rows:
+        found.append(found[-1] + len(row))
+    return found
+
+
+def _slopes(t: ModelTables, s: Surface) -> list[tuple[int, int, tuple[int, float]]]:
+    """Return the derivatives of a switching function by what it reads."""
+    found: list[tuple[int, int, tuple[int, float]]] = []
+    for name in sorted(names(s.g)):
+        kind, _, index = name.partition(":")
+        if kind not in KINDS:
+            continue
+        if KINDS[kind] == 5:
+            found.append((5, t.slots.index[name] - t.slots.on.start, (-1, 0.0)))
+            continue
+        slope: Expr = simplify(differentiate(s.g, name))
+        place = int(index) if index else 0
+        if kind == "f":
+            place += len(t.graph.bonds)
+        found.append((KINDS[kind], place, t.values.entry(slope)))
+    return found

@@ -1,0 +1,42 @@
+"""Tables of what explains events: what the guards read, and which sources give energy at a jump."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import TYPE_CHECKING
+
+from hybond.engine.tables.contacts import rules_of
+from hybond.model.expressions import Expr
+from hybond.model.fieldless import reads_pre
+
+if TYPE_CHECKING:
+    from hybond.engine.tables.make import ModelTables
+
+
+def put_told(t: ModelTables, *, tells: bool) -> None:
+    """Put the tables there; without `tells` they are empty."""
+    t.numbers["tells"] = int(tells)
+    rules = [f.rule for own in rules_of(t.graph) for f in own] if tells else []
+    place: dict[Expr, int] = {}
+    shown = []
+    for rule in rules:
+        for _, e in rule.reads:
+            if e not in place:
+                place[e] = len(t.pairs)
+                t.pairs.append(e)
+            shown.append(place[e])
+    t.ints["told_first"] = [0, *accumulate(len(rule.reads) for rule in rules)]
+    t.ints["told_pair"] = shown
+    own, other, sign = [], [], []
+    bonds = len(t.graph.bonds)
+    for node in t.graph.nodes if tells else ():
+        # what reads a priori values is an impact law, and no source
+        if node.kind in ("Se", "Sf") and not reads_pre(node) and not node.domain.pseudo:
+            end = node.ends[0]
+            first = 0 if node.kind == "Se" else bonds
+            own.append(first + end.bond)
+            other.append(bonds - first + end.bond)
+            sign.append(float(end.sign))
+    t.numbers["givers"] = len(own)
+    t.ints.update(giver_own=own, giver_other=other)
+    t.floats["giver_sign"] = sign

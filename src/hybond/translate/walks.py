@@ -1,0 +1,99 @@
+"""Walks over the typed tree: expressions of a statement, statements of a block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from hybond.translate.tree import (
+    Assign,
+    Augment,
+    Binary,
+    Block,
+    Call,
+    Choice,
+    Do,
+    Element,
+    Expr,
+    Field,
+    For,
+    If,
+    Return,
+    Statement,
+    Unary,
+    While,
+    Word,
+)
+
+
+def parts(e: Expr) -> tuple[Expr, ...]:
+    """Return the direct subexpressions of an expression, in reading order."""
+    match e:
+        case Field():
+            return (e.base,)
+        case Element():
+            return (e.base, e.index)
+        case Unary():
+            return (e.arg,)
+        case Binary():
+            return (e.left, e.right)
+        case Choice():
+            return (e.cond, e.then, e.orelse)
+        case Call() | Word():
+            return e.args
+    return ()
+
+
+def within(e: Expr) -> Iterator[Expr]:
+    """Yield an expression and all that it is made of."""
+    yield e
+    for part in parts(e):
+        yield from within(part)
+
+
+def expressions(s: Statement) -> tuple[Expr, ...]:
+    """Return the expressions that a statement evaluates itself, blocks inside it left out."""
+    match s:
+        case Assign() | Augment():
+            return (s.target, s.value)
+        case If():
+            return tuple(cond for cond, _ in s.branches)
+        case While():
+            return (s.cond,)
+        case For():
+            return (s.start, s.stop)
+        case Return():
+            return () if s.value is None else (s.value,)
+        case Do():
+            return (s.call,)
+    return ()
+
+
+def blocks(s: Statement) -> tuple[Block, ...]:
+    """Return the blocks inside a statement."""
+    match s:
+        case If():
+            inner = tuple(block for _, block in s.branches)
+            return inner if s.orelse is None else (*inner, s.orelse)
+        case While() | For():
+            return (s.body,)
+    return ()
+
+
+def statements(block: Block) -> Iterator[Statement]:
+    """Yield all statements of a block, those inside others too."""
+    for s in block.statements:
+        yield s
+        for inner in blocks(s):
+            yield from statements(inner)
+
+
+def every(block: Block) -> Iterator[Expr]:
+    """Yield all expressions of a block, and all that they are made of."""
+    for s in statements(block):
+        yield from of_statement(s)
+
+
+def of_statement(s: Statement) -> Iterator[Expr]:
+    """Yield the expressions of a statement, blocks inside it left out, and their parts."""
+    for e in expressions(s):
+        yield from within(e)
