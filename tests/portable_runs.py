@@ -10,7 +10,7 @@ import pytest
 import hybond as hb
 from hybond.engine.compiled.answering import Calls
 from hybond.engine.engine import REFUSED, Engine, make_engine
-from hybond.engine.outcome.library_run import motion
+from hybond.engine.run import motion
 from hybond.engine.run.report import make_report
 from hybond.engine.tables import answered, tables_of
 from hybond.model.planar_friction import kept_paths

@@ -6,7 +6,7 @@ from portable_runs import assert_the_same
 
 import hybond as hb
 from hybond.engine.engine import OK, make_engine
-from hybond.engine.outcome.library_run import motion, unit
+from hybond.engine.run import motion, unit
 from hybond.engine.run.report import make_report
 from hybond.engine.tables import answered, tables_of
 

@@ -10,7 +10,7 @@ import pytest
 from portable_runs import assert_the_same
 
 import hybond as hb
-from hybond.engine.outcome.library_run import motion
+from hybond.engine.run import motion
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
