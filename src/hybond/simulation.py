@@ -129,7 +129,7 @@ def simulate(
         events between them, where there is one and it was made for that.
     engine : {"auto", "library", "reference"}
         What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S118), or the reference. The results are the same but
+        refusal that says what it cannot (HB-S119), or the reference. The results are the same but
         for rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
@@ -281,7 +281,7 @@ def simulate(
         if engine == "library":
             raise UsageError(
                 f"the library cannot make this run: {run}",
-                code="HB-S118",
+                code="HB-S119",
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
             )
