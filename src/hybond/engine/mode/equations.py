@@ -21,13 +21,14 @@ from hybond.engine.engine import (
 )
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.dynamic_rows import frozen_at
-from hybond.engine.mode.elimination import NOWHERE, Elimination, find_entry, is_free
+from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.newton_system import system
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on
 from hybond.engine.model import Model
+from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
 from hybond.engine.words import Floats, Ints, some
 
 RANK_TOLERANCE: Final = 1e-10
@@ -54,8 +55,25 @@ def mode_of(e: Engine, state: Ints) -> int:
         e.given[j] = 0
     mode.opened = False
     make_equations(e, mode, e.given)
+    if m.tells != 0:
+        look_at_digits(e, mode)
     e.modes_built += 1
     return check_depth(e, mode)
+
+
+def look_at_digits(e: Engine, mode: Mode) -> None:
+    """Warn, once in a run, of values so far apart that sums of them lose their digits."""
+    w = e.warned
+    least = min(e.work.power.least, e.work.finite.least)
+    dropped = max(e.work.power.dropped, e.work.finite.dropped)
+    if w.far_apart or mode.too_high or (least >= CLEAR and dropped == 0.0):
+        return
+    w.far_apart = True
+    begin_warning(w, FAR_APART, e.t)
+    add_about(w, least)
+    add_about(w, dropped)
+    for k in range(e.model.machines):
+        add_about(w, float(mode.state[k]))
 
 
 def check_depth(e: Engine, mode: Mode) -> int:

@@ -15,6 +15,7 @@ from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import rule_text, value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import Locator
 from hybond.engine.sliding.blend import begin_sizes, solve_here
 
@@ -81,6 +82,8 @@ def holds_here(e: Engine, g: Locator, rule: int) -> bool:
     true = holds(m, rule, stack)
     if stack.refused != 0:
         refuse_pair(e, e.v[0], rule_text(m, rule))
+        if m.tells != 0:
+            add_fact(e.fault, float(rule))
         g.failed = True
     return true
 

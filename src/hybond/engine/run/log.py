@@ -21,6 +21,7 @@ from hybond.engine.algebra.blocks import (
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.methods.stepping import RADAU
+from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.words import Floats, floats, record
 
 BROKEN: Final = 16
@@ -84,6 +85,7 @@ class Report:
     """Whether an instant is being settled."""
     energy: float
     left: Floats
+    warned: Warned
 
 
 def make_report(e: Engine) -> Report:
@@ -108,6 +110,7 @@ def make_report(e: Engine) -> Report:
     r.slid = make_places(16)
     r.settling = True
     r.left = floats(e.states)
+    r.warned = e.warned if e.model.tells != 0 else make_warned()
     return r
 
 
@@ -123,6 +126,7 @@ def forget_rows(r: Report) -> None:
     r.overs = 0
     r.opens = 0
     r.slids = 0
+    forget_warned(r.warned)
 
 
 def report_step(e: Engine, r: Report) -> None:

@@ -25,6 +25,7 @@ from hybond.engine.mode.newton import freedom_at, solve
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.sizes import seen_of, sizes_of
 from hybond.engine.model import value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.common_space import NEVER, find_common, keep_to_all, onto_all
 from hybond.engine.sliding.surface import (
     is_of_state,
@@ -204,6 +205,9 @@ def solve_weights(e: Engine, right: Floats) -> int:
     if regular:
         return OK
     say_fault(e, "HB-N405", "no combination of the modes stays on the surfaces", "")
+    if e.model.tells != 0:
+        for j in range(s.k):
+            add_fact(e.fault, float(s.side[j]))
     e.fault.t = s.v[0]
     return NOT_FINITE
 

@@ -89,6 +89,8 @@ class Slide:
     signal: Floats
     keep: Floats
     y: Floats
+    ways: Block
+    """Weights of the ways on."""
 
 
 def make_slide(m: Model) -> Slide:
@@ -143,4 +145,6 @@ def make_slide(m: Model) -> Slide:
     s.signal = floats(m.integrals)
     s.keep = floats(m.storages)
     s.y = floats(n)
+    if m.tells != 0:
+        s.ways = make_block(8)
     return s

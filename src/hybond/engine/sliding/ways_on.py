@@ -14,11 +14,18 @@ from hybond.engine.mode.newton import solve
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import value
+from hybond.engine.reasons.warned import OWN_JUMP, TWIN_SURFACES, add_about, begin_warning
 from hybond.engine.sliding.blend import blend, find_speeds, show_state, take_parts
 from hybond.engine.sliding.common_space import ALONE, NEVER, can_keep, find_common
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
 from hybond.engine.sliding.slide_records import MOST
 from hybond.engine.sliding.surface import is_of_state, part_mode, surface_rate
+from hybond.engine.sliding.ways_told import (
+    warn_of_no_way,
+    warn_of_strokes,
+    warn_of_surface,
+    warn_of_ways,
+)
 from hybond.engine.words import Floats, Ints, Text
 
 VANISHED: Final = 1e-9
@@ -165,6 +172,8 @@ def decide(e: Engine) -> int:
     for j in range(s.k):
         if not is_of_state(e, s.side[j]):
             if s.k == 1 and not is_one_value(e):
+                if m.tells != 0:
+                    warn_of_surface(e, OWN_JUMP, s.side[j])
                 # the switch itself makes it jump: there is no surface to slide on
                 s.met = 0
                 return NO_WAY
@@ -185,12 +194,18 @@ def decide(e: Engine) -> int:
             slid = slid or s.surface[i] == surface
         s.sides[j] = SLIDES if slid else ABOVE if state == m.surface_above[surface] else BELOW
     if find_ways(e) == 0:
+        if m.tells != 0:
+            warn_of_no_way(e)
         return NO_WAY
+    if m.tells != 0:
+        warn_of_ways(e)
     slides = 0
     for j in range(s.k):
         slides += 1 if s.best[j] == SLIDES else 0
     if how != ALONE and slides > 0:
         return push(e, slides)
+    if m.tells != 0 and how != ALONE and s.k == 1:
+        warn_of_strokes(e)
     return A_WAY
 
 
@@ -309,6 +324,10 @@ def one_each(e: Engine) -> int:
             kept += 1
         elif acts(e, surface) and not acts(e, s.met_surface[twin]):
             s.met_surface[twin] = surface
+        elif m.tells != 0 and acts(e, surface):
+            begin_warning(e.warned, TWIN_SURFACES, e.t)
+            add_about(e.warned, float(s.met_surface[twin]))
+            add_about(e.warned, float(surface))
     s.met = kept
     return OK
 
