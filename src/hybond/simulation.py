@@ -243,6 +243,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
+    why = ""
     engine = engine or ("auto" if kernel is None else "reference")
     if engine == "auto":
         engine = ENGINE
@@ -268,19 +269,20 @@ def simulate(
             journal=journal,
             runners=runners,
         )
-        # the reference refuses a step for these itself
-        if isinstance(run, LibraryRun) and (fixed or step is None):
-            try:
+        try:
+            # the reference refuses a step for these itself
+            if isinstance(run, LibraryRun) and (fixed or step is None):
                 run.trace.kernel = "the library"
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
-            except Declined as declined:
-                run = str(declined)
-            finally:
-                for runner in runners.values():
-                    runner.close()
+            why = run if isinstance(run, str) else f"solver {name!r}"
+        except Declined as declined:
+            why = str(declined)
+        finally:
+            for runner in runners.values():
+                runner.close()
         if engine == "library":
             raise UsageError(
-                f"the library cannot make this run: {run}",
+                f"the library cannot make this run: {why}",
                 code="HB-S119",
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
@@ -315,7 +317,9 @@ def simulate(
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
         begin = partial(executive.run, start_of(program))
-        return _finish(graph, program, executive.trace, begin, end, name, on_error, chosen)
+        return _finish(
+            graph, program, executive.trace, begin, end, name, on_error, chosen, reference=why
+        )
     finally:
         executive.sampling.close()
         if executive.journal is not None:
@@ -383,8 +387,13 @@ def _finish(
     name: str,
     on_error: str,
     chosen: str = "",
+    *,
+    reference: str = "",
 ) -> Result:
-    """Run; return the result, also that of a run that stopped; `chosen` says why this solver."""
+    """Run; return the result, also that of a run that stopped.
+
+    `chosen` says why this solver was taken, `reference` why not the library.
+    """
     status: Status = "error"
     failure: HybondError | None = None
     try:
@@ -396,6 +405,8 @@ def _finish(
     for warning in (*graph.warnings, *program.warnings):
         trace.warn(warning)
     trace.method = "; ".join(t for t in (chosen, trace.method) if t)
+    if reference:
+        trace.kernel = f"the reference ({reference}); {trace.kernel}"
     result = Result(program, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result
