@@ -4,6 +4,7 @@ from typing import Final
 
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
+from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
 from hybond.engine.model import Model
 from hybond.engine.words import (
     Floats,
@@ -159,6 +160,8 @@ class Laws:
     broken_target: Ints
     sweep: bool
     """Whether approaches that are only rounding are taken away, as guards ask in vain."""
+    impact: Impact
+    """Of laws of impacts that see all closed contacts at once."""
 
 
 def make_ports(place: int, m: Model) -> Ports:
@@ -247,4 +250,5 @@ def make_laws(m: Model) -> Laws:
     r.asked_at = ints(TURNED * m.machines)
     r.broken_machine = ints(2 * m.machines)
     r.broken_target = ints(2 * m.machines)
+    r.impact = make_impact(0 if m.impact == NEWTON else n)
     return r
