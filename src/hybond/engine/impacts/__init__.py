@@ -1,1 +1,1 @@
-"""Impacts: what several contacts that meet at one instant exchange, by laws that see all at once."""
+"""Impacts: what contacts that meet at one instant exchange, by laws that see all at once."""

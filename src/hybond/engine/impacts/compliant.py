@@ -34,19 +34,15 @@ from hybond.engine.impacts.spring_steps import (
     find_speeds,
 )
 
-SPRING_RTOL: Final = 1e-12
 LOOSER: Final = 1e2
 """The error is measured against a second integration whose tolerance is larger by this."""
 OVER: Final = 1e-11
 """An impact is over when what approaches is below this part of the first approach, and what is
 stored below its square of the energy."""
-PIECES: Final = 2000
-PIECES_EACH: Final = 200
-"""The most phases: so many, and so many more for each contact."""
 
 
-def compress(i: Impact) -> bool:
-    """Put the impulses there, and the error of velocities; False if this does not end."""
+def compress(i: Impact, tolerance: float, most: int) -> bool:
+    """Put the impulses there, and the error of velocities; False beyond so many phases."""
     n = i.n
     c = i.springs
     fastest = 0.0
@@ -58,6 +54,7 @@ def compress(i: Impact) -> bool:
         logs += math.log(i.stiffness[a])
     c.n = n
     c.exponent = i.exponent
+    c.most = most
     for a in range(n):
         # scaled: responses, velocities, stiffness, hence time and impulses are about one
         c.start[a] = i.v[a] / fastest
@@ -65,20 +62,20 @@ def compress(i: Impact) -> bool:
         c.k[a] = i.stiffness[a] / math.exp(logs / float(n))
         for b in range(n):
             c.w[a * n + b] = i.w[a * n + b] / heaviest
-    if not integrate(c, min(LOOSER * SPRING_RTOL, 1e-3)):
+    if not integrate(c, min(LOOSER * tolerance, 1e-3)):
         return False
     for a in range(n):
         c.coarse[a] = c.p[a]
-    if not integrate(c, SPRING_RTOL):
+    if not integrate(c, tolerance):
         return False
-    most = 0.0
+    worst = 0.0
     for a in range(n):
         change = 0.0
         for b in range(n):
             change += c.w[a * n + b] * (c.p[b] - c.coarse[b])
-        most = max(most, math.fabs(change))
+        worst = max(worst, math.fabs(change))
         i.impulses[a] = max(c.p[a], 0.0) * (fastest / heaviest)
-    i.error = (most + OVER) * fastest
+    i.error = (worst + OVER) * fastest
     return True
 
 
@@ -91,7 +88,7 @@ def integrate(c: Compliant, tolerance: float) -> bool:
         c.p[a] = 0.0
         c.d[a] = 0.0
         c.base[a] = c.start[a]
-    while c.pieces < PIECES + PIECES_EACH * c.n:
+    while c.pieces < c.most:
         find_phases(c)
         if expands_at_once(c):
             if not drop(c, tolerance):
@@ -180,7 +177,7 @@ def drop(c: Compliant, tolerance: float) -> bool:
 
 def drop_on(c: Compliant, tolerance: float) -> bool:
     """Let plastic contacts expand until none does; False if there are too many phases."""
-    while c.pieces < PIECES + PIECES_EACH * c.n:
+    while c.pieces < c.most:
         find_speeds(c)
         find_forces(c)
         moves = False

@@ -44,6 +44,10 @@ APPROACH: Final = 1e-12
 """A velocity below this part of the largest one at the impact neither approaches nor separates."""
 CREATED: Final = 1e-11
 """Energy that appears is more than rounding beyond this part of the terms that it is a sum of."""
+SPRING_RTOL: Final = 1e-12
+PIECES: Final = 2000
+PIECES_EACH: Final = 200
+"""The most phases of springs: so many, and so many more for each contact."""
 DIFFERS: Final = 1e-9
 """A velocity that dependent contacts contradict each other by, beyond rounding."""
 
@@ -56,6 +60,7 @@ def exchange(i: Impact, law: int) -> int:
         most = max(most, math.fabs(i.v[k]))
         least = min(least, i.v[k])
         i.impulses[k] = 0.0
+        i.blamed[k] = 0
         i.after[k] = i.v[k]
     i.still = APPROACH * most
     i.energy = 0.0
@@ -160,8 +165,7 @@ def by_springs(i: Impact) -> int:
     if found != EXCHANGED:
         return found
     i.shared = False
-    if not compress(i):
-        i.blamed = 0
+    if not compress(i, SPRING_RTOL, PIECES + PIECES_EACH * n):
         return ENDLESS
     gained = 0.0
     curvature = 0.0
@@ -184,10 +188,8 @@ def by_springs(i: Impact) -> int:
 def stop(i: Impact, q: Floats, z: Floats) -> int:
     """Solve ``0 <= z``, ``w z + q >= 0``, one of them zero; `i.stays` says where the second is."""
     if lemke(i.lcp, i.n, i.w, q, i.nothing) != SOLVED:
-        i.blamed = 0
         for k in range(i.n):
-            if q[k] < q[i.blamed]:
-                i.blamed = k
+            i.blamed[k] = 1 if q[k] < -i.still else 0
         return CANNOT_STOP
     for k in range(i.n):
         z[k] = i.lcp.z[k]
@@ -213,11 +215,10 @@ def is_contradiction(i: Impact, asked: float) -> bool:
 
 
 def blame_dependent(i: Impact, many: int, free: int, column: int) -> int:
-    """Blame the first contact that has part in impulses which move nothing."""
-    a = 0
-    while a < many - 1 and math.fabs(i.kernel[a * free + column]) <= DIFFERS:
-        a += 1
-    i.blamed = i.chosen[a]
+    """Blame the contacts that have part in impulses which move nothing."""
+    for a in range(many):
+        part = math.fabs(i.kernel[a * free + column])
+        i.blamed[i.chosen[a]] = 1 if part > DIFFERS else 0
     return DEPENDS
 
 
@@ -226,16 +227,18 @@ def check_energy(i: Impact) -> int:
     size = 0.0
     elastic = True
     source = False
-    i.blamed = -1
     for k in range(i.n):
         if math.fabs(i.after[k]) <= i.still:
             i.after[k] = 0.0
         i.energy += 0.5 * i.impulses[k] * (i.v[k] + i.after[k])
         size += 0.5 * i.impulses[k] * (math.fabs(i.v[k]) + math.fabs(i.after[k]))
         if i.impulses[k] > 0.0:
-            i.blamed = k if i.blamed < 0 else i.blamed
             elastic = elastic and i.eps[k] >= 1.0
             source = source or i.eps[k] > 1.0
     if math.fabs(i.energy) <= CREATED * size:
         i.energy = 0.0 if elastic else min(i.energy, 0.0)
-    return CREATES_ENERGY if i.energy > 0.0 and not source else EXCHANGED
+    if i.energy > 0.0 and not source:
+        for k in range(i.n):
+            i.blamed[k] = 1 if i.impulses[k] > 0.0 else 0
+        return CREATES_ENERGY
+    return EXCHANGED

@@ -54,9 +54,12 @@ class Compliant:
     """The next step."""
     steps: int
     pieces: int
+    most: int
+    """Phases so far, and the most."""
 
     # a step: increments of p, then of d; extrapolated, row by row
     gain: Floats
+    off: Floats
     half: Floats
     inner: Floats
     table: Floats
@@ -75,7 +78,7 @@ class Impact:
     velocities `v` before, `eps` restitution, `stiffness`, the `exponent` of forces. Found:
     `impulses`, velocities `after`, the change of `energy`, whether impulses are `shared` among
     contacts that depend on each other, an estimate of the `error` of velocities that were
-    integrated. `blamed` is a contact that a refusal is about. Velocities up to `still` are zero.
+    integrated. `blamed` are contacts that a refusal is about. Velocities up to `still` are zero.
     """
 
     n: int
@@ -90,7 +93,7 @@ class Impact:
     energy: float
     shared: bool
     error: float
-    blamed: int
+    blamed: Ints
 
     lcp: Lcp
     svd: Svd
@@ -125,6 +128,7 @@ def make_compliant(n: int) -> Compliant:
     c.keep_margin = floats(n)
     c.last_margin = floats(n)
     c.gain = floats(2 * n)
+    c.off = floats(2 * n)
     c.half = floats(2 * n)
     c.inner = floats(n)
     c.table = floats(2 * n * COLUMNS)
@@ -144,6 +148,7 @@ def make_impact(n: int) -> Impact:
     i.stiffness = floats(n)
     i.impulses = floats(n)
     i.after = floats(n)
+    i.blamed = ints(n)
     i.lcp = make_lcp(n)
     i.svd = make_svd(n, n)
     i.nothing = ints(n)

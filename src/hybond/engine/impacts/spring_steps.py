@@ -103,6 +103,8 @@ def longest_step(c: Compliant) -> float:
 def make_step(c: Compliant, h: float) -> float:
     """Put what a step adds to p and d into `c.gain`; return its error, relative to their sizes."""
     wide = 2 * c.n
+    for a in range(wide):
+        c.gain[a] = 0.0
     for j in range(COLUMNS):
         leap(c, h / float(j + 1), j + 1)
         for a in range(wide):
@@ -113,11 +115,13 @@ def make_step(c: Compliant, h: float) -> float:
                 c.table[k * wide + a] = new
                 new += (new - old) / (ratio * ratio - 1.0)
             c.table[j * wide + a] = new
+            # by how much the last answer but one was off
+            c.off[a] = new - c.gain[a]
+            c.gain[a] = new
     most = 0.0
     for a in range(wide):
-        c.gain[a] = c.table[(COLUMNS - 1) * wide + a]
         size = math.fabs(c.p[a]) if a < c.n else math.fabs(c.d[a - c.n])
-        error = math.fabs(c.gain[a] - c.table[(COLUMNS - 2) * wide + a]) / (1.0 + size)
+        error = math.fabs(c.off[a]) / (1.0 + size)
         if not error <= most:
             most = error
     return most

@@ -159,7 +159,9 @@ def refuse_impact(e: Engine, r: Laws, found: int) -> int:
     if found == CANNOT_STOP:
         code = "HB-J203"
         why = "no impulses stop the approach: nothing that can move gives way"
-    k = r.tried[max(i.blamed, 0)]
-    say_fault(e, code, why, node_name(e.model, e.model.port_node[k]))
+    p = 0
+    while p < i.n - 1 and i.blamed[p] == 0:
+        p += 1
+    say_fault(e, code, why, node_name(e.model, e.model.port_node[r.tried[p]]))
     e.fault.t = r.t
     return REFUSES

@@ -48,8 +48,8 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     Raises
     ------
     UsageError
-        HB-E632 for a solver that an export does not have; HB-J205 for an unknown law of impacts; HB-S103, HB-S106,
-        HB-S107 and HB-E607 for numbers that make no sense.
+        HB-E632 for a solver that an export does not have; HB-J205 for an unknown law of impacts;
+        HB-S103, HB-S106, HB-S107 and HB-E607 for numbers that make no sense.
     """
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
@@ -69,7 +69,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
             where="solver",
             hint=", ".join(METHODS),
         )
-    impact, exponent = impact_of(None, experiment)
+    impact, exponent = impact_of(given.get("impact"), experiment)
     choice, band = sliding_of(None, None, experiment)
     if band is not None:
         graph = banded(graph, band)
