@@ -259,11 +259,11 @@ def simulate(
                 max_step=math.inf if longest is None else longest,
                 event_tol=limits.event_tol,
                 slides=choice == "filippov",
+                impact=impact_of(impact, experiment),
                 max_events=limits.max_events,
                 max_steps=limits.max_steps,
                 max_writes=writes,
             ),
-            impact=impact_of(impact, experiment)[0],
             progress=progress,
             keep=keep,
             journal=journal,
@@ -330,7 +330,6 @@ def _by_library(
     graph: FlatGraph,
     settings: Settings,
     *,
-    impact: str,
     progress: Callable[[float, int], None] | None,
     keep: int | None,
     journal: str | Path | None,
@@ -339,8 +338,6 @@ def _by_library(
     """Return a run by the library that has not begun, or why there is none."""
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
-    if impact != "newton":
-        return f"impact law {impact!r}"
     try:
         tables = settings.tables(graph)
         return LibraryRun(

@@ -1,7 +1,9 @@
 """The law of Liu, Zhao and Brogliato against springs, closed forms and published numbers."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 
+import engine_impacts
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,6 +16,16 @@ from hybond.modes.impacts.compliant import compliant_impact
 from hybond.modes.impacts.laws import Impact, impact
 
 Array = np.ndarray
+
+
+@pytest.fixture(scope="module", autouse=True, params=["reference", "engine"])
+def by(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Let the laws be those of the reference, and then of the engine."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "engine":
+            for name in ("impact", "compliant_impact"):
+                patch.setattr(sys.modules[__name__], name, getattr(engine_impacts, name))
+        yield
 
 
 class Row:

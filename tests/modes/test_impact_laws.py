@@ -1,7 +1,10 @@
 """Impact laws against closed forms, quadratic programmes, published numbers, and each other."""
 
+import sys
+from collections.abc import Iterator
 from fractions import Fraction
 
+import engine_impacts
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,6 +16,16 @@ from hybond.modes.impacts.laws import IMPACT_LAWS, Impact, impact
 from hybond.modes.impacts.sequence import sequence
 
 Array = np.ndarray
+
+
+@pytest.fixture(scope="module", autouse=True, params=["reference", "engine"])
+def by(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Let the laws be those of the reference, and then of the engine."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "engine":
+            for name in ("impact",):
+                patch.setattr(sys.modules[__name__], name, getattr(engine_impacts, name))
+        yield
 
 
 class Row:

@@ -36,6 +36,7 @@ VERBS = {
     "export": "write a model as a program, or for another tool",
 }
 
+IMPACTS = "law of multiple impacts: newton, newton_simultaneous, poisson, lzb, lzb_hertz"
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
 
 
@@ -310,6 +311,7 @@ def _parser() -> Parser:
     export.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
     export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
     export.add_argument("--max-step", metavar="H", help="longest step")
+    export.add_argument("--impact", metavar="NAME", help=IMPACTS)
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
     export.add_argument("--fmi", metavar="V", help="of fmu: version 3.0 (the default) or 2.0")
     return parser
@@ -352,8 +354,7 @@ def _solver(parser: ArgumentParser) -> None:
         "--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1: weight of a step's end"
     )
     parser.add_argument("--max-step", metavar="H", help="longest step")
-    impacts = "newton, newton_simultaneous, poisson, lzb, lzb_hertz"
     parser.add_argument(
         "--fmus", action="store_true", help="run the code of the FMUs that the model names"
     )
-    parser.add_argument("--impact", metavar="NAME", help=f"law of multiple impacts: {impacts}")
+    parser.add_argument("--impact", metavar="NAME", help=IMPACTS)

@@ -26,6 +26,9 @@ room to work in. Data flows so::
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
     law_instant, law_answers  what laws may do at an instant; one question to them, answered
+    strike                    impacts by a law that sees all closed contacts at once: impact_laws
+                              (Newton's for all, Poisson's), shares (of dependent contacts),
+                              compliant and spring_steps (contacts as stiff springs)
     law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution:
                               law_roles (how each takes part), one_sided (without friction)
     planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins

@@ -401,6 +401,10 @@ class Model:
     """0: rk45, 1: radau."""
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
+    impact: int
+    """The law of impacts at several contacts: NEWTON and the others of impacts/impact_records."""
+    impact_exponent: float
+    """Of springs that contacts are: 1 linear, 1.5 Hertz."""
     decided: int
     """1: least leakage decides what a guard reads and the equations leave open."""
     answers: Outside

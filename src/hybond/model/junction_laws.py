@@ -240,7 +240,8 @@ def _text(value: Value) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if not isinstance(value, str):
-        return repr(value)
+        # numbers of NumPy show their type
+        return repr(value if type(value) is int else float(value))
     if _is_number(value):
         return value
     split = _QUANTITY.fullmatch(value.strip())

@@ -5,6 +5,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Places, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
+from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
 from hybond.engine.model import Model
 from hybond.engine.words import (
     Floats,
@@ -203,6 +204,8 @@ class Laws:
     rule_held: Places
     """Rules that held in the branches tried at an instant."""
     doubts: Doubts
+    impact: Impact
+    """Of laws of impacts that see all closed contacts at once."""
 
 
 def make_ports(place: int, m: Model) -> Ports:
@@ -294,4 +297,5 @@ def make_laws(m: Model) -> Laws:
     if m.tells != 0:
         r.rule_held = make_places(8)
         r.doubts = make_doubts(n)
+    r.impact = make_impact(0 if m.impact == NEWTON else n)
     return r

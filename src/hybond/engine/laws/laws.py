@@ -6,6 +6,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
+from hybond.engine.impacts.impact_records import NEWTON
+from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
 from hybond.engine.instant.jump import JUMPS, STAYS, check_agreement
 from hybond.engine.instant.trial import (
     begin_trial,
@@ -59,12 +61,8 @@ def enter_with_laws(
     r.struck = False
     if m.tells != 0:
         r.rules_held = 0
-    if jump:
-        found = find_jumping(e, r, x)
-        if found < 0:
-            return REFUSED
-        if found > 0 and strike_newton(e, r, x) != OK:
-            return REFUSED
+    if jump and strike(e, r, x) != OK:
+        return REFUSED
     if not r.struck:
         for k in range(m.storages):
             r.landed[k] = x[k]
@@ -99,8 +97,20 @@ def enter_with_laws(
     return REFUSED
 
 
-def strike_newton(e: Engine, r: Laws, x: Floats) -> int:
-    """Make the jump of the branches that carry impulses. As Trials._struck."""
+def strike(e: Engine, r: Laws, x: Floats) -> int:
+    """Make the jump that laws ask for, if what is stored violates any. As Trials._struck."""
+    if e.model.impact != NEWTON:
+        struck = strike_at_once(e, r, x)
+        if struck != NOTHING_STRIKES:
+            return REFUSED if struck == REFUSES else OK
+    found = find_jumping(e, r, x)
+    if found <= 0:
+        return REFUSED if found < 0 else OK
+    return strike_branches(e, r, x)
+
+
+def strike_branches(e: Engine, r: Laws, x: Floats) -> int:
+    """Make the jump of the branches that carry impulses: Newton's law contact after contact."""
     m = e.model
     for k in range(m.machines):
         r.through[k] = r.candidate[k]

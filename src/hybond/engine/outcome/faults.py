@@ -31,6 +31,11 @@ HINTS = {
     "stiffness, or a source a resistance",
     "HB-J111": "several answers may fit (Painleve), or values lie too far apart for the "
     "arithmetic: give contacts a stiffness, sources a resistance",
+    "HB-J201": "choose poisson or lzb, which never do, or equal restitution",
+    "HB-J202": "give them the same restitution, or choose lzb",
+    "HB-J203": "give one of the bodies a finite mass, or open one of the contacts",
+    "HB-J204": "use poisson, or a restitution of 0 instead of a very small one",
+    "HB-J206": "an impact law takes masses as constant: give them linear laws",
     "HB-N201": "look for a state that grows without bound or a law with a jump inside; loosen the "
     "tolerances, or use solver 'radau' if the model is stiff",
     "HB-N202": "look for a division by zero, a root or logarithm of a negative number, or an "
@@ -59,7 +64,7 @@ KINDS: dict[str, type[HybondError]] = {
     "HB-M": ModelError,
     "HB-N": NumericsError,
 }
-NUMERICS = ("HB-J110", "HB-J111")
+NUMERICS = ("HB-J110", "HB-J111", "HB-J201", "HB-J203", "HB-J204", "HB-J206")
 
 
 @dataclass(frozen=True, slots=True)

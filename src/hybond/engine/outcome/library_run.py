@@ -17,7 +17,7 @@ from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.tables import ModelTables, tables_of
-from hybond.engine.tables.options import METHODS, Options
+from hybond.engine.tables.options import IMPACTS, METHODS, Options
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.modes.journal import Journal
@@ -49,6 +49,8 @@ class Settings:
     solver : str
         ``"rk45"`` or ``"radau"``.
     slides : bool
+    impact : tuple of str and float
+        Law of impacts, and the exponent of springs.
     max_events, max_steps, max_writes : int
     """
 
@@ -59,6 +61,7 @@ class Settings:
     max_step: float
     event_tol: float
     slides: bool
+    impact: tuple[str, float]
     max_events: int
     max_steps: int
     max_writes: int
@@ -83,6 +86,8 @@ class Settings:
             "max_steps": self.max_steps,
             "method": METHODS[self.solver],
             "slides": int(self.slides),
+            "impact": IMPACTS[self.impact[0]],
+            "impact_exponent": self.impact[1],
         }
         return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
@@ -20,6 +21,12 @@ from hybond.solvers.choose import AUTO
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
 METHODS = {"rk45": 0, "radau": 1}
+IMPACTS = {
+    "newton": NEWTON,
+    "newton_simultaneous": NEWTON_SIMULTANEOUS,
+    "poisson": POISSON,
+    "lzb": LZB,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +48,8 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     Raises
     ------
     UsageError
-        HB-E632 for a solver or a law of impacts that an export does not have; HB-S103, HB-S106,
-        HB-S107 and HB-E607 for numbers that make no sense.
+        HB-E632 for a solver that an export does not have; HB-J205 for an unknown law of impacts;
+        HB-S103, HB-S106, HB-S107 and HB-E607 for numbers that make no sense.
     """
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
@@ -62,14 +69,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
             where="solver",
             hint=", ".join(METHODS),
         )
-    impact, _ = impact_of(None, experiment)
-    if impact != "newton":
-        raise UsageError(
-            f"an export has no impact law {impact!r}",
-            code="HB-E632",
-            where="impact",
-            hint='impact = "newton"',
-        )
+    impact, exponent = impact_of(given.get("impact"), experiment)
     choice, band = sliding_of(None, None, experiment)
     if band is not None:
         graph = banded(graph, band)
@@ -102,6 +102,8 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
         "max_steps": int(experiment.get("max_steps", 4_000_000)),
         "method": METHODS[name],
         "slides": int(choice == "filippov"),
+        "impact": IMPACTS[impact],
+        "impact_exponent": exponent,
     }
     listed = experiment.get("outputs") or experiment.get("plot") or ()
     outputs: list[tuple[str, Expr]] = []

@@ -1,0 +1,167 @@
+"""Impacts in a graph by a law that sees all closed contacts at once, put into bonds and storage.
+
+Newton's law contact after contact needs none of this: it is a branch of the contact's own law.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.impacts.impact_laws import exchange
+from hybond.engine.impacts.impact_records import (
+    CANNOT_STOP,
+    CREATES_ENERGY,
+    DEPENDS,
+    EXCHANGED,
+    Impact,
+)
+from hybond.engine.instant.jump import JUMPS
+from hybond.engine.laws.law_instant import (
+    NO_LAW_VALUE,
+    clean,
+    find_able,
+    find_rounding,
+    make_consistent,
+    quantity,
+)
+from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.ports import respond, solve_with, times_partner
+from hybond.engine.model import Model, node_name
+from hybond.engine.words import Floats
+
+REACHED: Final = 1e-6
+"""Part of the velocities by which storage that is not linear may miss what the law asks for."""
+NOTHING_STRIKES: Final = 0
+STRIKES: Final = 1
+REFUSES: Final = -1
+
+
+def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
+    """Find the jump of an impact at all closed contacts: STRIKES, NOTHING_STRIKES, or REFUSES.
+
+    The state after it is put into `r.landed`, impulses of bonds into `r.struck_impulses`, the
+    branches that carry it into `r.through`.
+    """
+    m = e.model
+    if make_consistent(e, r, x) != OK:
+        return REFUSES
+    # what sources alone ask for is an impulse as well
+    for b in range(2 * m.bonds):
+        r.struck_impulses[b] = e.impulses[b]
+    if respond(e, r, r.v, r.x, False) != OK:
+        return REFUSES
+    find_rounding(e, r)
+    clean(m, r, r.y)
+    if find_able(e, r) != OK:
+        return REFUSES
+    some = False
+    for k in range(m.ports):
+        rebounds = m.port_restitution[k] != NO_LAW_VALUE
+        some = some or (rebounds and r.able[k] != 0 and r.y[k] < 0.0)
+    if not some:
+        return NOTHING_STRIKES
+    i = r.impact
+    take_contacts(m, r, i)
+    found = exchange(i, m.impact)
+    if found != EXCHANGED:
+        return refuse_impact(e, r, found)
+    put_impulses_of(m, r, i)
+    return STRIKES if is_reached(e, r, i) == OK else REFUSES
+
+
+def take_contacts(m: Model, r: Laws, i: Impact) -> None:
+    """Put the contacts that are closed, or about to be, into the impact."""
+    n = m.ports
+    a = r.response
+    i.n = 0
+    i.exponent = m.impact_exponent
+    for k in range(n):
+        touches = m.port_gap[k] != NO_LAW_VALUE or r.y[k] <= 0.0
+        moves = a.d[k * n + k] == 0.0 and a.ce[k * n + k] > 0.0
+        if r.able[k] == 0 or not touches or not moves or m.port_two_sided[k] != 0:
+            continue
+        at = i.n
+        r.tried[at] = k
+        i.v[at] = r.y[k]
+        i.eps[at] = 0.0
+        if m.port_restitution[k] != NO_LAW_VALUE:
+            i.eps[at] = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
+        i.stiffness[at] = 1.0
+        if m.port_stiffness[k] != NO_LAW_VALUE:
+            i.stiffness[at] = quantity(m, m.port_stiffness, m.port_stiffness_constant, k, r.v)
+        i.n += 1
+    for p in range(i.n):
+        for q in range(i.n):
+            there = a.ce[r.tried[p] * n + r.tried[q]]
+            back = a.ce[r.tried[q] * n + r.tried[p]]
+            i.w[p * i.n + q] = 0.5 * (there + back)
+
+
+def put_impulses_of(m: Model, r: Laws, i: Impact) -> None:
+    """Let the impulses of contacts act on what is stored, and through all bonds."""
+    n = m.ports
+    a = r.response
+    for s in range(m.storages):
+        r.landed[s] = r.x[s]
+    for k in range(m.machines):
+        r.through[k] = r.state[k]
+    for p in range(i.n):
+        k = r.tried[p]
+        nu = i.impulses[p]
+        for s in range(m.storages):
+            r.landed[s] += a.e[s * n + k] * nu
+        for b in range(2 * m.bonds):
+            r.struck_impulses[b] += a.gain[b * n + k] * nu
+        carries = 2 if m.port_restitution[k] != NO_LAW_VALUE else 1
+        r.through[m.port_machine[k]] = carries if nu > 0.0 else 0
+    r.struck = True
+    r.struck_moved = JUMPS
+    r.factors = 0
+
+
+def is_reached(e: Engine, r: Laws, i: Impact) -> int:
+    """Refuse storage that does not follow the law: HB-J206."""
+    m = e.model
+    for k in range(2 * m.slots):
+        r.later[k] = r.v[k]
+    for s in range(m.storages):
+        r.later[m.stored_slot + s] = r.landed[s]
+    for k in range(m.ports):
+        r.l[k] = 0.0
+    if solve_with(e, r.now, r.later, r.l) != OK:
+        return REFUSED
+    times_partner(m, r.now, e.work.w, r.row)
+    missed = 0.0
+    fastest = 0.0
+    for p in range(i.n):
+        missed = max(missed, math.fabs(r.row[r.tried[p]] - i.after[p]))
+        fastest = max(fastest, math.fabs(i.v[p]))
+    if missed <= REACHED * fastest:
+        return OK
+    found = say_fault(e, "HB-J206", "the velocities are not those that the law asks for", "")
+    e.fault.t = r.t
+    return found
+
+
+def refuse_impact(e: Engine, r: Laws, found: int) -> int:
+    """Refuse an impact that its law has no answer to, by one of its contacts."""
+    i = r.impact
+    code = "HB-J204"
+    why = "the contacts are still active after many phases of compression and expansion"
+    if found == CREATES_ENERGY:
+        code = "HB-J201"
+        why = "the impact law would create energy: contacts that meet differ in restitution"
+    if found == DEPENDS:
+        code = "HB-J202"
+        why = "these contacts depend on each other, but their restitution differs"
+    if found == CANNOT_STOP:
+        code = "HB-J203"
+        why = "no impulses stop the approach: nothing that can move gives way"
+    p = 0
+    while p < i.n - 1 and i.blamed[p] == 0:
+        p += 1
+    say_fault(e, code, why, node_name(e.model, e.model.port_node[r.tried[p]]))
+    e.fault.t = r.t
+    return REFUSES
