@@ -304,6 +304,11 @@ class Step:
     error_before: float
     controlled: int
     rejected: int
+    grid: float
+    """Where the grid of fixed steps begins, and how many of them lead to its next point."""
+    grid_next: float
+    rated: bool
+    """Whether `f` is known there; fixed steps find it out when they need it."""
     k: Floats
     dense: Floats
     scale: Floats

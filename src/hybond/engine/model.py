@@ -398,7 +398,9 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau."""
+    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler."""
+    step: float
+    """Of the last two."""
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
     decided: int

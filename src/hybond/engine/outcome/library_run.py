@@ -53,6 +53,7 @@ class Settings:
 
     until: float
     solver: str
+    step: float | None
     rtol: float
     atol: float | None
     max_step: float
@@ -81,6 +82,7 @@ class Settings:
             "max_events": self.max_events,
             "max_steps": self.max_steps,
             "method": METHODS[self.solver],
+            "step": self.step or 0.0,
             "slides": int(self.slides),
         }
         return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)

@@ -72,8 +72,6 @@ class ModelTables:
         What `evaluate_pair(m, k, s)` answers: guards, then rates of integrated signals.
     machines, states, stored, outputs, nodes, bonds, rules : list of str
         Names, by number.
-    note : str
-        What of the run differs from what the model asks for.
     """
 
     graph: FlatGraph
@@ -90,7 +88,6 @@ class ModelTables:
     nodes: list[str] = field(default_factory=list)
     bonds: list[str] = field(default_factory=list)
     rules: list[str] = field(default_factory=list)
-    note: str = ""
 
 
 def tables_of(
@@ -123,7 +120,6 @@ def tables_of(
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
-    t.note = options.note
     _sizes(t)
     _machines(t)
     _elements(t)
