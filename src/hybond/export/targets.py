@@ -71,8 +71,8 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
         The file to write.
     **options
         Of a program's run, which are those of `hybond.simulate`: ``until``, ``solver``, ``rtol``,
-        ``atol``, ``points``, ``step``, ``max_step``; ``name``, of a Java class; ``fmi``, the version
-        of a functional mock-up unit.
+        ``atol``, ``points``, ``step``, ``max_step``; ``name``, of a Java class; ``fmi``, the
+        version of a functional mock-up unit.
 
     Returns
     -------

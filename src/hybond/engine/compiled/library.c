@@ -49,6 +49,7 @@ typedef struct HybondSeen {
     int states;
     int evaluations;
     int modes_made;
+    const int *propagated; /* as `found` in Exact; NULL without that method */
     const char *code;
     const char *why;
     const char *place;
@@ -176,6 +177,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
+    seen->propagated = e->exact == NULL ? NULL : e->exact->found;
     seen->code = e->fault->code;
     seen->why = e->fault->why;
     seen->place = e->fault->place;

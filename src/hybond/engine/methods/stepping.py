@@ -5,7 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.dopri import dopri_retry, dopri_start, dopri_step
+from hybond.engine.methods.control import (
+    controlled_retry,
+    controlled_start,
+    controlled_step,
+)
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.radau import radau_between
 from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
@@ -20,7 +24,7 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
         return radau_start(e, t, y, t_bound, jumped)
     if e.model.method >= RK4:
         return fixed_start(e, t, y, jumped)
-    return dopri_start(e, t, y, t_bound, jumped)
+    return controlled_start(e, t, y, t_bound, jumped)
 
 
 def step(e: Engine, t_end: float) -> int:
@@ -31,7 +35,7 @@ def step(e: Engine, t_end: float) -> int:
         return radau_step(e, t_end)
     if e.model.method >= RK4:
         return fixed_step(e, t_end)
-    return dopri_step(e, t_end)
+    return controlled_step(e, t_end)
 
 
 def retry(e: Engine, t_end: float) -> int:
@@ -42,7 +46,7 @@ def retry(e: Engine, t_end: float) -> int:
         return radau_retry(e, t_end)
     if e.model.method >= RK4:
         return fixed_retry(e, t_end)
-    return dopri_retry(e, t_end)
+    return controlled_retry(e, t_end)
 
 
 def between(e: Engine, t: float, y: Floats) -> None:

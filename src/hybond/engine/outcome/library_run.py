@@ -184,6 +184,14 @@ class LibraryRun:
             evaluations=float(native.evaluations),
             modes=float(native.modes_made),
         )
+        found = native.propagated
+        if found:
+            self.trace.stats["propagated"] = float(found[0])
+            self.trace.method = _method([*zip(self._why, found[1:], strict=True)], found[0])
+
+    @property
+    def _why(self) -> list[str]:
+        return [*self.tables.reasons, "motion along a surface"]
 
     def _note_stuck(self) -> None:
         number, count, why, t, ratio = self._native.stuck
@@ -211,6 +219,16 @@ class LibraryRun:
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
         fault = Fault(code, why, place, self._native.fault_t, self._native.mode, limits)
         return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
+
+
+def _method(left: list[tuple[str, int]], many: int) -> str:
+    """Return how many modes were propagated exactly, and why not more."""
+    texts = [f"{_modes(many)} propagated exactly"]
+    return "; ".join(texts + [f"{_modes(n)} left to rk45: {why}" for why, n in sorted(left) if n])
+
+
+def _modes(n: int) -> str:
+    return f"{n} mode{'' if n == 1 else 's'}"
 
 
 def _write(journal: Journal, found: Instants) -> None:

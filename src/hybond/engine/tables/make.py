@@ -10,6 +10,7 @@ from hybond.engine.tables.calls import put_rated, put_samples, refuse_calls
 from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.contacts import put_contacts, rules_of
 from hybond.engine.tables.expressions import Expressions, number_of
+from hybond.engine.tables.forms import put_forms
 from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.options import Options, options_of
 from hybond.engine.tables.powers import put_powers
@@ -72,6 +73,8 @@ class ModelTables:
         What `evaluate_pair(m, k, s)` answers: guards, then rates of integrated signals.
     machines, states, stored, outputs, nodes, bonds, rules : list of str
         Names, by number.
+    reasons : list of str
+        Why modes are not propagated exactly, by number.
     """
 
     graph: FlatGraph
@@ -88,6 +91,7 @@ class ModelTables:
     nodes: list[str] = field(default_factory=list)
     bonds: list[str] = field(default_factory=list)
     rules: list[str] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
 
 
 def tables_of(
@@ -442,6 +446,7 @@ def _parts(t: ModelTables, found: list[Part]) -> None:
         source_slope=_INTS,
         source_slope_constant=_FLOATS,
     )
+    put_forms(t, sources, dynamics)
 
 
 def _of_time(e: Expr) -> bool:
