@@ -20,11 +20,10 @@ from hybond.engine.methods.flow_records import (
     Flow,
     make_flow,
 )
-from hybond.engine.mode.leakage import project
+from hybond.engine.methods.linear_rows import open_rows, solve_rows
 from hybond.engine.mode.newton import by_knowns
-from hybond.engine.mode.newton_system import newton_step, put_row, with_free
 from hybond.engine.model import Model
-from hybond.engine.words import Floats, some
+from hybond.engine.words import some
 
 STORAGE: Final = 0
 LAWS: Final = 1
@@ -38,15 +37,17 @@ def take_flow(e: Engine) -> None:
         note_slide(e)
         return
     mode = e.mode
-    if not mode.flow_known:
+    first = not mode.flow_known
+    if first:
         mode.flow = NO_FLOW
+        mode.flow_why = -1
+        mode.flow_known = True
+    if mode.flow_why < 0 and mode.flow == NO_FLOW:
         mode.flow_why = why_not(e, mode)
         if mode.flow_why < 0 and make_flow_of(e, mode) != OK:
             mode.flow_why = LAWS
-        mode.flow_known = True
+    if first:
         x.found[mode.flow_why + 1] += 1
-    elif mode.flow_why < 0 and mode.flow == NO_FLOW and make_flow_of(e, mode) != OK:
-        return
     if mode.flow_why >= 0:
         return
     x.flow = some(x.flows[mode.flow])
@@ -82,15 +83,10 @@ def why_not(e: Engine, mode: Mode) -> int:
         if why >= 0 and (solved or mode.rates.valued[k] != 0):
             return why
         why = m.form_why[m.sources + s]
-        asked = mode.rated[k] != 0 if solved else mode.rates.rated[k] != 0
+        asked = is_rate_asked(m, mode, k) if solved else mode.rates.rated[k] != 0
         if asked and (why >= 0 or reads_bonds(m, m.sources + s)):
             return max(why, LAWS)
-    for i in range(mode.dynamics):
-        d = mode.dynamic[i]
-        why = m.form_why[2 * m.sources + d] if d >= 0 else hidden_why(m, mode, -1 - d)
-        if why >= 0:
-            return why
-    return -1
+    return LAWS if mode.dynamics > 0 and not open_rows(e, mode) else -1
 
 
 def reads_bonds(m: Model, form: int) -> bool:
@@ -101,13 +97,12 @@ def reads_bonds(m: Model, form: int) -> bool:
     )
 
 
-def hidden_why(m: Model, mode: Mode, c: int) -> int:
-    """Return why the derivative of a constraint is not linear, -1 if it is."""
-    for p in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
-        k = mode.constraints.column.at[p] - m.storages
-        if k >= 0 and mode.source[k] >= 0 and m.form_why[m.sources + mode.source[k]] >= 0:
-            return m.form_why[m.sources + mode.source[k]]
-    return -1
+def is_rate_asked(m: Model, mode: Mode, k: int) -> bool:
+    """Whether the rate of a source of the mode stands in any of its rows."""
+    for i in range(mode.finite.first.at[mode.finite.rows]):
+        if mode.finite.column.at[i] == m.storages + mode.sources + k:
+            return True
+    return False
 
 
 def make_flow_of(e: Engine, mode: Mode) -> int:
@@ -270,68 +265,3 @@ def put_knowns(e: Engine, mode: Mode, column: int, c: int) -> None:
             xi[at] = form_at(m, s, column)
         if s >= 0 and mode.rated[k] != 0:
             xi[at + mode.sources] = form_at(m, m.sources + s, column)
-
-
-def solve_rows(e: Engine, mode: Mode, column: int) -> None:
-    """Solve the rows of a mode that are evaluated elsewhere, for one component of z."""
-    m = e.model
-    x = e.exact
-    work = e.work
-    n = 2 * m.bonds
-    rows = mode.dynamics
-    frees = mode.finite_frees
-    by_knowns(e, mode, mode.finite, work.base)
-    fit(work.residual, rows)
-    fit(work.jacobian, rows * frees)
-    fit(work.step, rows + frees)
-    fit(x.r, frees)
-    for i in range(rows):
-        total = take_row(e, mode, i, column)
-        for k in range(n):
-            total += x.row[k] * work.base[k]
-        work.residual.at[i] = total
-        put_row(mode, n, x.row, 0, i, work.jacobian.at)
-    newton_step(e, rows, frees)
-    for j in range(frees):
-        x.r.at[j] = -work.step.at[j]
-    with_free(mode, n, work.base, x.r.at, work.w)
-    if mode.leakage.stages > 0:
-        project(mode.leakage, n, work.w)
-
-
-def take_row(e: Engine, mode: Mode, i: int, column: int) -> float:
-    """Put the slopes of a row by bond variables into `row`; return that by one component of z."""
-    m = e.model
-    row = e.exact.row
-    for k in range(2 * m.bonds):
-        row[k] = 0.0
-    d = mode.dynamic[i]
-    if d >= 0:
-        return add_form(m, 2 * m.sources + d, 1.0, column, row)
-    c = -1 - d
-    total = 0.0
-    for p in range(mode.constraints.first.at[c], mode.constraints.first.at[c + 1]):
-        k = mode.constraints.column.at[p]
-        factor = mode.constraints.value.at[p]
-        if k >= m.storages:
-            s = mode.source[k - m.storages]
-            if s >= 0 and m.source_rate[s] >= 0:
-                total += add_form(m, m.sources + s, factor, column, row)
-            continue
-        for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            s = m.stiff_other[j]
-            bond = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            row[bond] += factor * m.stiff_constant[j] * way
-    return total
-
-
-def add_form(m: Model, form: int, factor: float, column: int, row: Floats) -> float:
-    """Add a form's slopes by bond variables to `row`; return that by one component of z."""
-    total = 0.0
-    for p in range(m.form_first[form], m.form_first[form + 1]):
-        if m.form_column[p] < 2 * m.bonds:
-            row[m.form_column[p]] += factor * m.form_value[p]
-        elif m.form_column[p] == column:
-            total = factor * m.form_value[p]
-    return total

@@ -75,6 +75,11 @@ class Exact:
     row: Floats
     place: Ints
     """Of each generator: its place in z, or -1."""
+    left: Places
+    """Of each row of a mode that is evaluated: whether it is not linear, or hangs together with
+    one; `open` of each free unknown, whether such a row determines it."""
+    open: Places
+    touched: Block
     r: Block
     power: Block
     b: Block
@@ -122,6 +127,9 @@ def make_exact(m: Model) -> Exact:
     x.dense = make_block(1)
     x.row = floats(2 * m.bonds + most)
     x.place = ints(m.generators)
+    x.left = make_places(1)
+    x.open = make_places(1)
+    x.touched = make_block(1)
     x.r = make_block(1)
     x.power = make_block(1)
     x.b = make_block(most)
