@@ -54,7 +54,7 @@ def fixed_step(e: Engine, t_end: float) -> int:
         return NOT_FINITE
     begin_step(e)
     s.rejected = 0
-    if advance(e, t1) != OK:
+    if advance_fixed(e, t1) != OK:
         return not_finite(e)
     if t1 >= point - SLACK * h:
         s.grid_next += 1.0
@@ -65,7 +65,7 @@ def fixed_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`; the grid goes on behind it."""
     s = e.step
     h = e.model.step
-    if advance(e, t_end) != OK:
+    if advance_fixed(e, t_end) != OK:
         return not_finite(e)
     passed = t_end + SLACK * h
     while s.grid_next > 1.0 and s.grid + (s.grid_next - 1.0) * h > passed:
@@ -75,7 +75,7 @@ def fixed_retry(e: Engine, t_end: float) -> int:
     return OK
 
 
-def advance(e: Engine, t1: float) -> int:
+def advance_fixed(e: Engine, t1: float) -> int:
     """Go on from the start of the step to t1, with dense output."""
     s = e.step
     n = e.states
