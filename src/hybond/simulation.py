@@ -32,7 +32,7 @@ from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
 from hybond.solvers import make_solver
-from hybond.solvers.choose import AUTO, STEPPING
+from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 from hybond.trace import Trace
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def simulate(
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
-    fixed = name in ("euler", "rk4")
+    fixed = name in FIXED
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(
         max_step if max_step is not None else experiment.get("max_step"), "max_step"
@@ -248,12 +248,17 @@ def simulate(
     if engine == "auto":
         engine = ENGINE
     if engine != "reference":
+        # a step written in the experiment for a fixed-step solver may stand there unused
+        own_step = given_step if fixed or step is not None else None
+        if name in METHODS:
+            check_step(name, own_step)
         runners = runners_of(graph, fmus=fmus)
         run = _by_library(
             graph,
             Settings(
                 until=end,
                 solver=name,
+                step=own_step,
                 rtol=rtol,
                 atol=atol,
                 max_step=math.inf if longest is None else longest,
@@ -270,8 +275,7 @@ def simulate(
             runners=runners,
         )
         try:
-            # the reference refuses a step for these itself
-            if isinstance(run, LibraryRun) and (fixed or step is None):
+            if isinstance(run, LibraryRun):
                 run.trace.kernel = "the library"
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
             why = run if isinstance(run, str) else f"solver {name!r}"

@@ -17,9 +17,11 @@ ENDS = 1e-13
 """What the end of a step may be off by: rounding of a few dozen terms."""
 
 
-@pytest.fixture(params=["reference", "kernel"])
+@pytest.fixture(params=["reference", "kernel", "library"])
 def engine(request):
     """The options of a run; with the kernel all of its steps must be taken there."""
+    if request.param == "library":
+        return {"solver": "exact", "engine": "library"}
     if request.param == "kernel" and isinstance(library(), str):
         pytest.skip(library())
     return {"solver": "exact", "kernel": request.param == "kernel"}
@@ -28,7 +30,8 @@ def engine(request):
 def simulated(model, until, engine, **options):
     """Run a model; check who took its steps."""
     run = hb.simulate(model, until, **engine, **options)
-    assert run.stats["marched"] == (run.stats["steps"] if engine["kernel"] else 0)
+    if "kernel" in engine:
+        assert run.stats["marched"] == (run.stats["steps"] if engine["kernel"] else 0)
     return run
 
 
@@ -393,6 +396,7 @@ def test_a_law_that_is_switched_off_may_be_anything(engine):
 # -- what is left to rk45
 
 
+@pytest.mark.parametrize("by", [{"kernel": False}, {"engine": "library"}])
 @pytest.mark.parametrize(
     ("make", "reason"),
     [
@@ -408,9 +412,9 @@ def test_a_law_that_is_switched_off_may_be_anything(engine):
         (lambda: modulated("2", on="3*way"), "on follows way, which does not move linearly"),
     ],
 )
-def test_what_is_not_linear_is_left_to_rk45(make, reason):
-    a = hb.simulate(make(), 2.0, solver="exact", kernel=False)
-    b = hb.simulate(make(), 2.0, kernel=False)
+def test_what_is_not_linear_is_left_to_rk45(make, reason, by):
+    a = hb.simulate(make(), 2.0, solver="exact", **by)
+    b = hb.simulate(make(), 2.0, **by)
     assert a.method.startswith("0 modes propagated exactly; 1 mode left to rk45: ")
     assert reason in a.method
     assert a.final == b.final
@@ -446,7 +450,7 @@ def test_a_mode_is_counted_once_however_many_intervals_it_lasts():
     assert run.stats["propagated"] == 1.0
 
 
-@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("kernel", [True, False, None])
 @pytest.mark.parametrize("c", [1e-15, 1e-16, 1e-18, 1e3, 1e12])
 def test_a_charge_is_right_however_small_beside_its_source(c, kernel):
     m = hb.Model("rc", domain="electrical")
@@ -456,7 +460,7 @@ def test_a_charge_is_right_however_small_beside_its_source(c, kernel):
     assert run["C.e"].at(1e3 * c) == pytest.approx(5.0 * -math.expm1(-1.0), rel=1e-12)
 
 
-@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("kernel", [True, False, None])
 def test_a_large_motion_that_is_not_coupled_changes_nothing(kernel):
     m = hb.Model("two")
     m.add(far=hb.I("1 kg", p=1e9), free=hb.One())
@@ -471,7 +475,7 @@ def test_a_large_motion_that_is_not_coupled_changes_nothing(kernel):
 
 
 @pytest.mark.sampled(6)
-@pytest.mark.parametrize("kernel", [True, False])
+@pytest.mark.parametrize("kernel", [True, False, None])
 @pytest.mark.parametrize(
     ("rate", "until", "want"),
     [

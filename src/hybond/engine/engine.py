@@ -11,6 +11,7 @@ from hybond.engine.contacts.landing_records import Landings, make_landings
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
+from hybond.engine.methods.flow_records import Exact, make_exact
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.model import Model
@@ -174,6 +175,12 @@ class Mode:
     seen: Floats
     rates: Reads
     """What the rates of the state read."""
+    flow_known: bool
+    """Whether it was looked whether the mode is linear."""
+    flow_why: int
+    """The number of the reason why it is not, or -1."""
+    flow: int
+    """Where its flow is kept, or -1."""
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 
@@ -308,6 +315,11 @@ class Step:
     error_before: float
     controlled: int
     rejected: int
+    grid: float
+    """Where the grid of fixed steps begins, and how many of them lead to its next point."""
+    grid_next: float
+    rated: bool
+    """Whether `f` is known there; fixed steps find it out when they need it."""
     k: Floats
     dense: Floats
     scale: Floats
@@ -392,6 +404,7 @@ class Engine:
     open_modes: Records[Mode]
     """Equations with the laws of junctions left open."""
     radau: Radau
+    exact: Exact
     landings: Landings
     planar: Planar
     curved: bool
@@ -632,6 +645,8 @@ def make_engine(m: Model) -> Engine:
     e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
+    if m.method == 2:
+        e.exact = make_exact(m)
     return e
 
 

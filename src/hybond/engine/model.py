@@ -383,6 +383,27 @@ class Model:
     rest_moves: Ints
     """Whether that changes while time passes."""
 
+    # forms, for what is propagated exactly: bond variables, states, then generators, with factors
+    form_first: Ints
+    """Values of sources, rates of sources, dynamic rows, rates of integrated signals."""
+    form_column: Ints
+    form_value: Floats
+    form_why: Ints
+    """The number of the reason why there is none, or -1."""
+    forms_why: int
+    """That of why no mode can be propagated, or -1."""
+    reasons: int
+    generators: int
+    """Functions of time; row k is the rate of the k-th by all of them."""
+    generator_one: int
+    """The one that is 1."""
+    generator_first: Ints
+    generator_column: Ints
+    generator_rate: Floats
+    generator_value: Ints
+    generator_moving: Ints
+    """Whether each is no polynomial of time."""
+
     # what is printed
     outputs: int
     output_value: Ints
@@ -398,7 +419,9 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau."""
+    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler."""
+    step: float
+    """Of the last two."""
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
     impact: int

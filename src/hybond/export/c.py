@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hybond._version import __version__
 from hybond.export.c_parameters import held, places, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before
-from hybond.export.story import noted, story, title_of
+from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.c_printer import CPrinter, c_number, c_table, c_text
 from hybond.translate.c_words import HEADERS, c_words
@@ -24,7 +24,7 @@ def to_c(model: Model, **options: object) -> str:
     ----------
     model : Model
     **options
-        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``max_step``,
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``max_step``,
         ``impact``; those that are left out are the experiment's.
 
     Returns
@@ -80,9 +80,7 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
         "value": _values(printer, found),
     }
     title = title_of(graph)
-    lines = block_comment(
-        [*wrapped(plain(title), 0), "", *_how_to(), *noted(found), "", *story(model, graph)]
-    )
+    lines = block_comment([*wrapped(plain(title), 0), "", *_how_to(), "", *story(model, graph)])
     lines += ["", *_contraction(), *(f"#include <{h}>" for h in HEADERS)]
     lines += [
         "",

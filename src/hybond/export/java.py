@@ -10,7 +10,7 @@ from hybond.errors import UsageError
 from hybond.export.identifiers import identifier
 from hybond.export.java_parameters import declared, putting, setting
 from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
-from hybond.export.story import noted, story, title_of
+from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
 from hybond.translate.java_words import IMPORTS, java_words
@@ -33,7 +33,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     name : str
         Of the class; by default made of the model's.
     **options
-        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``max_step``,
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``max_step``,
         ``impact``; those that are left out are the experiment's.
 
     Returns
@@ -67,7 +67,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
         "value": _values(printer, found),
         "evaluate_pair": _pairs(printer, found),
     }
-    head = [plain(title_of(graph)), "", *_how_to(name), *noted(found), "", *story(model, graph)]
+    head = [plain(title_of(graph)), "", *_how_to(name), "", *story(model, graph)]
     lines = [f"import {i};" for i in IMPORTS]
     lines += ["", *(ascii_only(line) for line in _commented(head))]
     lines += [f"public final class {name} {{"]

@@ -6,7 +6,6 @@ import textwrap
 
 from hybond.equations.derive import state_equations
 from hybond.errors import HybondError
-from hybond.export.program import Exported
 from hybond.files import dumps
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -22,11 +21,6 @@ WIDTH = 92
 def title_of(graph: FlatGraph) -> str:
     """Return what the model is called."""
     return graph.title or graph.name or "a hybrid bond graph"
-
-
-def noted(found: Exported) -> list[str]:
-    """Return what of the program's run differs from what the model asks for."""
-    return ["", plain(found.tables.note)] if found.tables.note else []
 
 
 def story(model: Model, graph: FlatGraph) -> list[str]:

@@ -37,7 +37,7 @@ class Target:
     options: frozenset[str] = frozenset()
 
 
-RUN = frozenset(("until", "solver", "rtol", "atol", "points", "max_step", "impact"))
+RUN = frozenset(("until", "solver", "rtol", "atol", "points", "step", "max_step", "impact"))
 """Options of a run that an exported program begins with."""
 
 TARGETS: Mapping[str, Target] = {
@@ -71,8 +71,8 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
         The file to write.
     **options
         Of a program's run, which are those of `hybond.simulate`: ``until``, ``solver``, ``rtol``,
-        ``atol``, ``points``, ``max_step``, ``impact``; ``name``, of a Java class; ``fmi``, the
-        version of a functional mock-up unit.
+        ``atol``, ``points``, ``step``, ``max_step``, ``impact``; ``name``, of a Java class;
+        ``fmi``, the version of a functional mock-up unit.
 
     Returns
     -------

@@ -122,7 +122,38 @@ def _chosen(below: list[Found]) -> Found:
     """Return the branch that is taken, if that never changes."""
     condition, then, orelse = below
     truth = value_of(condition) if isinstance(condition, dict) else None
-    return "a condition that varies" if truth is None else then if truth else orelse
+    if truth is not None:
+        return then if truth else orelse
+    if not isinstance(condition, dict) or not _is_truth(condition):
+        return "a condition that varies"
+    if isinstance(then, str) or isinstance(orelse, str):
+        return then if isinstance(then, str) else orelse
+    chosen = _product(condition, then), _product(_opposite(condition), orelse)
+    refused = next((c for c in chosen if isinstance(c, str)), None)
+    return refused or combined((1.0, c) for c in chosen if isinstance(c, dict))
+
+
+def _is_truth(terms: Terms) -> bool:
+    """Whether terms are made of comparisons of time: 0 or 1 between two timed events."""
+    return all(not rate and not shift and _held(names) for rate, shift, names in terms)
+
+
+def _held(names: tuple[str, ...]) -> bool:
+    return all(name.startswith("at:") for name in names)
+
+
+def _opposite(terms: Terms) -> Terms:
+    return combined([(1.0, constant(1.0)), (-1.0, terms)])
+
+
+def _connected(parts: list[Terms], *, every: bool) -> Found:
+    """Return whether all, or any, of some truths hold."""
+    found: Found = constant(1.0)
+    for part in parts:
+        if isinstance(found, str):
+            return found
+        found = _product(found, part if every else _opposite(part))
+    return found if every or isinstance(found, str) else _opposite(found)
 
 
 def _of_node(node: Expr, below: list[Terms]) -> Found:
@@ -147,6 +178,10 @@ def _of_node(node: Expr, below: list[Terms]) -> Found:
             return _power(below[0], values[1])
         case Call(function, _) if len(numbers) < len(below):
             return _wave(function, below[0]) if len(below) == 1 else f"{function} of what varies"
+        case Not() | And() | Or() if len(numbers) < len(below) and all(map(_is_truth, below)):
+            if isinstance(node, Not):
+                return _opposite(below[0])
+            return _connected(below, every=isinstance(node, And))
     if len(numbers) < len(below):
         return f"{_NAMES.get(type(node), 'an operation')} of what varies"
     return _constant_node(node, numbers)
@@ -189,7 +224,13 @@ def _product(a: Terms, b: Terms) -> Found:
         for (other_rate, other_shift, other), d in b.items():
             if len(one) + len(other) > HIGHEST:
                 return "a product of too many factors that vary"
-            key = (rate + other_rate, shift + other_shift, tuple(sorted(one + other)))
+            both = one + other
+            if any(name.startswith("at:") for name in other):
+                # what is 0 or 1 is its own square
+                both = tuple(n for n in both if not n.startswith("at:")) + tuple(
+                    {n for n in both if n.startswith("at:")}
+                )
+            key = (rate + other_rate, shift + other_shift, tuple(sorted(both)))
             found[key] = found.get(key, 0j) + c * d
     return {key: c for key, c in found.items() if c}
 

@@ -23,6 +23,9 @@ SOLVERS: dict[str, str] = {
 }
 """Names of the solvers, each with a line that says what it is."""
 
+FIXED = ("rk4", "euler")
+"""Those with a fixed step."""
+
 AUTO = "auto"
 """Not a solver: one is chosen for the model."""
 
@@ -83,19 +86,9 @@ def make_solver(
     if name not in SOLVERS:
         known = (AUTO, *SOLVERS, *STEPPING)
         raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
-    if name in ("euler", "rk4"):
-        if step is None:
-            raise UsageError(
-                f"solver {name!r} has a fixed step and none is given",
-                code="HB-S102",
-                hint='give one, such as step="1 ms", or choose the adaptive solver "rk45"',
-            )
-        if not 0.0 < step < math.inf:
-            raise UsageError(
-                f"a step of {step:g} s for solver {name!r}: it must be positive and finite",
-                code="HB-S102",
-                hint='give a duration, such as step="1 ms"',
-            )
+    check_step(name, step)
+    if name in FIXED:
+        assert step is not None
         if name == "euler":
             from hybond.solvers.euler import ForwardEuler
 
@@ -103,12 +96,6 @@ def make_solver(
         from hybond.solvers.rk4 import ClassicRK4
 
         return ClassicRK4(step)
-    if step is not None:
-        raise UsageError(
-            f"solver {name!r} chooses its step; a step of {step:g} s was given",
-            code="HB-S104",
-            hint='give max_step to bound it, or choose a fixed step: "rk4", "euler"',
-        )
     if not max_step > 0.0:
         raise UsageError(
             f"max_step of {max_step:g} s: it must be positive",
@@ -130,3 +117,32 @@ def make_solver(
     from hybond.solvers.dopri import DormandPrince
 
     return DormandPrince(scale, max_step=max_step)
+
+
+def check_step(name: str, step: float | None) -> None:
+    """Refuse a fixed step that is missing or makes no sense, or is given to who chooses his own.
+
+    Raises
+    ------
+    UsageError
+        HB-S102 or HB-S104, as `make_solver`.
+    """
+    if name not in FIXED:
+        if step is not None:
+            raise UsageError(
+                f"solver {name!r} chooses its step; a step of {step:g} s was given",
+                code="HB-S104",
+                hint='give max_step to bound it, or choose a fixed step: "rk4", "euler"',
+            )
+    elif step is None:
+        raise UsageError(
+            f"solver {name!r} has a fixed step and none is given",
+            code="HB-S102",
+            hint='give one, such as step="1 ms", or choose the adaptive solver "rk45"',
+        )
+    elif not 0.0 < step < math.inf:
+        raise UsageError(
+            f"a step of {step:g} s for solver {name!r}: it must be positive and finite",
+            code="HB-S102",
+            hint='give a duration, such as step="1 ms"',
+        )

@@ -49,6 +49,7 @@ typedef struct HybondSeen {
     int states;
     int evaluations;
     int modes_made;
+    const int *propagated; /* as `found` in Exact; NULL without that method */
     int settling, rejected;
     int stuck_machine, stuck_events, stuck_why;
     double stuck_t, stuck_ratio;
@@ -185,6 +186,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
+    seen->propagated = e->exact == NULL ? NULL : e->exact->found;
     seen->steps = log->steps;
     seen->instants = log->instants;
     seen->visits = log->visits;

@@ -80,6 +80,7 @@ class Seen(ctypes.Structure):
         ("t", ctypes.c_double),
         ("energy", ctypes.c_double),
         *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
+        ("propagated", ctypes.POINTER(ctypes.c_int)),
         *((n, ctypes.c_int) for n in _ENDS),
         *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
         *((n, ctypes.c_int) for n in _COUNTS),
@@ -357,6 +358,15 @@ class NativeRun:
     def modes_made(self) -> int:
         """Modes whose equations were made."""
         return int(self._seen.modes_made)
+
+    @property
+    def propagated(self) -> list[int]:
+        """Modes that were propagated exactly; those that were not, reason by reason; slides.
+
+        Empty if the method is another one.
+        """
+        seen = self._seen.propagated
+        return seen[: int(self.model.record.reasons) + 2] if seen else []
 
     @property
     def error(self) -> BaseException | None:

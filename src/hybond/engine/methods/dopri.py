@@ -2,8 +2,7 @@
 
 The norm of the error is the root mean square over the controlled components in units of their
 scale. Sources: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6(1), 1980; L. F. Shampine,
-Math. Comput. 46, 1986; control: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
-II.4 and IV.2 (of volume II). After solvers/dopri.py and solvers/control.py.
+Math. Comput. 46, 1986. After solvers/dopri.py; the size of its steps is controlled in `control`.
 """
 
 from __future__ import annotations
@@ -13,16 +12,10 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
-from hybond.engine.methods.failed_steps import no_rate, step_too_small
-from hybond.engine.methods.scale import controlled, error_norm, tolerance
+from hybond.engine.methods.scale import error_norm, tolerance
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
 
-BETA: Final = 0.04
-EXPONENT: Final = 0.2 - 0.75 * 0.04
-SAFETY: Final = 0.9
-SHRINK: Final = 0.2
-GROW: Final = 10.0
 SMALLEST_ERROR: Final = 1e-4
 TABLE: Final = float_table(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
@@ -75,27 +68,6 @@ def goes_elsewhere(e: Engine, t: float, y: Floats, forget: bool) -> bool:
     return moved
 
 
-def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
-    """Begin, or go on after an event. After DormandPrince._begin."""
-    s = e.step
-    n = e.states
-    forget = jumped or not s.started
-    if goes_elsewhere(e, t, y, forget):
-        if field(e, e.mode, t, s.y, s.f) != OK:
-            return NOT_FINITE
-        if not all_finite(n, s.f):
-            if e.model.tells != 0:
-                return no_rate(e, n, 0.0, s.f, s.f)
-            return say_fault(e, "HB-N202", "the derivative is not finite", "")
-    tolerance(e, s.y, s.y, s.scale)
-    s.controlled = controlled(n, s.scale)
-    if forget:
-        s.error_before = SMALLEST_ERROR
-        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
-        s.h = first_step(e, limit, 4.0)
-    return OK
-
-
 def first_step(e: Engine, limit: float, order: float) -> float:
     """Choose the first step, with one evaluation of the field. After control.first_step."""
     s = e.step
@@ -124,7 +96,7 @@ def first_step(e: Engine, limit: float, order: float) -> float:
     return min(100.0 * h0, min(h1, limit))
 
 
-def attempt(e: Engine, t1: float) -> float:
+def dopri_attempt(e: Engine, t1: float) -> float:
     """Make a step to t1; return the norm of its error, nan if something is not finite."""
     s = e.step
     n = e.states
@@ -167,52 +139,6 @@ def error_norm_of(n: int, error: Floats, scale: Floats, many: int) -> float:
     return math.sqrt(total / float(many)) if total == total else math.nan
 
 
-def dopri_step(e: Engine, t_end: float) -> int:
-    """Make one step that satisfies the tolerance, not beyond `t_end`."""
-    s = e.step
-    n = e.states
-    remaining = t_end - s.t
-    begin_step(e)
-    smallest = 10.0 * spacing(s.t0)
-    h = max(min(s.h, e.model.max_step), smallest)
-    may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
-    s.rejected = 0
-    trial = h
-    error = 0.0
-    t1 = t_end
-    while True:
-        trial = h
-        # a little longer rather than a sliver of a step afterwards
-        t1 = t_end if may_land and remaining <= 1.01 * h else s.t0 + h
-        t1 = min(t1, t_end)
-        h = t1 - s.t0
-        error = attempt(e, t1)
-        if error <= 1.0:
-            break
-        s.rejected += 1
-        factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
-        smaller = h * max(factor, SHRINK)
-        if smaller < smallest:
-            if e.model.tells != 0 and math.isfinite(error):
-                return step_too_small(e, n, h, s.error, s.scale)
-            if e.model.tells != 0 and not e.refusal:
-                return no_rate(e, n, h, s.rate, s.y1)
-            if not math.isfinite(error):
-                return not_finite(e)
-            return say_fault(e, "HB-N201", "step size underflow", "")
-        h = smaller
-    grown = SAFETY * math.pow(max(error, 1e-10), -EXPONENT) * math.pow(s.error_before, BETA)
-    grown = min(max(grown, SHRINK), 1.0 if s.rejected > 0 else GROW)
-    if h < 0.99 * trial:
-        # cut short by t_end: its small error says little about the size after it
-        s.h = max(trial, h * grown) if grown >= 1.0 else h * grown
-    else:
-        s.h = h * grown
-        s.error_before = max(error, SMALLEST_ERROR)
-    accept(e, t1, n)
-    return OK
-
-
 def not_finite(e: Engine) -> int:
     """Say why no step is small enough: a law or a derivative has no finite value."""
     if e.refusal:
@@ -229,20 +155,10 @@ def begin_step(e: Engine) -> None:
         s.f0[k] = s.f[k]
 
 
-def dopri_retry(e: Engine, t_end: float) -> int:
-    """Repeat the last step with the size that ends it at `t_end`."""
-    error = attempt(e, t_end)
-    if not math.isfinite(error):
-        if e.model.tells != 0 and not e.refusal:
-            return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
-        return not_finite(e)
-    accept(e, t_end, e.states)
-    return OK
-
-
-def accept(e: Engine, t1: float, n: int) -> None:
+def dopri_accept(e: Engine, t1: float) -> None:
     """Keep the step just made, with its dense output."""
     s = e.step
+    n = e.states
     h = t1 - s.t0
     s.t1 = t1
     s.t = t1

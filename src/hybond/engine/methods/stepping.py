@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.dopri import dopri_retry, dopri_start, dopri_step
+from hybond.engine.methods.control import (
+    controlled_retry,
+    controlled_start,
+    controlled_step,
+)
+from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.radau import radau_between
 from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
 from hybond.engine.words import Floats
@@ -17,7 +22,9 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
     if e.model.method == RADAU:
         return radau_start(e, t, y, t_bound, jumped)
-    return dopri_start(e, t, y, t_bound, jumped)
+    if e.model.method >= RK4:
+        return fixed_start(e, t, y, jumped)
+    return controlled_start(e, t, y, t_bound, jumped)
 
 
 def step(e: Engine, t_end: float) -> int:
@@ -26,7 +33,9 @@ def step(e: Engine, t_end: float) -> int:
     e.curved = False
     if e.model.method == RADAU:
         return radau_step(e, t_end)
-    return dopri_step(e, t_end)
+    if e.model.method >= RK4:
+        return fixed_step(e, t_end)
+    return controlled_step(e, t_end)
 
 
 def retry(e: Engine, t_end: float) -> int:
@@ -35,7 +44,9 @@ def retry(e: Engine, t_end: float) -> int:
     e.curved = False
     if e.model.method == RADAU:
         return radau_retry(e, t_end)
-    return dopri_retry(e, t_end)
+    if e.model.method >= RK4:
+        return fixed_retry(e, t_end)
+    return controlled_retry(e, t_end)
 
 
 def between(e: Engine, t: float, y: Floats) -> None:

@@ -116,6 +116,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.guessed = False
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
+    mode.flow_known = False
     mode.saw = False
     mode.leakage.stages = 0
     mode.leakage.first = 0

@@ -56,6 +56,7 @@ class Settings:
 
     until: float
     solver: str
+    step: float | None
     rtol: float
     atol: float | None
     max_step: float
@@ -85,6 +86,7 @@ class Settings:
             "max_events": self.max_events,
             "max_steps": self.max_steps,
             "method": METHODS[self.solver],
+            "step": self.step or 0.0,
             "slides": int(self.slides),
             "impact": IMPACTS[self.impact[0]],
             "impact_exponent": self.impact[1],
@@ -188,6 +190,14 @@ class LibraryRun:
             evaluations=float(native.evaluations),
             modes=float(native.modes_made),
         )
+        found = native.propagated
+        if found:
+            self.trace.stats["propagated"] = float(found[0])
+            self.trace.method = _method([*zip(self._why, found[1:], strict=True)], found[0])
+
+    @property
+    def _why(self) -> list[str]:
+        return [*self.tables.reasons, "motion along a surface"]
 
     def _note_stuck(self) -> None:
         number, count, why, t, ratio = self._native.stuck
@@ -221,6 +231,16 @@ class LibraryRun:
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
         fault = Fault(refusal, self._native.mode, limits)
         return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
+
+
+def _method(left: list[tuple[str, int]], many: int) -> str:
+    """Return how many modes were propagated exactly, and why not more."""
+    texts = [f"{_modes(many)} propagated exactly"]
+    return "; ".join(texts + [f"{_modes(n)} left to rk45: {why}" for why, n in sorted(left) if n])
+
+
+def _modes(n: int) -> str:
+    return f"{n} mode{'' if n == 1 else 's'}"
 
 
 def _write(journal: Journal, found: Instants) -> None:

@@ -11,6 +11,7 @@ from hybond.engine.tables.calls import put_rated, put_samples, refuse_calls
 from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.contacts import put_contacts, rules_of
 from hybond.engine.tables.expressions import Expressions, number_of
+from hybond.engine.tables.forms import put_forms
 from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.options import Options, options_of
 from hybond.engine.tables.powers import put_powers
@@ -73,8 +74,8 @@ class ModelTables:
         What `evaluate_pair(m, k, s)` answers: guards, then rates of integrated signals.
     machines, states, stored, outputs, nodes, bonds, rules : list of str
         Names, by number.
-    note : str
-        What of the run differs from what the model asks for.
+    reasons : list of str
+        Why modes are not propagated exactly, by number.
     """
 
     graph: FlatGraph
@@ -91,7 +92,7 @@ class ModelTables:
     nodes: list[str] = field(default_factory=list)
     bonds: list[str] = field(default_factory=list)
     rules: list[str] = field(default_factory=list)
-    note: str = ""
+    reasons: list[str] = field(default_factory=list)
 
 
 def tables_of(
@@ -124,7 +125,6 @@ def tables_of(
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
-    t.note = options.note
     _sizes(t)
     _machines(t)
     _elements(t)
@@ -453,6 +453,7 @@ def _parts(t: ModelTables, found: list[Part]) -> None:
         source_slope=_INTS,
         source_slope_constant=_FLOATS,
     )
+    put_forms(t, sources, dynamics)
 
 
 def _of_time(e: Expr) -> bool:

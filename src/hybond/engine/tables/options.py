@@ -16,11 +16,11 @@ from hybond.modes.sliding.bands import banded
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
-from hybond.solvers.choose import AUTO
+from hybond.solvers.choose import AUTO, FIXED, check_step
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1}
+METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -36,8 +36,6 @@ class Options:
     graph: FlatGraph
     numbers: dict[str, float]
     outputs: list[tuple[str, Expr]]
-    note: str = ""
-    """What of the run differs from what the model asks for."""
 
 
 def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> Options:
@@ -49,7 +47,8 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     ------
     UsageError
         HB-E632 for a solver that an export does not have; HB-J205 for an unknown law of impacts;
-        HB-S103, HB-S106, HB-S107 and HB-E607 for numbers that make no sense.
+        HB-S102 and HB-S104 for a fixed step that is missing, or is none; HB-S103, HB-S106, HB-S107
+        and HB-E607 for numbers that make no sense.
     """
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
@@ -57,11 +56,6 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     if name == AUTO:
         looking = Program(plain)
         name = fitting(looking, end, start_of(looking)).solver
-    note = ""
-    if name == "exact" and not given.get("solver"):
-        # the same motion to the tolerance, by the method that hybond itself takes where a mode is
-        # not linear
-        name, note = "rk45", "hybond propagates linear modes of this model exactly; this is rk45."
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",
@@ -69,6 +63,9 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
             where="solver",
             hint=", ".join(METHODS),
         )
+    step = seconds_of(given.get("step", experiment.get("step")), "step")
+    # a step written in the experiment for a fixed-step solver may stand there unused
+    check_step(name, step if name in FIXED or given.get("step") is not None else None)
     impact, exponent = impact_of(given.get("impact"), experiment)
     choice, band = sliding_of(None, None, experiment)
     if band is not None:
@@ -101,6 +98,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
         "max_events": int(experiment.get("max_events", 1_000_000)),
         "max_steps": int(experiment.get("max_steps", 4_000_000)),
         "method": METHODS[name],
+        "step": step if name in FIXED and step is not None else 0.0,
         "slides": int(choice == "filippov"),
         "impact": IMPACTS[impact],
         "impact_exponent": exponent,
@@ -113,4 +111,4 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     if not outputs:
         outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
         outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
-    return Options(graph, numbers, outputs, note)
+    return Options(graph, numbers, outputs)

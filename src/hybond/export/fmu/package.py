@@ -49,7 +49,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     fmi : {"3.0", "2.0"}
         The version of the standard.
     **options
-        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``max_step``, ``impact``.
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``step``, ``max_step``, ``impact``.
 
     Returns
     -------

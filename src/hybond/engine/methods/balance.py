@@ -1,0 +1,78 @@
+"""The matrix of a motion in units in which it is balanced. After solvers/propagation.py.
+
+In other units the norm is often much smaller. Sources: E. E. Osborne, J. ACM 7(4), 1960; B. N.
+Parlett, C. Reinsch, Numer. Math. 13, 1969.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit, fit_rows
+from hybond.engine.methods.flow_records import Flow
+from hybond.engine.words import Floats
+
+SWEEPS: Final = 12
+
+
+def balance(n: int, a: Floats, d: Floats) -> None:
+    """Put powers of two there for which ``a[i, j] d[j]/d[i]``, put into `a`, is even."""
+    for i in range(n):
+        d[i] = 1.0
+    for _ in range(SWEEPS):
+        settled = True
+        for i in range(n):
+            row = 0.0
+            column = 0.0
+            for j in range(n):
+                if j != i:
+                    row += math.fabs(a[i * n + j])
+                    column += math.fabs(a[j * n + i])
+            if row == 0.0 or column == 0.0:
+                continue
+            exponent = math.floor(0.5 * math.log(row / column) / math.log(2.0) + 0.5)
+            factor = math.pow(2.0, exponent)
+            if exponent == 0.0 or column * factor + row / factor >= 0.95 * (row + column):
+                continue
+            for j in range(n):
+                if j != i:
+                    a[j * n + i] *= factor
+                    a[i * n + j] /= factor
+            d[i] *= factor
+            settled = False
+        if settled:
+            return
+
+
+def take_matrix(f: Flow, n: int, a: Floats) -> None:
+    """Take a matrix, which is balanced in its place, as that of a flow."""
+    f.n = n
+    fit(f.scale, n)
+    balance(n, a, f.scale.at)
+    entries = 0
+    f.norm = 0.0
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += math.fabs(a[i * n + j])
+            entries += 1 if a[i * n + j] != 0.0 else 0
+        f.norm = max(f.norm, total)
+    fit_rows(f.rows, n, entries)
+    entries = 0
+    for i in range(n):
+        f.rows.first.at[i] = entries
+        for j in range(n):
+            if a[i * n + j] != 0.0:
+                f.rows.column.at[entries] = j
+                f.rows.value.at[entries] = a[i * n + j]
+                entries += 1
+    f.rows.first.at[n] = entries
+    f.levels = 0
+    f.unit = math.inf
+    if f.norm > 0.0:
+        f.unit = 1.0
+        while f.unit * f.norm > 1.0:
+            f.unit *= 0.5
+        while f.unit * f.norm <= 0.5:
+            f.unit *= 2.0

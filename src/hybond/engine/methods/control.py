@@ -1,0 +1,155 @@
+"""Steps whose size the error controls: those of Dormand and Prince, and of what is propagated.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4, and II, IV.2.
+After solvers/dopri.py and solvers/control.py.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.methods.dopri import (
+    SMALLEST_ERROR,
+    begin_step,
+    dopri_accept,
+    dopri_attempt,
+    first_step,
+    goes_elsewhere,
+    not_finite,
+    spacing,
+)
+from hybond.engine.methods.exact import (
+    begin_exact,
+    exact_accept,
+    exact_attempt,
+    first_exact,
+)
+from hybond.engine.methods.failed_steps import no_rate, step_too_small
+from hybond.engine.methods.flow import take_flow
+from hybond.engine.methods.propagate import even_length
+from hybond.engine.methods.scale import controlled, tolerance
+from hybond.engine.mode.values import field
+from hybond.engine.words import Floats
+
+EXACT: Final = 2
+BETA: Final = 0.04
+EXPONENT: Final = 0.2 - 0.75 * 0.04
+SAFETY: Final = 0.9
+SHRINK: Final = 0.2
+GROW: Final = 10.0
+
+
+def is_propagated(e: Engine) -> bool:
+    """Whether the present mode is propagated exactly."""
+    return e.model.method == EXACT and e.exact.on
+
+
+def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
+    """Begin, or go on after an event. After DormandPrince._begin."""
+    s = e.step
+    n = e.states
+    forget = jumped or not s.started
+    if goes_elsewhere(e, t, y, forget):
+        if field(e, e.mode, t, s.y, s.f) != OK:
+            return NOT_FINITE
+        if not all_finite(n, s.f):
+            if e.model.tells != 0:
+                return no_rate(e, n, 0.0, s.f, s.f)
+            return say_fault(e, "HB-N202", "the derivative is not finite", "")
+    tolerance(e, s.y, s.y, s.scale)
+    s.controlled = controlled(n, s.scale)
+    if forget:
+        s.error_before = SMALLEST_ERROR
+        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
+        choose_first(e, limit)
+    return OK
+
+
+def choose_first(e: Engine, limit: float) -> None:
+    """Choose the method in the mode that begins, and the size of the first step."""
+    s = e.step
+    if e.model.method == EXACT:
+        take_flow(e)
+        e.exact.on = e.exact.on and begin_exact(e)
+        if e.exact.on:
+            s.h = first_exact(e, limit)
+            if e.exact.alongs > 0:
+                # signals are integrated along: their rates may move faster than what is linear
+                s.h = min(s.h, first_step(e, limit, 4.0))
+            return
+    s.h = first_step(e, limit, 4.0)
+
+
+def attempt(e: Engine, t1: float) -> float:
+    """Make a step to t1; return the norm of its error, nan if something is not finite."""
+    return exact_attempt(e, t1) if is_propagated(e) else dopri_attempt(e, t1)
+
+
+def accept(e: Engine, t1: float) -> None:
+    """Keep the step just made, with its dense output."""
+    if is_propagated(e):
+        exact_accept(e, t1)
+    else:
+        dopri_accept(e, t1)
+
+
+def controlled_step(e: Engine, t_end: float) -> int:
+    """Make one step that satisfies the tolerance, not beyond `t_end`."""
+    s = e.step
+    remaining = t_end - s.t
+    begin_step(e)
+    smallest = 10.0 * spacing(s.t0)
+    h = max(min(s.h, e.model.max_step), smallest)
+    may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
+    s.rejected = 0
+    trial = h
+    error = 0.0
+    t1 = t_end
+    while True:
+        trial = h
+        # a little longer rather than a sliver of a step afterwards
+        lands = may_land and remaining <= 1.01 * h
+        if not lands and is_propagated(e):
+            h = even_length(e.exact.flow, h)
+        t1 = t_end if lands else s.t0 + h
+        t1 = min(t1, t_end)
+        h = t1 - s.t0
+        error = attempt(e, t1)
+        if error <= 1.0:
+            break
+        s.rejected += 1
+        factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
+        smaller = h * max(factor, SHRINK)
+        if smaller < smallest:
+            if e.model.tells != 0 and math.isfinite(error):
+                return step_too_small(e, e.states, h, s.error, s.scale)
+            if e.model.tells != 0 and not e.refusal:
+                return no_rate(e, e.states, h, s.rate, s.y1)
+            if not math.isfinite(error):
+                return not_finite(e)
+            return say_fault(e, "HB-N201", "step size underflow", "")
+        h = smaller
+    grown = SAFETY * math.pow(max(error, 1e-10), -EXPONENT) * math.pow(s.error_before, BETA)
+    grown = min(max(grown, SHRINK), 1.0 if s.rejected > 0 else GROW)
+    if h < 0.99 * trial:
+        # cut short by t_end: its small error says little about the size after it
+        s.h = max(trial, h * grown) if grown >= 1.0 else h * grown
+    else:
+        s.h = h * grown
+        s.error_before = max(error, SMALLEST_ERROR)
+    accept(e, t1)
+    return OK
+
+
+def controlled_retry(e: Engine, t_end: float) -> int:
+    """Repeat the last step with the size that ends it at `t_end`."""
+    error = attempt(e, t_end)
+    if not math.isfinite(error):
+        if e.model.tells != 0 and not e.refusal:
+            return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
+        return not_finite(e)
+    accept(e, t_end)
+    return OK

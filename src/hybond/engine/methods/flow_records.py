@@ -1,0 +1,146 @@
+"""What a run keeps of the modes that it propagates exactly."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    Rows,
+    make_block,
+    make_places,
+    make_rows,
+)
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
+
+NO_FLOW: Final = -1
+MOST_FLOWS: Final = 64
+ROOM: Final = 4194304
+"""Numbers that the exponentials of all flows may take, about: of large modes fewer are kept."""
+LEVELS: Final = 60
+PARTS: Final = 5
+"""Parts of a step in which its dense output is made from."""
+TERMS: Final = 24
+"""Terms of a series; in one unit of time they fall below rounding before."""
+ORDERS: Final = 7
+"""Derivatives that choose the first step."""
+
+
+@record
+class Flow:
+    """The motion of a mode, ``z' = matrix z``: z is the state, then generators.
+
+    In units in which the matrix is balanced, ``z = scale b``. Level k is the exponential for
+    ``2^k`` units of time less the identity, made when it is needed.
+    """
+
+    owner: int
+    """The place of its mode among those kept."""
+    used: int
+    n: int
+    gens: int
+    gen: Ints
+    """The generators that z ends with."""
+    rows: Rows
+    scale: Block
+    norm: float
+    unit: float
+    """A power of two, s; the norm of the matrix times it is at most 1. Infinite if that is zero."""
+    levels: int
+    level: Records[Block]
+    watches: int
+    watched: Places
+    """Places in z of generators that are no polynomials of time: steps must resolve them."""
+
+
+@record
+class Exact:
+    """The flows of a run, and room to work in."""
+
+    on: bool
+    """Whether the present mode is propagated."""
+    flow: Flow
+    flows: Records[Flow]
+    clock: int
+    found: Ints
+    """Modes that are propagated, then those that are not, by the number of the reason; then
+    motions along surfaces."""
+    slid: Ints
+    alongs: int
+    along: Ints
+    """Of each state: whether it is integrated along the others."""
+    dense: Block
+    row: Floats
+    place: Ints
+    """Of each generator: its place in z, or -1."""
+    left: Places
+    """Of each row of a mode that is evaluated: whether it is not linear, or hangs together with
+    one; `open` of each free unknown, whether such a row determines it."""
+    open: Places
+    touched: Block
+    r: Block
+    power: Block
+    b: Block
+    b2: Block
+    terms: Block
+    parts: Block
+    """z at all parts of a step."""
+    rates: Floats
+    """The rate of the state there."""
+    y: Floats
+    rate: Floats
+    amplitude: Block
+    """The largest value that each watched generator had since the start."""
+    size: Block
+    off: Block
+    slopes: Floats
+
+
+def make_flow(m: Model) -> Flow:
+    """Return room for the motion of a mode."""
+    f = Flow()
+    f.owner = NO_FLOW
+    f.gen = ints(m.generators)
+    f.rows = make_rows()
+    f.scale = make_block(1)
+    f.level = records(Block, LEVELS)
+    f.watched = make_places(1)
+    return f
+
+
+def make_exact(m: Model) -> Exact:
+    """Return room for a run that propagates modes."""
+    x = Exact()
+    n = m.storages + m.integrals
+    most = n + m.generators
+    x.flows = records(Flow, MOST_FLOWS)
+    x.found = ints(m.reasons + 2)
+    x.slid = ints(m.surfaces)
+    x.along = ints(n)
+    first = 2 * m.sources + m.dynamics
+    for k in range(m.integrals):
+        if m.form_why[first + k] >= 0:
+            x.along[m.storages + k] = 1
+            x.alongs += 1
+    x.dense = make_block(1)
+    x.row = floats(2 * m.bonds + most)
+    x.place = ints(m.generators)
+    x.left = make_places(1)
+    x.open = make_places(1)
+    x.touched = make_block(1)
+    x.r = make_block(1)
+    x.power = make_block(1)
+    x.b = make_block(most)
+    x.b2 = make_block(most)
+    x.terms = make_block(TERMS * most)
+    x.parts = make_block((PARTS + 1) * most)
+    x.rates = floats((PARTS + 1) * n)
+    x.y = floats(n)
+    x.rate = floats(n)
+    x.amplitude = make_block(most)
+    x.size = make_block(most)
+    x.off = make_block(most)
+    x.slopes = floats(n)
+    return x
