@@ -319,6 +319,8 @@ class Engine:
     model: Model
     fault: Fault
     modes: Records[Mode]
+    modes_kept: int
+    """Of how many there is room."""
     modes_made: int
     bucket: Ints
     """The first mode kept in each bucket of configurations, or NO_MODE."""
@@ -576,6 +578,7 @@ def make_engine(m: Model) -> Engine:
     e.model = m
     e.fault = Fault()
     e.modes = records(Mode, KEPT)
+    e.modes_kept = KEPT
     e.bucket = ints(BUCKETS)
     for k in range(BUCKETS):
         e.bucket[k] = NO_MODE

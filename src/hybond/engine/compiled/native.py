@@ -54,10 +54,21 @@ _NAMES = {
 
 
 _ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
-_COUNTS = ("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids")
+_COUNTS = (
+    "steps",
+    "instants",
+    "visits",
+    "fireds",
+    "hits",
+    "reads",
+    "overs",
+    "opens",
+    "slids",
+    "slides",
+)
 _FLOATS = (
     *("step_time", "step_until", "step_state", "step_dense"),
-    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
+    *("instant_time", "instant_state", "visit_energy", "hit_area", "read", "slide_time"),
 )
 _INTS = ("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid")
 
@@ -204,6 +215,7 @@ class Rows:
     hit : array of int, shape (hits,)
     hit_area : array, shape (hits, 2)
     over, open, slid : arrays of int
+    slide_time : array, shape (slides,)
     """
 
     step_time: NDArray[np.float64]
@@ -223,6 +235,7 @@ class Rows:
     over: NDArray[np.intc]
     open: NDArray[np.intc]
     slid: NDArray[np.intc]
+    slide_time: NDArray[np.float64]
 
 
 class NativeRun:
@@ -420,6 +433,7 @@ class NativeRun:
             _ints(s.over, s.overs),
             _ints(s.open, s.opens),
             _ints(s.slid, s.slids),
+            _floats(s.slide_time, s.slides),
         )
 
 
