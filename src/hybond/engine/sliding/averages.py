@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.engine import NOT_FINITE, OK, Engine, Mode
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.newton import freedom_at, solve
@@ -109,11 +110,30 @@ def show_part(e: Engine, part: int, v: Floats) -> None:
 def freedom_here(e: Engine, mode: Mode, v: Floats) -> int:
     """Return in how many directions bond variables are free, those into `e.work.freedom`.
 
-    What a combination leaves open is what its first part does.
+    A combination leaves open what any of its parts does.
     """
-    if e.slide.k == 0:
+    s = e.slide
+    if s.k == 0:
         return freedom_at(e, mode, v)
-    return 0
+    n = 2 * e.model.bonds
+    many = 0
+    for part in range(s.parts):
+        for k in range(2 * e.model.slots):
+            s.v[k] = v[k]
+        if solve_plain(e, part, s.v) != OK:
+            continue
+        own = freedom_at(e, part_mode(e, part), s.v)
+        grow_block(s.freedom, n * (many + own))
+        for j in range(own):
+            for k in range(n):
+                s.freedom.at[(many + j) * n + k] = e.work.freedom.at[k * own + j]
+        many += own
+    fit(e.work.freedom, n * max(many, 1))
+    for k in range(n):
+        e.work.w[k] = s.w[k]
+        for j in range(many):
+            e.work.freedom.at[k * many + j] = s.freedom.at[j * n + k]
+    return many
 
 
 def blended_field(e: Engine, t: float, y: Floats, rate: Floats) -> int:

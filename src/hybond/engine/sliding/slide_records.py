@@ -91,6 +91,8 @@ class Slide:
     x: Floats
     rates: Floats
     rates2: Floats
+    freedom: Block
+    """Directions in which bond variables of some part are free, one after the other."""
     # what is decided after an event
     met: int
     met_surface: Ints
@@ -149,6 +151,7 @@ def make_slide(m: Model) -> Slide:
     s.inverse = make_block(1)
     s.area = make_block(1)
     s.total = make_block(1)
+    s.freedom = make_block(1)
     s.branch = make_places(1)
     s.choose_x = floats(m.storages)
     s.choose_s = floats(m.integrals)
