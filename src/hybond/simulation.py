@@ -129,7 +129,7 @@ def simulate(
         events between them, where there is one and it was made for that.
     engine : {"auto", "library", "reference"}
         What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S118), or the reference. The results are the same but
+        refusal that says what it cannot (HB-S119), or the reference. The results are the same but
         for rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
@@ -243,6 +243,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
+    why = ""
     engine = engine or ("auto" if kernel is None else "reference")
     if engine == "auto":
         engine = ENGINE
@@ -268,20 +269,21 @@ def simulate(
             journal=journal,
             runners=runners,
         )
-        # the reference refuses a step for these itself
-        if isinstance(run, LibraryRun) and (fixed or step is None):
-            try:
+        try:
+            # the reference refuses a step for these itself
+            if isinstance(run, LibraryRun) and (fixed or step is None):
                 run.trace.kernel = "the library"
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
-            except Declined as declined:
-                run = str(declined)
-            finally:
-                for runner in runners.values():
-                    runner.close()
+            why = run if isinstance(run, str) else f"solver {name!r}"
+        except Declined as declined:
+            why = str(declined)
+        finally:
+            for runner in runners.values():
+                runner.close()
         if engine == "library":
             raise UsageError(
-                f"the library cannot make this run: {run}",
-                code="HB-S118",
+                f"the library cannot make this run: {why}",
+                code="HB-S119",
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
             )
@@ -315,7 +317,9 @@ def simulate(
     executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
     try:
         begin = partial(executive.run, start_of(program))
-        return _finish(graph, program, executive.trace, begin, end, name, on_error, chosen)
+        return _finish(
+            graph, program, executive.trace, begin, end, name, on_error, chosen, reference=why
+        )
     finally:
         executive.sampling.close()
         if executive.journal is not None:
@@ -383,8 +387,13 @@ def _finish(
     name: str,
     on_error: str,
     chosen: str = "",
+    *,
+    reference: str = "",
 ) -> Result:
-    """Run; return the result, also that of a run that stopped; `chosen` says why this solver."""
+    """Run; return the result, also that of a run that stopped.
+
+    `chosen` says why this solver was taken, `reference` why not the library.
+    """
     status: Status = "error"
     failure: HybondError | None = None
     try:
@@ -396,6 +405,8 @@ def _finish(
     for warning in (*graph.warnings, *program.warnings):
         trace.warn(warning)
     trace.method = "; ".join(t for t in (chosen, trace.method) if t)
+    if reference:
+        trace.kernel = f"the reference ({reference}); {trace.kernel}"
     result = Result(program, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result

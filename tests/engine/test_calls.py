@@ -282,7 +282,7 @@ def test_a_block_without_a_value_stops_the_run(value: float) -> None:
     m = flywheel()
     m.block(ctl=hb.Block(lambda t, u: {"u": value}, inputs={}, outputs=["u"], every=0.25))
     run = done(NativeRun(native(m, 1.0)))
-    assert (run.status, run.fault[0], run.fault[2]) == (REFUSED, "HB-N305", "ctl.u")
+    assert (run.status, run.fault.code, run.fault.place) == (REFUSED, "HB-N305", "ctl.u")
     assert hb.simulate(m, until=1.0, on_error="return").error.code == "HB-N305"
 
 

@@ -29,7 +29,7 @@ def said_by(run: NativeRun, rows: list[Rows]) -> Said:
     """Return what a run wrote down in the words of an exported program."""
     t = run.model.tables
     first = t.ints["state_first"]
-    said = Said(end=run.t, stopped=run.fault[0])
+    said = Said(end=run.t, stopped=run.fault.code)
     for part in rows:
         visit = fired = hit = 0
         for (when, _), place in zip(part.instant_time, part.instant_place):
@@ -185,7 +185,7 @@ def test_a_run_can_be_left_between_two_slices() -> None:
 def test_why_a_run_stopped_is_told() -> None:
     run = NativeRun(NativeModel(tables("diode_inductor_no_mode")))
     list(run.slices())
-    code, why, _ = run.fault
+    code, why = run.fault.code, run.fault.why
     assert (run.status, code) == (REFUSED, "HB-N401")
     assert why
 

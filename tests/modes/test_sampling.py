@@ -113,7 +113,7 @@ def test_a_step_of_a_sample_onto_a_capacitor_is_an_impulse() -> None:
 
 
 def test_the_kernel_steps_between_samples() -> None:
-    run = hb.simulate(loop(), until="0.1 s", max_step="0.1 ms")
+    run = hb.simulate(loop(), until="0.1 s", max_step="0.1 ms", kernel=True)
     if run.kernel.startswith("not"):
         pytest.skip(run.kernel)
     assert run.stats["steps"] == run.stats["marched"] >= 1000

@@ -15,6 +15,7 @@ from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
+from hybond.engine.reasons.warned import Warned, make_warned
 from hybond.engine.sliding.slide_records import Slide, make_slide
 from hybond.engine.words import (
     Floats,
@@ -52,6 +53,9 @@ class Fault:
     t: float
     number: float
     numbered: bool
+    many: int
+    about: Block
+    """What is known of it, `many` numbers, for whoever puts it into words: see `facts`."""
 
 
 @record
@@ -318,6 +322,9 @@ class Engine:
 
     model: Model
     fault: Fault
+    warned: Warned
+    unrest: Fault
+    """Why a structure at rest had no solution, the last time."""
     modes: Records[Mode]
     modes_kept: int
     """Of how many there is room."""
@@ -400,6 +407,8 @@ def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
     e.fault.place = place
     e.fault.t = e.t
     e.fault.numbered = False
+    if e.model.tells != 0:
+        e.fault.many = 0
     return REFUSED
 
 
@@ -577,6 +586,11 @@ def make_engine(m: Model) -> Engine:
     e = Engine()
     e.model = m
     e.fault = Fault()
+    if m.tells != 0:
+        e.fault.about = make_block(16)
+        e.unrest = Fault()
+        e.unrest.about = make_block(16)
+        e.warned = make_warned()
     e.modes = records(Mode, KEPT)
     e.modes_kept = KEPT
     e.bucket = ints(BUCKETS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
@@ -15,7 +14,6 @@ def start_of(program: Program) -> Vector:
     """Return the state at t = 0 as the model gives it, before it is settled."""
     graph = program.graph
     y = np.zeros(program.nx + program.ns + 2)
-    equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
     co_energy = np.zeros(program.nx)
     wanted = [s for s in graph.storages if s.start_is == "co-energy"]
     for s in graph.storages:
@@ -24,7 +22,7 @@ def start_of(program: Program) -> Vector:
         else:
             co_energy[s.index] = s.start
     for s in wanted:
-        y[s.index] = equations.storage.stored(co_energy, s.index, graph)
+        y[s.index] = program.storage.stored(co_energy, s.index, graph)
     for i in graph.integrals:
         y[program.nx + i.index] = i.start
     return y

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.calculus import gradient
-from hybond.model.expressions import Number
+from hybond.model.expressions import Name, Number
 from hybond.model.graph import FlatGraph, Integral, Machine
 from hybond.model.planar_friction import kept_paths
 from hybond.modes.sliding.view import equations_of
@@ -287,10 +287,14 @@ def _added_up(run: Result) -> dict[tuple[str, str], float]:
         if segment.bonds is not None:
             total += h @ np.abs(segment.bonds[1:])
             continue
-        assert isinstance(segment.interval, Interval)
-        equations = equations_of(run.program, segment)
-        values = run.program.evaluate_many(segment.t, segment.y, segment.interval, equations)
-        w = np.abs(values[run.program.slots.w])
+        if run.trace.signals is not None:
+            wanted = [Name(f"{letter}:{k}") for letter in "ef" for k in range(len(bonds))]
+            w = np.abs(np.array(run.trace.signals.of(segment, wanted, segment.t)))
+        else:
+            assert isinstance(segment.interval, Interval)
+            equations = equations_of(run.program, segment)
+            values = run.program.evaluate_many(segment.t, segment.y, segment.interval, equations)
+            w = np.abs(values[run.program.slots.w])
         total += 0.5 * (w[:, 1:] + w[:, :-1]) @ h
     found: dict[tuple[str, str], float] = {}
     for k, bond in enumerate(bonds):

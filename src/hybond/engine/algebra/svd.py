@@ -11,7 +11,8 @@ full relative accuracy.
 import math
 from typing import Final
 
-from hybond.engine.words import Floats, floats, record
+from hybond.engine.algebra.regular import solve_regular
+from hybond.engine.words import Floats, Ints, floats, ints, record
 
 SVD_SWEEPS: Final = 60
 RIGHT_ANGLE: Final = 1e-15
@@ -34,6 +35,8 @@ class Svd:
     v: Floats
     s: Floats
     length: Floats
+    place: Ints
+    """Where the columns of a regular matrix were."""
 
 
 def make_svd(rows: int, columns: int) -> Svd:
@@ -45,6 +48,7 @@ def make_svd(rows: int, columns: int) -> Svd:
     d.v = floats(columns * columns)
     d.s = floats(columns)
     d.length = floats(columns)
+    d.place = ints(columns)
     return d
 
 
@@ -206,6 +210,8 @@ def least_squares(
     Singular values up to the part `relative` of the largest count as zero; a negative one says
     rounding times the larger size. As numpy.linalg.lstsq, rcond being `relative`, or None.
     """
+    if m == n and solve_regular(n, a, c, b, x, d.u, d.length, d.place):
+        return n
     svd(d, m, n, a)
     longer = max(m, n)
     part = relative if relative >= 0.0 else ROUNDING_UNIT * float(longer)

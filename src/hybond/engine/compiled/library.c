@@ -49,18 +49,26 @@ typedef struct HybondSeen {
     int states;
     int evaluations;
     int modes_made;
-    const char *code;
-    const char *why;
-    const char *place;
-    double fault_t;
     int settling, rejected;
     int stuck_machine, stuck_events, stuck_why;
     double stuck_t, stuck_ratio;
-    int steps, instants, visits, fireds, hits, reads, overs, opens, slids, slides;
+    int steps, instants, visits, fireds, hits, reads, overs, opens, slids, slides, warns, abouts;
     const double *step_time, *step_until, *step_state, *step_dense;
     const double *instant_time, *instant_state, *visit_energy, *hit_area, *read, *slide_time;
+    const double *warn_time, *about;
     const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
+    const int *warn, *warn_first;
 } HybondSeen;
+
+/* A refusal: the numbers of the record FaultSeen in native.py. */
+typedef struct HybondFault {
+    const char *code;
+    const char *why;
+    const char *place;
+    double t;
+    int many;
+    const double *about;
+} HybondFault;
 
 SHOWN const char *hybond_source(void);
 SHOWN const char *const *hybond_columns(void);
@@ -69,6 +77,7 @@ SHOWN HybondRun *hybond_begin(const Model *model);
 SHOWN void hybond_ask(void *who, HybondQuestion *question, void (*ask)(int));
 SHOWN int hybond_run(HybondRun *run, int slice);
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen);
+SHOWN void hybond_fault(const HybondRun *run, int which, HybondFault *seen);
 SHOWN void hybond_forget(HybondRun *run);
 SHOWN void hybond_end(HybondRun *run);
 
@@ -176,10 +185,6 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
-    seen->code = e->fault->code;
-    seen->why = e->fault->why;
-    seen->place = e->fault->place;
-    seen->fault_t = e->fault->t;
     seen->steps = log->steps;
     seen->instants = log->instants;
     seen->visits = log->visits;
@@ -216,6 +221,28 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->slid = log->slid->at;
     seen->slides = log->slides;
     seen->slide_time = log->slide_time->at;
+    seen->warns = log->warned->rows;
+    seen->warn = log->warned->kind->at;
+    seen->warn_first = log->warned->first->at;
+    seen->warn_time = log->warned->time->at;
+    seen->abouts = log->warned->numbers;
+    seen->about = log->warned->number->at;
+}
+
+/* See why the run stopped, 0, or why what was struck cannot rest, 1. */
+SHOWN void hybond_fault(const HybondRun *run, int which, HybondFault *seen)
+{
+    const Fault *fault = which == 0 ? run->e->fault : run->e->unrest;
+    HybondFault nothing = {"", "", "", 0.0, 0, NULL};
+    *seen = nothing;
+    if (fault != NULL) {
+        seen->code = fault->code;
+        seen->why = fault->why;
+        seen->place = fault->place;
+        seen->t = fault->t;
+        seen->many = fault->many;
+        seen->about = fault->many > 0 ? fault->about->at : NULL;
+    }
 }
 
 /* Forget the rows of the log that were read. */

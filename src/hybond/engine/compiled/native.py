@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
 from hybond.engine.compiled.build import NAME
 from hybond.engine.compiled.printing import digest
+from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 from hybond.modes.sampling import Runner
@@ -55,22 +56,18 @@ _NAMES = {
 
 _ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
 _COUNTS = (
-    "steps",
-    "instants",
-    "visits",
-    "fireds",
-    "hits",
-    "reads",
-    "overs",
-    "opens",
-    "slids",
-    "slides",
+    *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
+    *("slides", "warns", "abouts"),
 )
 _FLOATS = (
     *("step_time", "step_until", "step_state", "step_dense"),
-    *("instant_time", "instant_state", "visit_energy", "hit_area", "read", "slide_time"),
+    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
+    *("slide_time", "warn_time", "about"),
 )
-_INTS = ("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid")
+_INTS = (
+    *("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
+    *("warn", "warn_first"),
+)
 
 
 class Seen(ctypes.Structure):
@@ -83,8 +80,6 @@ class Seen(ctypes.Structure):
         ("t", ctypes.c_double),
         ("energy", ctypes.c_double),
         *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
-        *((name, ctypes.c_char_p) for name in ("code", "why", "place")),
-        ("fault_t", ctypes.c_double),
         *((n, ctypes.c_int) for n in _ENDS),
         *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
         *((n, ctypes.c_int) for n in _COUNTS),
@@ -125,6 +120,7 @@ def library() -> ctypes.CDLL:
     found.hybond_see.restype = None
     found.hybond_ask.argtypes = [ctypes.c_void_p, ctypes.POINTER(Question), CALLBACK]
     found.hybond_ask.restype = None
+    found.hybond_fault.restype = None
     for name in ("hybond_forget", "hybond_end"):
         getattr(found, name).argtypes = [ctypes.c_void_p]
         getattr(found, name).restype = None
@@ -216,6 +212,9 @@ class Rows:
     hit_area : array, shape (hits, 2)
     over, open, slid : arrays of int
     slide_time : array, shape (slides,)
+    warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
+        Their kinds, and where their numbers begin in `about`.
+    warn_time, about : array
     """
 
     step_time: NDArray[np.float64]
@@ -236,6 +235,10 @@ class Rows:
     open: NDArray[np.intc]
     slid: NDArray[np.intc]
     slide_time: NDArray[np.float64]
+    warn: NDArray[np.intc]
+    warn_first: NDArray[np.intc]
+    warn_time: NDArray[np.float64]
+    about: NDArray[np.float64]
 
 
 class NativeRun:
@@ -315,15 +318,14 @@ class NativeRun:
         return _floats(self._seen.y, self._seen.states)
 
     @property
-    def fault(self) -> tuple[str, str, str]:
-        """Code, reason and place of what stopped the run; empty texts if nothing did."""
-        seen = self._seen
-        return tuple((text or b"").decode() for text in (seen.code, seen.why, seen.place))  # type: ignore[return-value]
+    def fault(self) -> Refusal:
+        """What stopped the run."""
+        return refusal_of(self._library, self._handle, 0)
 
     @property
-    def fault_t(self) -> float:
-        """When that was, s."""
-        return float(self._seen.fault_t)
+    def unrest(self) -> Refusal:
+        """Why a structure at rest had no solution, the last time."""
+        return refusal_of(self._library, self._handle, 1)
 
     @property
     def mode(self) -> tuple[int, ...]:
@@ -434,6 +436,10 @@ class NativeRun:
             _ints(s.open, s.opens),
             _ints(s.slid, s.slids),
             _floats(s.slide_time, s.slides),
+            _ints(s.warn, s.warns),
+            _ints(s.warn_first, s.warns + 1 if s.warns else 0),
+            _floats(s.warn_time, s.warns),
+            _floats(s.about, s.abouts),
         )
 
 

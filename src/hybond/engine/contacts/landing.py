@@ -25,6 +25,13 @@ from hybond.engine.contacts.accumulation import (
 )
 from hybond.engine.contacts.landing_records import CROWD, Landings, in_force
 from hybond.engine.contacts.rest import find_moved, find_rest, still_stored
+from hybond.engine.contacts.unrest import (
+    REBOUNDS,
+    tell_no_solution,
+    tell_refusal,
+    tell_verdict,
+    warn_of_unrest,
+)
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
@@ -234,6 +241,8 @@ def land_contacts(e: Engine, s: Settling, i: Instant) -> int:
             g.chosen[k] = 1 if turn == 0 or k == turn - 1 else 0
         if would_rest(e, g):
             return put_down(e, g, s, i)
+        if e.model.tells != 0:
+            tell_verdict(e, g)
     g.touches = 0
     if kept > 0 and (mode_of(e, e.state) != OK or combine_here(e, e.state) != OK):
         return -1
@@ -280,8 +289,12 @@ def would_rest(e: Engine, g: Landings) -> bool:
     for k in range(m.integrals):
         g.s[k] = e.y[m.storages + k]
     if a_priori(e, e.t, g.x, g.s, e.state) != OK:
+        if m.tells != 0:
+            tell_no_solution(e, g)
         return False
     if find_rest(e, g, e.t, g.state) != OK:
+        if m.tells != 0:
+            tell_no_solution(e, g)
         return False
     some_found = False
     for k in range(g.touches):
@@ -290,8 +303,12 @@ def would_rest(e: Engine, g: Landings) -> bool:
         contact = g.touch_contact[k]
         for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
             if not carries(e, g, r):
+                if m.tells != 0:
+                    tell_refusal(e, g, r)
                 return False
         if not flight_over(e, g, k):
+            if m.tells != 0:
+                g.why = REBOUNDS
             return False
         if not some_found or g.limit_t > g.found_t:
             g.found_t = g.limit_t
@@ -495,6 +512,8 @@ def stuck(e: Engine) -> bool:
                 g.limit_ratio = math.nan
             g.stuck_events = g.count[k]
             g.stuck_why = SILENT
+            if m.tells != 0:
+                warn_of_unrest(e, g, k)
             return True
         if chatters(g, k, e.until):
             g.stuck_events = g.other_kept[k]

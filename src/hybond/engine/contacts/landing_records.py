@@ -64,6 +64,14 @@ class Landings:
     stuck_events: int
     stuck_why: int
 
+    # why contacts do not land: the last verdict, and that of each machine
+    why: int
+    why_reaction: int
+    why_force: float
+    kept_why: Ints
+    kept_reaction: Ints
+    kept_force: Floats
+
     # room to work in
     state: Ints
     struck: Ints
@@ -105,6 +113,10 @@ def make_landings(m: Model) -> Landings:
     for k in range(m.machines):
         g.landed[k] = -1
     g.held = ints(m.storages)
+    if m.tells != 0:
+        g.kept_why = ints(m.machines)
+        g.kept_reaction = ints(m.machines)
+        g.kept_force = floats(m.machines)
     g.touch_contact = ints(m.machines)
     g.touch_gap = floats(m.machines)
     g.touch_approach = floats(m.machines)

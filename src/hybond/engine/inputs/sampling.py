@@ -8,6 +8,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.calls import call_block
 from hybond.engine.inputs.interval import is_due, one_instant
 from hybond.engine.model import stored_name, value
+from hybond.engine.reasons.facts import no_sample
 from hybond.engine.words import Floats
 
 
@@ -34,6 +35,8 @@ def sample(e: Engine, s: Floats) -> int:
         s[i] = value(m, m.sample_value[k], v)
         if not math.isfinite(s[i]):
             why = "a sampled signal has no value"
+            if m.tells != 0:
+                return no_sample(e, i, s[i], why)
             return say_fault(e, "HB-N305", why, stored_name(m, m.storages + i))
     return OK
 

@@ -37,6 +37,7 @@ from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.newton_system import split
 from hybond.engine.mode.storage import coupled, own_stiffness, reach_of, stiff, with_stored
 from hybond.engine.model import node_name, value
+from hybond.engine.reasons.facts import disagree, refuse_jump
 from hybond.engine.words import Floats
 
 TINY: Final = 2.2250738585072014e-296
@@ -158,6 +159,8 @@ def check_agreement(e: Engine, mode: Mode, v: Floats) -> int:
         if math.fabs(total) <= AGREE * size:
             continue
         why = "sources prescribe the same variable and differ"
+        if m.tells != 0:
+            return disagree(e, mode, r, total, why)
         return say_fault(e, "HB-C101", why, node_name(m, place) if place >= 0 else "")
     return OK
 
@@ -564,6 +567,8 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
             1e-9 * most
         ):
             why = "no redistribution of what is stored meets the constraints of this mode"
+            if m.tells != 0:
+                return refuse_jump(e, mode, "HB-N303", why)
             return say_fault(e, "HB-N303", why, "")
         best = min(best, worst)
         for a in range(areas):
@@ -572,6 +577,8 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
     residual(e, mode, v, w.here)
     for i in range(count):
         if not math.fabs(w.gap.at[i]) <= 1e-9 * w.gap_size.at[i]:
+            if m.tells != 0:
+                return refuse_jump(e, mode, "HB-N304", "the jump into this mode does not converge")
             return say_fault(e, "HB-N304", "the jump into this mode does not converge", "")
     return OK
 

@@ -14,6 +14,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.doubts import tell_open_rule, warn_of_open
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import (
@@ -31,6 +32,7 @@ from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, te
 from hybond.engine.instant.trial import a_priori, measure_trial, refuse_pair, show_trial
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.model import machine_name, rule_text, value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -261,13 +263,20 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             if not is_asked(e, k, r, e.trial.state[k]):
                 continue
             if e.trial.loose > 0 and is_indeterminate(e, r):
-                why = "a guard reads what the equations leave open"
-                say_fault(e, "HB-J102", why, rule_text(m, r))
-                return -1
+                if m.tells != 0 and m.decided != 0:
+                    warn_of_open(e, r)
+                else:
+                    why = "a guard reads what the equations leave open"
+                    say_fault(e, "HB-J102", why, rule_text(m, r))
+                    if m.tells != 0:
+                        tell_open_rule(e, r)
+                    return -1
             measure_trial(e, r)
             true = holds(m, r, stack)
             if stack.refused != 0:
                 refuse_pair(e, t, rule_text(m, r))
+                if m.tells != 0:
+                    add_fact(e.fault, float(r))
                 return -1
             if true and not chosen:
                 chosen = True
@@ -283,7 +292,7 @@ def is_indeterminate(e: Engine, rule: int) -> bool:
     """
     m = e.model
     n = 2 * m.bonds
-    if m.decided != 0:
+    if m.decided != 0 and m.tells == 0:
         return False
     most = 1.0
     for k in range(n):

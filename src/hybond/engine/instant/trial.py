@@ -31,13 +31,15 @@ from hybond.engine.expressions.pairs import (
     clear,
     is_impulsive,
 )
+from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import set_values
-from hybond.engine.model import node_name
+from hybond.engine.model import node_name, stored_name
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats, Ints, Text
@@ -143,6 +145,8 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
             measure_trial(e, m.rule_first[m.machines] + k)
             evaluate_pair(m, m.rule_first[m.machines] + k, stack)
             if stack.refused != 0:
+                if m.tells != 0:
+                    return refuse_integral(e, t, k)
                 return refuse_pair(e, t, "an integrated signal")
             if is_impulsive(stack, stack.top) and stack.impulse[stack.top] != 0.0:
                 trial.s[k] = s[k] + stack.impulse[stack.top]
@@ -231,6 +235,13 @@ def refuse_pair(e: Engine, t: float, place: Text) -> int:
     return REFUSED
 
 
+def refuse_integral(e: Engine, t: float, signal: int) -> int:
+    """Refuse arithmetic on impulses in the rate of an integrated signal."""
+    refuse_pair(e, t, stored_name(e.model, e.model.storages + signal))
+    add_fact(e.fault, -1.0 - float(signal))
+    return REFUSED
+
+
 def why_refused(code: int) -> Text:
     """Return what has no meaning at a jump."""
     if code == NOT_A_NUMBER:
@@ -297,4 +308,6 @@ def check_factors(e: Engine, t: float) -> int:
                 e.fault.t = t
                 return REFUSED
         at += n
+    if m.tells != 0:
+        warn_of_impulsive(e, e.mode)
     return OK

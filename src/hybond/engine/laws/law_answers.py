@@ -14,6 +14,7 @@ from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, quantity
 from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model, value
@@ -177,6 +178,8 @@ def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
         if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0 and r.loose[k] == 0:
             r.resting[k] = 0 if r.now.given[k] == NET and math.fabs(r.y[k]) > 0.0 else 1
     while solve_branches(e, r, q, h, False):
+        if m.tells != 0:
+            warn_of_second(e, r, q, h, False)
         broken = False
         for k in range(m.ports):
             if r.resting[k] != 0 and r.problem.branch[k] != 0:

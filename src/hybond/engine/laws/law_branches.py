@@ -53,10 +53,12 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws, Response
+from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import respond
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model, node_name
 from hybond.engine.planar.planar import find_disks
+from hybond.engine.reasons.facts import tell_ports
 from hybond.engine.words import Floats, float_table, int_table
 
 SHORT_STEP: Final = 1e-6
@@ -291,12 +293,16 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     for turn in range(4):
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
         if solve_branches(e, r, r.y, factor * h, True):
+            if m.tells != 0:
+                warn_of_second(e, r, r.y, factor * h, True)
             keep_answer(m, r)
             put_mode(m, r, r.answer, False, True)
             return 1
     if dust:
         return 0  # rounding has no solution; what lasts is decided without it
     no_branches(e, r, who)
+    if m.tells != 0:
+        tell_ports(e, r, True)
     return -1
 
 

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from hybond.engine.algebra.blocks import Places, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
 from hybond.engine.model import Model
@@ -67,6 +68,45 @@ class Response:
     e: Floats
     ce: Floats
     rate: Floats
+
+
+@record
+class Doubts:
+    """Room to look for a second solution of the laws: `apart` are the ports whose `w` differs.
+
+    `known` and `first_w` are the active pairs and ``w`` of the solution of one-sided laws that is
+    found from nothing, `of_w` what a difference to it is measured by.
+    """
+
+    problem: LawProblem
+    start: Ints
+    apart: Ints
+    w: Floats
+    largest: float
+    scale: Floats
+    down: Floats
+    square: Floats
+    known: Ints
+    first_w: Floats
+    of_w: Floats
+    weight: Floats
+
+
+def make_doubts(n: int) -> Doubts:
+    """Return room for n ports."""
+    d = Doubts()
+    d.problem = make_law_problem(n)
+    d.start = ints(n)
+    d.apart = ints(n)
+    d.w = floats(n)
+    d.scale = floats(n)
+    d.down = floats(n)
+    d.square = floats(n * n)
+    d.known = ints(n)
+    d.first_w = floats(n)
+    d.of_w = floats(n)
+    d.weight = floats(n)
+    return d
 
 
 @record
@@ -159,6 +199,10 @@ class Laws:
     broken_target: Ints
     sweep: bool
     """Whether approaches that are only rounding are taken away, as guards ask in vain."""
+    rules_held: int
+    rule_held: Places
+    """Rules that held in the branches tried at an instant."""
+    doubts: Doubts
 
 
 def make_ports(place: int, m: Model) -> Ports:
@@ -247,4 +291,7 @@ def make_laws(m: Model) -> Laws:
     r.asked_at = ints(TURNED * m.machines)
     r.broken_machine = ints(2 * m.machines)
     r.broken_target = ints(2 * m.machines)
+    if m.tells != 0:
+        r.rule_held = make_places(8)
+        r.doubts = make_doubts(n)
     return r

@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.instant.jump import JUMPS, STAYS, check_agreement
@@ -26,6 +27,7 @@ from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.model import Model, machine_name, node_name
 from hybond.engine.planar.planar import put_headings
+from hybond.engine.reasons.facts import add_fact, tell_ports
 from hybond.engine.words import Floats, Ints
 
 LIMIT_ROUNDING: Final = 1e-6
@@ -55,6 +57,8 @@ def enter_with_laws(
     take_instant(e, r, t, s, state)
     r.jumping = jump
     r.struck = False
+    if m.tells != 0:
+        r.rules_held = 0
     if jump:
         found = find_jumping(e, r, x)
         if found < 0:
@@ -88,6 +92,9 @@ def enter_with_laws(
         turn += 1
     why = "no branches of the junction laws stand: several answers may fit, or values lie too far"
     say_fault(e, "HB-J111", why, machine_name(m, m.port_machine[0]))
+    if m.tells != 0:
+        for k in range(r.rules_held):
+            add_fact(e.fault, float(r.rule_held.at[k]))
     e.fault.t = t
     return REFUSED
 
@@ -132,6 +139,8 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
             return found
     if not r.solved:
         no_branches(e, r, 0)
+        if m.tells != 0:
+            tell_ports(e, r, False)
         return STOPS
     # last of all what is violated is turned, which is accepted only if it stands as well
     at = 0
@@ -248,12 +257,26 @@ def find_broken(e: Engine, r: Laws) -> int:
             true = holds(m, rule, stack)
             if stack.refused != 0:
                 say_fault(e, "HB-J101", "a value is not a number", machine_name(m, k))
+                if m.tells != 0:
+                    add_fact(e.fault, float(rule))
                 return STOPS
             if true:
+                if m.tells != 0:
+                    note_held(r, rule)
                 r.broken_machine[r.broken] = k
                 r.broken_target[r.broken] = m.rule_target[rule]
                 r.broken += 1
     return BROKEN if r.broken > 0 else STANDS
+
+
+def note_held(r: Laws, rule: int) -> None:
+    """Note a rule of a law that held, once."""
+    for k in range(r.rules_held):
+        if r.rule_held.at[k] == rule:
+            return
+    grow_places(r.rule_held, r.rules_held + 1)
+    r.rule_held.at[r.rules_held] = rule
+    r.rules_held += 1
 
 
 def note_state(m: Model, r: Laws) -> None:
@@ -325,6 +348,10 @@ def check_limits(e: Engine, t: float, v: Floats) -> int:
             why = "friction breaks loose at less than it slides with"
         if min(limit, most) < -LIMIT_ROUNDING * size or most < limit - LIMIT_ROUNDING * size:
             say_fault(e, "HB-N407", why, node_name(m, m.port_node[k]))
+            if m.tells != 0:
+                add_fact(e.fault, float(m.port_machine[k]))
+                add_fact(e.fault, limit)
+                add_fact(e.fault, most)
             e.fault.t = t
             return REFUSED
     return OK

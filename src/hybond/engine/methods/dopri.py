@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.scale import controlled, error_norm, tolerance
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
@@ -83,6 +84,8 @@ def dopri_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
         if field(e, e.mode, t, s.y, s.f) != OK:
             return NOT_FINITE
         if not all_finite(n, s.f):
+            if e.model.tells != 0:
+                return no_rate(e, n, 0.0, s.f, s.f)
             return say_fault(e, "HB-N202", "the derivative is not finite", "")
     tolerance(e, s.y, s.y, s.scale)
     s.controlled = controlled(n, s.scale)
@@ -190,6 +193,10 @@ def dopri_step(e: Engine, t_end: float) -> int:
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
         if smaller < smallest:
+            if e.model.tells != 0 and math.isfinite(error):
+                return step_too_small(e, n, h, s.error, s.scale)
+            if e.model.tells != 0 and not e.refusal:
+                return no_rate(e, n, h, s.rate, s.y1)
             if not math.isfinite(error):
                 return not_finite(e)
             return say_fault(e, "HB-N201", "step size underflow", "")
@@ -226,6 +233,8 @@ def dopri_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     error = attempt(e, t_end)
     if not math.isfinite(error):
+        if e.model.tells != 0 and not e.refusal:
+            return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
         return not_finite(e)
     accept(e, t_end, e.states)
     return OK

@@ -12,7 +12,13 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.radau_room import PIECES, Radau
+from hybond.engine.methods.radau_room import (
+    ERROR_BLAMED,
+    PIECES,
+    RATE_BLAMED,
+    STAGES_BLAMED,
+    Radau,
+)
 from hybond.engine.methods.radau_stages import (
     FRESH_MATRIX,
     ITERATIONS,
@@ -144,9 +150,13 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     n = r.n
     r.shrink = 0.5
     r.beyond = False
+    if e.model.tells != 0:
+        r.blamed = RATE_BLAMED
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
     found = iterate_stages(e, r, rtol)
+    if e.model.tells != 0:
+        r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
         if found == STAGES_BEYOND:
             r.beyond = True

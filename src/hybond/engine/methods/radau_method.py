@@ -1,8 +1,11 @@
 """Radau IIA as a method that a run may ask for: start, step, retry, and what is between."""
 
+import math
+
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, not_finite
+from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.radau import (
     STEP_BEYOND,
     STEP_MADE,
@@ -10,6 +13,7 @@ from hybond.engine.methods.radau import (
     retry_radau,
     step_radau,
 )
+from hybond.engine.methods.radau_room import ERROR_BLAMED, STAGES_BLAMED, Radau
 from hybond.engine.methods.radau_stages import rate_at
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.words import Floats
@@ -22,6 +26,8 @@ def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     forget = jumped or not s.started
     if goes_elsewhere(e, t, y, forget):
         if rate_at(e, n, t, s.y, s.f) != OK:
+            if e.model.tells != 0 and not e.refusal:
+                return no_rate(e, n, 0.0, s.f, s.f)
             return not_finite(e)
         begin_radau(e.radau, forget)
     tolerance(e, s.y, s.y, s.scale)
@@ -52,9 +58,27 @@ def radau_step(e: Engine, t_end: float) -> int:
 
 def radau_failed(e: Engine, made: int) -> int:
     """Say why no step is small enough."""
+    if e.model.tells != 0 and not e.refusal and (made == STEP_BEYOND or e.radau.beyond):
+        return no_rate(e, e.states, e.radau.h, e.radau.end, e.radau.f1)
     if made == STEP_BEYOND or e.radau.beyond:
         return not_finite(e)
+    if e.model.tells != 0:
+        return radau_too_small(e, e.radau)
     return say_fault(e, "HB-N201", "step size underflow", "")
+
+
+def radau_too_small(e: Engine, r: Radau) -> int:
+    """Refuse a step that would have to be too small, with the state that is to blame."""
+    n = r.n
+    for i in range(n):
+        last = max(math.fabs(r.last[i]), math.fabs(r.last[n + i]))
+        r.shifted[i] = r.f0[i]
+        if r.blamed == STAGES_BLAMED:
+            r.shifted[i] = max(last, math.fabs(r.last[2 * n + i]))
+        elif r.blamed == ERROR_BLAMED:
+            r.shifted[i] = r.error_vector[i]
+    tolerance(e, r.y0, r.y0, r.other)
+    return step_too_small(e, n, r.h, r.shifted, r.other)
 
 
 def radau_retry(e: Engine, t_end: float) -> int:

@@ -7,6 +7,12 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 
 PIECES: Final = 16
 """Steps that the repetition of one may fall apart into."""
+RATE_BLAMED: Final = 0
+"""The rates where it starts: no factors were found."""
+STAGES_BLAMED: Final = 1
+"""Stages that do not converge."""
+ERROR_BLAMED: Final = 2
+"""Its error."""
 
 
 @record
@@ -71,6 +77,8 @@ class Radau:
     x_re: Floats
     x_im: Floats
     number: Complex
+    blamed: int
+    """What is to blame if the step tried is too long: see RATE_BLAMED and the like."""
 
     # to repeat the last step: where it started, and the memory that it was made with
     start: float

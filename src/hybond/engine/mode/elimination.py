@@ -10,6 +10,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
@@ -18,6 +26,10 @@ CLEAR: Final = 1e-9
 """A sum above this part of its terms has digits enough."""
 NOISE: Final = 1e-14
 """A sum below this part of its terms may be nothing but rounding."""
+SMALLEST: Final = 4
+"""Entries that a row has room for at the least."""
+NOWHERE: Final = -1
+"""No entry, or the end of a list."""
 USED: Final = -1
 """What `add_row` says of a row that determined an unknown."""
 
@@ -26,8 +38,9 @@ USED: Final = -1
 class Elimination:
     """Unknown columns come first, knowns after them.
 
-    Row k of `entry`, `columns` long, says ``unknown k + sum = 0`` where ``solved[k]``; its columns
-    that are not zero are the ``count[k]`` first ones in row k of `column`.
+    Row k says ``unknown k + sum = 0`` where ``solved[k]``: the sum of the entries ``first[k] <= i <
+    first[k] + count[k]`` of `column` and `entry`, each column once. Rows that need more room move
+    to the end.
     """
 
     unknowns: int
@@ -38,11 +51,21 @@ class Elimination:
     order: Ints
     """The unknowns that are solved, in the order in which they were."""
     done: int
+    first: Ints
     count: Ints
-    column: Ints
-    entry: Floats
+    room: Ints
+    """How many entries there is room for in each row."""
+    end: int
+    """Where the next row goes."""
+    column: Places
+    entry: Block
     used: Ints
     """In how many rows each free unknown is."""
+    user: Ints
+    """Of each unknown: the first of a list of rows that it is in, or was."""
+    cells: int
+    cell_row: Places
+    cell_next: Places
     least: float
     dropped: float
     # a row under way
@@ -51,6 +74,8 @@ class Elimination:
     met: Ints
     mark: Ints
     width: int
+    place: Ints
+    """Of the columns of one row: where they stand, elsewhere NOWHERE."""
     # the row to be added, column by column
     given: int
     given_column: Ints
@@ -65,14 +90,22 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.same = ints(unknowns)
     e.solved = ints(unknowns)
     e.order = ints(unknowns)
+    e.first = ints(unknowns)
     e.count = ints(unknowns)
-    e.column = ints(unknowns * columns)
-    e.entry = floats(unknowns * columns)
+    e.room = ints(unknowns)
+    e.column = make_places(SMALLEST * unknowns)
+    e.entry = make_block(SMALLEST * unknowns)
     e.used = ints(unknowns)
+    e.user = ints(unknowns)
+    e.cell_row = make_places(SMALLEST * unknowns)
+    e.cell_next = make_places(SMALLEST * unknowns)
     e.total = floats(columns)
     e.size = floats(columns)
     e.met = ints(columns)
     e.mark = ints(columns)
+    e.place = ints(columns)
+    for k in range(columns):
+        e.place[k] = NOWHERE
     e.given_column = ints(columns)
     e.given_value = floats(columns)
     begin_elimination(e)
@@ -85,13 +118,58 @@ def begin_elimination(e: Elimination) -> None:
     e.least = 1.0
     e.dropped = 0.0
     e.given = 0
+    e.end = 0
+    e.cells = 0
     for k in range(e.unknowns):
         e.same[k] = k
         e.solved[k] = 0
         e.used[k] = 0
-        for i in range(e.count[k]):
-            e.entry[k * e.columns + e.column[k * e.columns + i]] = 0.0
         e.count[k] = 0
+        e.room[k] = 0
+        e.user[k] = NOWHERE
+
+
+def make_room(e: Elimination, k: int, many: int) -> None:
+    """Make room for so many entries in row k; those there are kept."""
+    if many <= e.room[k]:
+        return
+    room = max(many + many // 2, SMALLEST)
+    grow_places(e.column, e.end + room)
+    grow_block(e.entry, e.end + room)
+    for i in range(e.count[k]):
+        e.column.at[e.end + i] = e.column.at[e.first[k] + i]
+        e.entry.at[e.end + i] = e.entry.at[e.first[k] + i]
+    e.first[k] = e.end
+    e.room[k] = room
+    e.end += room
+
+
+def append_entry(e: Elimination, k: int, column: int, value: float) -> None:
+    """Add an entry to row k; there is none in that column."""
+    make_room(e, k, e.count[k] + 1)
+    at = e.first[k] + e.count[k]
+    e.column.at[at] = column
+    e.entry.at[at] = value
+    e.count[k] += 1
+
+
+def note_user(e: Elimination, k: int, row: int) -> None:
+    """Note that a free unknown is in a row."""
+    grow_places(e.cell_row, e.cells + 1)
+    grow_places(e.cell_next, e.cells + 1)
+    e.cell_row.at[e.cells] = row
+    e.cell_next.at[e.cells] = e.user[k]
+    e.user[k] = e.cells
+    e.cells += 1
+    e.used[k] += 1
+
+
+def find_entry(e: Elimination, k: int, column: int) -> int:
+    """Return where the entry of row k in a column stands, or NOWHERE."""
+    for i in range(e.first[k], e.first[k] + e.count[k]):
+        if e.column.at[i] == column:
+            return i
+    return NOWHERE
 
 
 def first_of(e: Elimination, k: int) -> int:
@@ -127,12 +205,15 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
         e.same[k] = source.same[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
-        e.used[k] = source.used[k]
+        if source.count[k] > 0:
+            make_room(e, k, source.count[k])
+        for i in range(source.count[k]):
+            column = source.column.at[source.first[k] + i]
+            e.column.at[e.first[k] + i] = column
+            e.entry.at[e.first[k] + i] = source.entry.at[source.first[k] + i]
+            if column < e.unknowns:
+                note_user(e, column, k)
         e.count[k] = source.count[k]
-        for i in range(e.count[k]):
-            at = k * e.columns + i
-            e.column[at] = source.column[at]
-            e.entry[k * e.columns + e.column[at]] = source.entry[k * e.columns + e.column[at]]
 
 
 def give(e: Elimination, column: int, value: float) -> None:
@@ -177,10 +258,8 @@ def reduce_row(e: Elimination) -> None:
         if column >= e.unknowns or e.solved[column] == 0:
             meet(e, column, c)
             continue
-        row = column * e.columns
-        for i in range(e.count[column]):
-            at = e.column[row + i]
-            meet(e, at, -c * e.entry[row + at])
+        for i in range(e.first[column], e.first[column] + e.count[column]):
+            meet(e, e.column.at[i], -c * e.entry.at[i])
     e.given = 0
     drop_zeros(e)
 
@@ -222,68 +301,67 @@ def add_row(e: Elimination) -> int:
 def solve_for(e: Elimination, pivot: int) -> None:
     """Let the row under way determine an unknown, and put it into the other rows."""
     scale = e.total[pivot]
-    row = pivot * e.columns
-    n = 0
+    make_room(e, pivot, e.width)
     for i in range(e.width):
         k = e.met[i]
         if k != pivot:
-            e.column[row + n] = k
-            e.entry[row + k] = e.total[k] / scale
-            n += 1
-    e.count[pivot] = n
+            append_entry(e, pivot, k, e.total[k] / scale)
     e.solved[pivot] = 1
-    left = e.used[pivot]
     e.used[pivot] = 0
-    user = 0
-    while left > 0:
-        if user != pivot and e.solved[user] != 0 and e.entry[user * e.columns + pivot] != 0.0:
+    cell = e.user[pivot]
+    while cell != NOWHERE:
+        user = e.cell_row.at[cell]
+        if user != pivot and find_entry(e, user, pivot) != NOWHERE:
             replace_in(e, user, pivot)
-            left -= 1
-        user += 1
+        cell = e.cell_next.at[cell]
+    e.user[pivot] = NOWHERE
     e.order[e.done] = pivot
     e.done += 1
-    for i in range(n):
-        k = e.column[row + i]
-        if k < e.unknowns:
-            e.used[k] += 1
+    for i in range(e.first[pivot], e.first[pivot] + e.count[pivot]):
+        if e.column.at[i] < e.unknowns:
+            note_user(e, e.column.at[i], pivot)
 
 
 def replace_in(e: Elimination, user: int, pivot: int) -> None:
     """Put the row of `pivot` into that of `user`."""
-    row = user * e.columns
-    c = e.entry[row + pivot]
-    forget(e, user, pivot)
-    for i in range(e.count[pivot]):
-        k = e.column[pivot * e.columns + i]
-        change = c * e.entry[pivot * e.columns + k]
-        old = e.entry[row + k]
+    make_room(e, user, e.count[user] + e.count[pivot])
+    first = e.first[user]
+    for i in range(e.count[user]):
+        e.place[e.column.at[first + i]] = i
+    c = e.entry.at[first + e.place[pivot]]
+    e.entry.at[first + e.place[pivot]] = 0.0
+    for i in range(e.first[pivot], e.first[pivot] + e.count[pivot]):
+        k = e.column.at[i]
+        change = c * e.entry.at[i]
+        at = e.place[k]
+        old = e.entry.at[first + at] if at != NOWHERE else 0.0
         new = old - change
         if cancels(e, new, math.fabs(old) + math.fabs(change)):
-            if old != 0.0:
-                forget(e, user, k)
+            if at != NOWHERE:
+                e.entry.at[first + at] = 0.0
                 if k < e.unknowns:
                     e.used[k] -= 1
             continue
-        if old == 0.0:
-            e.column[row + e.count[user]] = k
-            e.count[user] += 1
+        if at == NOWHERE:
+            append_entry(e, user, k, new)
             if k < e.unknowns:
-                e.used[k] += 1
-        e.entry[row + k] = new
+                note_user(e, k, user)
+        else:
+            e.entry.at[first + at] = new
+    tidy_row(e, user)
 
 
-def forget(e: Elimination, user: int, k: int) -> None:
-    """Take a column out of a row."""
-    row = user * e.columns
-    n = e.count[user]
-    i = 0
-    while e.column[row + i] != k:
-        i += 1
-    while i + 1 < n:
-        e.column[row + i] = e.column[row + i + 1]
-        i += 1
-    e.count[user] = n - 1
-    e.entry[row + k] = 0.0
+def tidy_row(e: Elimination, k: int) -> None:
+    """Take what is zero out of a row, and what is known of where its columns stand."""
+    kept = 0
+    first = e.first[k]
+    for i in range(e.count[k]):
+        e.place[e.column.at[first + i]] = NOWHERE
+        if e.entry.at[first + i] != 0.0:
+            e.column.at[first + kept] = e.column.at[first + i]
+            e.entry.at[first + kept] = e.entry.at[first + i]
+            kept += 1
+    e.count[k] = kept
 
 
 def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
@@ -294,31 +372,31 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
     """
     for done in range(e.done):
         user = e.order[done]
-        row = user * e.columns
+        first = e.first[user]
         met = 0
-        for k in range(known.unknowns):
-            if told[k] != 0 and e.entry[row + shift + k] != 0.0:
+        for i in range(first, first + e.count[user]):
+            if is_told(known, shift, told, e.column.at[i]):
+                e.place[e.column.at[i]] = i
                 met += 1
         if met == 0:
             continue
         e.width = 0
-        for i in range(e.count[user]):
-            column = e.column[row + i]
-            if not is_told(known, shift, told, column):
-                meet(e, column, e.entry[row + column])
+        for i in range(first, first + e.count[user]):
+            if e.place[e.column.at[i]] == NOWHERE:
+                meet(e, e.column.at[i], e.entry.at[i])
+        # in the order of what is told: sums follow it
         for k in range(known.unknowns):
-            if told[k] == 0 or e.entry[row + shift + k] == 0.0:
+            at = e.place[shift + k]
+            if at == NOWHERE:
                 continue
-            for i in range(known.count[k]):
-                j = known.column[k * known.columns + i]
-                meet(e, shift + j, -e.entry[row + shift + k] * known.entry[k * known.columns + j])
+            e.place[shift + k] = NOWHERE
+            for i in range(known.first[k], known.first[k] + known.count[k]):
+                meet(e, shift + known.column.at[i], -e.entry.at[at] * known.entry.at[i])
         drop_zeros(e)
-        for i in range(e.count[user]):
-            e.entry[row + e.column[row + i]] = 0.0
-        e.count[user] = e.width
+        e.count[user] = 0
+        make_room(e, user, e.width)
         for i in range(e.width):
-            e.column[row + i] = e.met[i]
-            e.entry[row + e.met[i]] = e.total[e.met[i]]
+            append_entry(e, user, e.met[i], e.total[e.met[i]])
 
 
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:

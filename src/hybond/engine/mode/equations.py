@@ -21,13 +21,14 @@ from hybond.engine.engine import (
 )
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.dynamic_rows import frozen_at
-from hybond.engine.mode.elimination import Elimination, is_free
+from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.newton_system import system
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on
 from hybond.engine.model import Model
+from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
 from hybond.engine.words import Floats, Ints, some
 
 RANK_TOLERANCE: Final = 1e-10
@@ -54,8 +55,25 @@ def mode_of(e: Engine, state: Ints) -> int:
         e.given[j] = 0
     mode.opened = False
     make_equations(e, mode, e.given)
+    if m.tells != 0:
+        look_at_digits(e, mode)
     e.modes_built += 1
     return check_depth(e, mode)
+
+
+def look_at_digits(e: Engine, mode: Mode) -> None:
+    """Warn, once in a run, of values so far apart that sums of them lose their digits."""
+    w = e.warned
+    least = min(e.work.power.least, e.work.finite.least)
+    dropped = max(e.work.power.dropped, e.work.finite.dropped)
+    if w.far_apart or mode.too_high or (least >= CLEAR and dropped == 0.0):
+        return
+    w.far_apart = True
+    begin_warning(w, FAR_APART, e.t)
+    add_about(w, least)
+    add_about(w, dropped)
+    for k in range(e.model.machines):
+        add_about(w, float(mode.state[k]))
 
 
 def check_depth(e: Engine, mode: Mode) -> int:
@@ -143,8 +161,8 @@ def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
     n = x.unknowns
     entries = 0
     for k in range(n):
-        for i in range(x.count[k]):
-            if x.column[k * x.columns + i] >= n:
+        for i in range(x.first[k], x.first[k] + x.count[k]):
+            if x.column.at[i] >= n:
                 entries += 1
     fit_rows(rows, n, entries)
     entries = 0
@@ -153,19 +171,19 @@ def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
         if x.solved[k] == 0 or x.same[k] != k:
             continue
         begin = entries
-        for i in range(x.count[k]):
-            j = x.column[k * x.columns + i] - n
-            if j < 0 or j >= knowns or x.entry[k * x.columns + n + j] == 0.0:
+        for i in range(x.first[k], x.first[k] + x.count[k]):
+            j = x.column.at[i] - n
+            if j < 0 or j >= knowns:
                 continue
             # in the order of knowns, which sums follow
             at = entries
             while at > begin and rows.column.at[at - 1] > j:
                 rows.column.at[at] = rows.column.at[at - 1]
+                rows.value.at[at] = rows.value.at[at - 1]
                 at -= 1
             rows.column.at[at] = j
+            rows.value.at[at] = -x.entry.at[i]
             entries += 1
-        for i in range(begin, entries):
-            rows.value.at[i] = -x.entry[k * x.columns + n + rows.column.at[i]]
     rows.first.at[n] = entries
 
 
@@ -178,8 +196,8 @@ def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
             if row == column[j]:
                 block.at[k * frees + j] = 1.0
             else:
-                entry = x.entry[row * x.columns + column[j]]
-                block.at[k * frees + j] = -entry if entry != 0.0 else 0.0
+                at = find_entry(x, row, column[j])
+                block.at[k * frees + j] = -x.entry.at[at] if at != NOWHERE else 0.0
 
 
 def take_constraints(e: Engine, mode: Mode) -> None:
@@ -196,10 +214,9 @@ def take_constraints(e: Engine, mode: Mode) -> None:
         mode.constraints.column.at[entries] = pivot
         mode.constraints.value.at[entries] = 1.0
         entries += 1
-        for i in range(table.count[pivot]):
-            k = table.column[pivot * table.columns + i]
-            mode.constraints.column.at[entries] = k
-            mode.constraints.value.at[entries] = table.entry[pivot * table.columns + k]
+        for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
+            mode.constraints.column.at[entries] = table.column.at[i]
+            mode.constraints.value.at[entries] = table.entry.at[i]
             entries += 1
     mode.constraints.first.at[table.done] = entries
     w = e.work

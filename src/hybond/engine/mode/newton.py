@@ -25,6 +25,7 @@ from hybond.engine.mode.newton_system import (
 )
 from hybond.engine.mode.storage import co_energy
 from hybond.engine.model import node_name, value
+from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 
 STEPS: Final = 40
@@ -132,6 +133,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         return OK
     mode.guessed = False
     say_fault(e, "HB-N301", "laws have no solution near the last one", first_place(e, mode))
+    if e.model.tells != 0:
+        tell_laws(e, mode)
     e.fault.t = v[0]
     return NOT_FINITE
 
@@ -183,9 +186,14 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
             d = mode.dynamic[i]
             place = node_name(m, m.dynamic_node[d]) if d >= 0 else "a constraint's derivative"
             say_fault(e, "HB-N302", "a law has no finite value or slope", place)
+            if m.tells != 0:
+                element = m.dynamic_node[d] if d >= 0 else NO_ELEMENT
+                tell_law(e, mode, element, dynamic_value(e, mode, i, v))
             e.fault.t = v[0]
             return NOT_FINITE
     say_fault(e, "HB-N302", "the equations overflow", "")
+    if m.tells != 0:
+        tell_law(e, mode, OVERFLOW, 0.0)
     e.fault.t = v[0]
     return NOT_FINITE
 

@@ -254,8 +254,8 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     for c in range(table.done):
         pivot = table.order[c]
         told[pivot] = 1
-        for i in range(table.count[pivot]):
-            k = table.column[pivot * table.columns + i] - m.storages
+        for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
+            k = table.column.at[i] - m.storages
             if k >= 0 and not is_source_timed(m, mode, k):
                 told[pivot] = 0
     if table.done > 0:
@@ -281,8 +281,8 @@ def is_constant(e: Engine, mode: Mode, pivot: int) -> bool:
     m = e.model
     table = e.work.table
     constant = is_linear(m, pivot)
-    for i in range(table.count[pivot]):
-        k = table.column[pivot * table.columns + i]
+    for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
+        k = table.column.at[i]
         if k < m.storages:
             constant = constant and is_linear(m, k)
         elif mode.source[k - m.storages] >= 0:
@@ -299,9 +299,9 @@ def give_hidden(e: Engine, mode: Mode, pivot: int, value0: int) -> None:
     for k in range(2 * m.bonds):
         row[k] = 0.0
     add_rates(m, row, pivot, 1.0)
-    for i in range(table.count[pivot]):
-        k = table.column[pivot * table.columns + i]
-        c = table.entry[pivot * table.columns + k]
+    for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
+        k = table.column.at[i]
+        c = table.entry.at[i]
         if k < m.storages:
             add_rates(m, row, k, c)
         elif has_rate(m, mode, k - m.storages):

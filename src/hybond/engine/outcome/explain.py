@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from hybond.engine.tables import ModelTables
 from hybond.engine.tables.contacts import rules_of
 from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import names
-from hybond.model.graph import Mode
+from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
 from hybond.modes.signals import named_rows
 from hybond.trace import Energy, Fired, Step, StepKind
@@ -41,8 +42,14 @@ class Explaining:
 
     def __init__(self, tables: ModelTables) -> None:
         graph = self.graph = tables.graph
-        self._rules = [f.rule for own in rules_of(graph) for f in own]
-        self._surfaces = surfaces_of(graph)
+        ruled = [
+            (machine, f.rule)
+            for machine, own in zip(graph.machines, rules_of(graph), strict=True)
+            for f in own
+        ]
+        self._rules = [rule for _, rule in ruled]
+        self._ruled = [machine for machine, _ in ruled]
+        self.surfaces = surfaces_of(graph)
         self._bonds = tables.bonds
         rows = named_rows(graph)
         self._names = rows.names
@@ -110,11 +117,24 @@ class Explaining:
         numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
         return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
 
-    def open_reads(self, text: str) -> str:
-        """Return what the rule of a text reads of bond variables, as written."""
-        rule = next(r for r in self._rules if r.text == text)
-        free = tuple(n for n, e in rule.reads if any(a[:2] in ("e:", "f:") for a in names(e)))
-        return ", ".join(free)
+    def rule(self, number: int) -> Rule:
+        """Return a rule by its number in the library."""
+        return self._rules[number]
+
+    def machine_of(self, rule: int) -> Machine:
+        """Return the machine of a rule."""
+        return self._ruled[rule]
+
+    def guard_on_open(self, rule: int, free: Sequence[int], mode: Mode) -> str:
+        """Say that a guard reads what the equations of a mode leave open: variables `free`."""
+        guard = self._rules[rule]
+        bonds = len(self.graph.bonds)
+        moved = {f"{'e' if k < bonds else 'f'}:{k % bonds}" for k in free}
+        read = ", ".join(name for name, e in guard.reads if names(e) & moved)
+        return (
+            f"the guard {guard.text!r} reads {read}, which the equations leave open "
+            f"in mode ({self.graph.mode_text(mode)})"
+        )
 
     def _fired(self, found: Instants, f: int) -> Fired:
         rows = found.rows
@@ -135,7 +155,7 @@ class Explaining:
                 self._rules[r].text for r in rows.over[found.over[f] : found.over[f + 1]].tolist()
             )
         elif why in (SLIDES_ON, SLIDES_OFF):
-            text = self._surfaces[int(reads[0][0])].text
+            text = self.surfaces[int(reads[0][0])].text
             longer = "" if why == SLIDES_ON else "no longer "
             guard = f"{text}: {longer}pushed into from both sides"
         else:

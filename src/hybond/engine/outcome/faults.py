@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hybond.causality.assign import assign
-from hybond.causality.explain import describe_conflict
+from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
+from hybond.engine.outcome.refusals import Said, said_of
 from hybond.errors import (
     CausalityError,
     DivergenceOfTime,
@@ -20,6 +20,7 @@ from hybond.trace import Fired
 
 HINTS = {
     "HB-C101": "put a resistor between them, or change the rule that switches them together",
+    "HB-C103": "a controlled source prescribes what it also measures; add storage or resistance",
     "HB-C104": "two sources or switches leave nothing for the law to decide: look at what stands "
     "in parallel or in series with it",
     "HB-C105": "friction in two directions needs inertia at both of its junctions",
@@ -52,7 +53,6 @@ HINTS = {
     "HB-N408": "tighten rtol, or take solver = 'rk45'",
     "HB-N409": "a model as stiff as that wants solver = 'auto' or 'radau'; else raise max_steps",
 }
-OPPOSED = "give the flow of a source another way, or the source a resistance"
 KINDS: dict[str, type[HybondError]] = {
     "HB-C": CausalityError,
     "HB-J": ModelError,
@@ -68,19 +68,14 @@ class Fault:
 
     Parameters
     ----------
-    code, why, place : str
-    t : float
-        s.
+    refusal : Refusal
     mode : Mode
         That was tried, or in which time passed.
     limits : dict
         Numbers of the run that it may have come up against, by the name of their option.
     """
 
-    code: str
-    why: str
-    place: str
-    t: float
+    refusal: Refusal
     mode: Mode
     limits: dict[str, float]
 
@@ -89,68 +84,36 @@ def error_of(
     fault: Fault, graph: FlatGraph, explain: Explaining, broken: tuple[Instants, int] | None
 ) -> HybondError:
     """Return a fault as a refusal; `broken` is the instant that could not be settled."""
-    kind = NumericsError if fault.code in NUMERICS else KINDS.get(fault.code[:4], NumericsError)
+    refusal = fault.refusal
+    code = refusal.code
+    kind = NumericsError if code in NUMERICS else KINDS.get(code[:4], NumericsError)
     here = graph.mode_text(fault.mode)
-    now = f"at t = {fault.t:.9g} s"
-    why, where = f"{fault.why} {now}", fault.place or here
-    hint = HINTS.get(fault.code, "")
-    match fault.code:
-        case "HB-C101":
-            # the value that differs is found again by the chains of causality
-            why = " ".join([f"{fault.why} {now}.", *_conflicts(graph, fault.mode)])
-            where = here
-        case "HB-J101":
-            why = fault.why
-            where = f"{_owner(graph, fault.place)} {now}"
-        case "HB-J102":
-            why = f"{_guard(explain, fault)} in mode ({here})"
-            where = f"{_owner(graph, fault.place)} {now}"
-        case "HB-J110":
-            opposed = _conflicts(graph, fault.mode)
-            why = " ".join([f"the laws of {fault.place} have no solution {now}.", *opposed])
-            why, where = why.rstrip("."), here
-            hint = OPPOSED if opposed else hint
-        case "HB-N201":
-            blame = f"; {fault.place} dominates the error" if fault.place else ""
-            why = f"step size underflow {now}: no step is small enough{blame}"
-        case "HB-N202":
-            blame = f" of {fault.place}" if fault.place else ""
-            why = f"the derivative{blame} is not finite near t = {fault.t:.9g} s"
-        case "HB-N301":
-            why = f"the laws of {fault.place} have no solution near the last one {now}"
-            where = here
+    now = f"at t = {refusal.t:.9g} s"
+    said = Said(f"{refusal.why} {now}", refusal.place or here)
+    match code:
         case "HB-N401":
             kind = DivergenceOfTime
-            why, where = _cycle(fault, graph, explain, broken), here
+            said = _cycle(fault, graph, explain, broken)
         case "HB-N402":
             most = int(fault.limits["max_writes"])
-            why = f"{most} state writes {now} and still no mode to stay in"
+            said = Said(f"{most} state writes {now} and still no mode to stay in", here)
         case "HB-N403":
-            why = (
+            said = Said(
                 f"the mode ({here}) holds at an instant only (one of its laws reads pre()) but no "
-                f"guard leaves it {now}"
+                f"guard leaves it {now}",
+                here,
             )
         case "HB-N404":
-            why = f"more than {int(fault.limits['max_events'])} events by t = {fault.t:.9g} s"
+            most = int(fault.limits["max_events"])
+            said = Said(f"more than {most} events by t = {refusal.t:.9g} s", here)
         case "HB-N409":
             most = int(fault.limits["max_steps"])
-            why = f"{most} steps without an event by t = {fault.t:.9g} s"
-    return kind(why, code=fault.code, where=where, hint=hint)
-
-
-def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
-    base = tuple(0 if m.law is not None else k for m, k in zip(graph.machines, mode, strict=True))
-    return [describe_conflict(graph, base, c) for c in assign(graph, base).conflicts]
-
-
-def _owner(graph: FlatGraph, text: str) -> str:
-    """Return the machine that has a rule of this text; the text itself if none has."""
-    return next((m.path for m in graph.machines for r in m.rules if r.text == text), text)
-
-
-def _guard(explain: Explaining, fault: Fault) -> str:
-    read = explain.open_reads(fault.place)
-    return f"the guard {fault.place!r} reads {read}, which the equations leave open"
+            mean = f", of {refusal.about[0]:.3g} s in the mean" if refusal.about else ""
+            why = f"{most} steps without an event by t = {refusal.t:.9g} s{mean}"
+            said = Said(why, here)
+        case _:
+            said = said_of(refusal, graph, explain, fault.mode) or said
+    return kind(said.why, code=code, where=said.where, hint=said.hint or HINTS.get(code, ""))
 
 
 def _cycle(
@@ -158,9 +121,11 @@ def _cycle(
     graph: FlatGraph,
     explain: Explaining,
     broken: tuple[Instants, int] | None,
-) -> str:
-    """Return the modes that follow each other, each with what led to it."""
+) -> Said:
+    """Tell the modes that follow each other, each with what led to it."""
     lines: list[str] = []
+    focus: set[str] = set()
+    last = fault.mode
     if broken is not None:
         found, k = broken
         mode = found.before(k)
@@ -168,17 +133,25 @@ def _cycle(
         for v in range(int(found.visit[k]), int(found.visit[k + 1])):
             mode = explain.entered(found, v, mode)
             visited.append((mode, explain.fired(found, v)))
-        visited = visited[-_period([m for m, _ in visited]) - 1 :]
+        modes = [m for m, _ in visited]
+        period = _period(modes)
+        # the library finds a cycle some rounds after it has begun
+        begin = len(modes) - 1 - period
+        while begin > 0 and modes[begin - 1] == modes[begin - 1 + period]:
+            begin -= 1
+        visited = visited[begin : begin + period + 1]
         visited[0] = (visited[0][0], ())
         focus = {f.machine for _, fired in visited for f in fired}
+        last = visited[-1][0]
         for mode, fired in visited:
             why = "; ".join(_fired_text(f) for f in fired)
             lines.append(f"({graph.mode_text(mode, focus)})" + (f" by {why}" if why else ""))
-    return (
-        f"time cannot advance at t = {fault.t:.9g} s: the modes "
+    why = (
+        f"time cannot advance at t = {fault.refusal.t:.9g} s: the modes "
         + " -> ".join(lines)
         + " follow each other without end"
     )
+    return Said(why, graph.mode_text(last, focus))
 
 
 def _period(modes: list[Mode]) -> int:

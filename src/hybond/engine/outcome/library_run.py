@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from types import FrameType
 
 from hybond.engine.compiled.native import ACCUMULATES, REFUSED, NativeModel, NativeRun
+from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
@@ -195,19 +196,25 @@ class LibraryRun:
             Accumulation(t, None if math.isnan(ratio) else ratio, count, machine)
         )
         shrinking = "" if math.isnan(ratio) else f", intervals shrinking by {ratio:.6g}"
-        reason = STUCK[why] or f"{machine} cannot rest: its rebounds do not vanish"
+        unrest = self._native.unrest
+        no_solution = self._refused(unrest).why if unrest.code else ""
+        rest = f"{machine} cannot rest: {self.records.warnings.why_no_rest(no_solution)}"
+        reason = STUCK[why] or rest
         self.trace.warn(
             f"events of {machine} accumulate at t = {t:.9g} s{shrinking}: the run stops there; "
             f"{reason}"
         )
 
     def _error(self) -> HybondError:
-        code, why, place = self._native.fault
-        if code.startswith("HB-E"):
-            raise Declined(why)
+        refusal = self._native.fault
+        if refusal.code.startswith("HB-E"):
+            raise Declined(refusal.why)
+        return self._refused(refusal)
+
+    def _refused(self, refusal: Refusal) -> HybondError:
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
-        fault = Fault(code, why, place, self._native.fault_t, self._native.mode, limits)
+        fault = Fault(refusal, self._native.mode, limits)
         return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
 
 

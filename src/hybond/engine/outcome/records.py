@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.native import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.outcome.explain import LANDS, Explaining
+from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
-from hybond.equations.surfaces import surfaces_of
 from hybond.model.graph import Mode
 from hybond.programs.combined import Kind
 from hybond.programs.interval import interval_after
@@ -136,12 +136,12 @@ class Records:
         self.graph = tables.graph
         self.trace = trace
         self.explain = Explaining(tables)
+        self.warnings = Warnings(self.graph, self.explain)
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""
         self.mode: Mode = self.graph.start_mode
         self.t = 0.0
         self.steps = 0
-        self._surfaces = surfaces_of(self.graph)
         self._waiting: list[Steps] = []
         """Those of the segment that is not over."""
         self._combinations: list[tuple[Combination, int | None]] = [(ALONE, None)]
@@ -154,6 +154,8 @@ class Records:
         found = Instants(rows, self.mode) if len(rows.instant_time) else None
         if found is not None:
             self._add_instants(found)
+        for text in self.warnings.texts(rows):
+            self.trace.warn(text)
         if len(rows.step_time):
             self.t = float(rows.step_time[-1, 2])
             self.steps += len(rows.step_time)
@@ -279,7 +281,7 @@ class Records:
             number = None
             if new.surfaces:
                 number = len(self.trace.slidings)
-                surfaces = [self._surfaces[j] for j in new.surfaces]
+                surfaces = [self.explain.surfaces[j] for j in new.surfaces]
                 kind: Kind = "product" if new.product else "additive"
                 corners = corners_of(len(surfaces), kind)
                 self.trace.slidings.append(

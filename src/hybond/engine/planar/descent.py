@@ -14,6 +14,7 @@ from hybond.engine.engine import NOT_FINITE, OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import Model, machine_name
 from hybond.engine.planar.planar_records import Planar
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats
 
 DESCENT_PART: Final = 0.2
@@ -337,4 +338,9 @@ def no_end(e: Engine, t: float) -> int:
     place = machine_name(e.model, e.model.disk_machine[0])
     if say_fault(e, "HB-N408", "the end of this slip is not found", place) == REFUSED:
         e.fault.t = t
+    if e.model.tells != 0:
+        add_fact(e.fault, 1.0)
+        for d in range(e.model.disks):
+            if e.planar.ours[d] != 0:
+                add_fact(e.fault, float(e.model.disk_machine[d]))
     return ENDLESS

@@ -15,6 +15,7 @@ from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import rule_text, value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import ALL_PARTS, Locator
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 
@@ -85,6 +86,8 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     true = holds(m, g.pair[k], stack)
     if stack.refused != 0:
         refuse_pair(e, e.v[0], rule_text(m, g.rule[k]))
+        if m.tells != 0:
+            add_fact(e.fault, float(g.rule[k]))
         g.failed = True
     return true
 

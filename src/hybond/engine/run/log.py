@@ -21,6 +21,7 @@ from hybond.engine.algebra.blocks import (
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.methods.stepping import RADAU
+from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, floats, record
 
@@ -98,6 +99,7 @@ class Report:
     """Whether an instant is being settled."""
     energy: float
     left: Floats
+    warned: Warned
 
 
 def make_report(e: Engine) -> Report:
@@ -126,6 +128,7 @@ def make_report(e: Engine) -> Report:
     r.slide_length = 1
     r.settling = True
     r.left = floats(e.states)
+    r.warned = e.warned if e.model.tells != 0 else make_warned()
     return r
 
 
@@ -142,6 +145,7 @@ def forget_rows(r: Report) -> None:
     r.opens = 0
     r.slids = 0
     r.slides = 0
+    forget_warned(r.warned)
 
 
 def report_slide(e: Engine, r: Report) -> None:

@@ -43,6 +43,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, make_locator, watch
 from hybond.engine.run.report import (
@@ -53,6 +54,7 @@ from hybond.engine.run.report import (
     report_slide,
     report_step,
 )
+from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -96,6 +98,8 @@ class Run:
     """How many of the last steps have touched a place where a law has no value."""
     taken: int
     """Steps since the last instant."""
+    began: float
+    """When that was, s."""
     slice: int
     """Steps and instants that this slice of the run still has; -1: as many as it takes."""
 
@@ -184,6 +188,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         r.idle += 1
         if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.until:
             why = "a guard holds again and again, and nothing changes"
+            if e.model.tells != 0:
+                return in_vain(e, why)
             return say_fault(e, "HB-N406", why, "")
     if r.events > e.model.max_events:
         return say_fault(e, "HB-N404", "too many events", "")
@@ -232,6 +238,8 @@ def flow(e: Engine, r: Run) -> int:
         r.taken += 1
         if r.taken > m.max_steps:
             say_fault(e, "HB-N409", "too many steps without an event", "")
+            if m.tells != 0:
+                add_fact(e.fault, (e.t - r.began) / float(r.taken))
             return -1
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND:
@@ -283,6 +291,8 @@ def begin_flow(e: Engine, r: Run) -> int:
         start_scale(e, e.mode)
     r.beyond = 0.0
     r.taken = 0
+    if m.tells != 0:
+        r.began = e.t
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 
@@ -293,6 +303,8 @@ def follow(e: Engine) -> int:
             return OK
         h = 0.25 * (e.step.t1 - e.step.t0)
         if e.step.t0 + h == e.step.t0:
+            if e.model.tells != 0:
+                return no_slip(e)
             return say_fault(e, "HB-N408", "no step follows the slip", "")
         if retry(e, e.step.t0 + h) != OK:
             return REFUSED

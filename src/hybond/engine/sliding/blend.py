@@ -16,6 +16,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.model import value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.common_space import keep_to_all
 from hybond.engine.sliding.corners import put_coefficients, put_slopes, speed_at
 from hybond.engine.sliding.outputs import output_rate
@@ -199,7 +200,11 @@ def solve_weights(e: Engine, right: Floats) -> int:
 def no_combination(e: Engine) -> int:
     """Note that the surfaces touch, or the switches cancel."""
     say_fault(e, "HB-N405", "no combination of the modes stays on the surfaces", "")
-    e.fault.t = e.slide.v[0]
+    s = e.slide
+    if e.model.tells != 0:
+        for j in range(s.k):
+            add_fact(e.fault, float(s.side[j]))
+    e.fault.t = s.v[0]
     return NOT_FINITE
 
 

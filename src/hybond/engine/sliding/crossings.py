@@ -17,6 +17,7 @@ from hybond.engine.instant.jump import enter_mode, is_constrained
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import evaluate
+from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.common_space import (
     ALONE,
@@ -117,6 +118,7 @@ def collapse(e: Engine, surface: int) -> bool:
     for k in range(e.states):
         s.before[k] = e.y[k]
     if find_common(e) != TOGETHER or not is_still(e, surface):
+        warn_without_end(e, surface)
         return False
     fit(s.total, s.areas)
     for a in range(s.areas):
@@ -133,6 +135,7 @@ def collapse(e: Engine, surface: int) -> bool:
             e.y[k] = s.before[k] + change
     if not is_met(e):
         take_back(e)
+        warn_without_end(e, surface)
         return False
     for b in range(2 * m.bonds):
         s.impulses[b] = 0.0
@@ -141,6 +144,14 @@ def collapse(e: Engine, surface: int) -> bool:
     s.energy_before = energy_of(e, s.before)
     s.energy_after = energy_of(e, e.y)
     return True
+
+
+def warn_without_end(e: Engine, surface: int) -> None:
+    """Warn that no sliding motion is the limit of jumps back and forth."""
+    if e.model.tells != 0 and e.slide.endless[surface] == 0:
+        e.slide.endless[surface] = 1
+        begin_warning(e.warned, WITHOUT_END, e.t)
+        add_about(e.warned, float(surface))
 
 
 def take_back(e: Engine) -> None:

@@ -124,6 +124,10 @@ class Slide:
     impulses: Floats
     energy_before: float
     energy_after: float
+    endless: Ints
+    """Of each surface: whether it was said that jumps back and forth over it have no end."""
+    ways: Block
+    """Weights of the ways on."""
 
 
 def make_slide(m: Model) -> Slide:
@@ -141,6 +145,7 @@ def make_slide(m: Model) -> Slide:
     s.trial_side = ints(surfaces)
     s.agrees = ints(surfaces)
     s.chosen = ints(surfaces)
+    s.endless = ints(surfaces)
     s.kept_met = ints(surfaces)
     s.parts = 1
     s.directions = make_block(1)
@@ -178,6 +183,8 @@ def make_slide(m: Model) -> Slide:
     s.before = floats(n)
     s.impulses = floats(2 * m.bonds)
     fit_slide(m, s, 1, 2)
+    if m.tells != 0:
+        s.ways = make_block(8)
     return s
 
 

@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.reasons.warned import OWN_JUMP, TWIN_SURFACES, add_about, begin_warning
 from hybond.engine.sliding.additive import ACT_TOGETHER, NO_FIELD, how_switches_act
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.blend import blend, find_speeds
@@ -15,6 +16,12 @@ from hybond.engine.sliding.common_space import find_common
 from hybond.engine.sliding.crossings import do_meet
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
 from hybond.engine.sliding.outputs import find_agreeing, show_state
+from hybond.engine.sliding.ways_told import (
+    warn_of_no_way,
+    warn_of_strokes,
+    warn_of_surface,
+    warn_of_ways,
+)
 
 MOVES_ALIKE: Final = 1e-12
 """Two states of a machine move what is stored alike if their rates differ by less: rounding."""
@@ -44,17 +51,25 @@ def decide(e: Engine) -> int:
         return STOPS
     s.best_product = found == ACT_TOGETHER
     if s.best_product and s.met > MOST_PRODUCT:
+        if e.model.tells != 0:
+            warn_of_no_way(e)
         return NO_WAY
     if s.best_product and take_speeds(e, True) != OK:
         return STOPS
     note_sides(e)
     if find_ways(e) == 0:
+        if e.model.tells != 0:
+            warn_of_no_way(e)
         return NO_WAY
+    if e.model.tells != 0:
+        warn_of_ways(e)
     slides = 0
     for j in range(s.k):
         slides += 1 if s.best[j] == SLIDES else 0
     if s.common and slides > 0 and not s.product:
         return push(e, slides)
+    if e.model.tells != 0 and s.common and slides == 0 and s.k == 1:
+        warn_of_strokes(e)
     return A_WAY
 
 
@@ -120,6 +135,10 @@ def one_each(e: Engine) -> None:
             kept += 1
         elif acts(e, surface) and not acts(e, s.met_surface[twin]):
             s.met_surface[twin] = surface
+        elif m.tells != 0 and acts(e, surface):
+            begin_warning(e.warned, TWIN_SURFACES, e.t)
+            add_about(e.warned, float(s.met_surface[twin]))
+            add_about(e.warned, float(surface))
     s.met = kept
 
 
@@ -174,5 +193,7 @@ def leave_agreeing(e: Engine) -> int:
         if s.agrees[i] != 0:
             s.met_surface[kept] = s.met_surface[i]
             kept += 1
+        elif e.model.tells != 0:
+            warn_of_surface(e, OWN_JUMP, s.met_surface[i])
     s.met = kept
     return OK

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -175,7 +176,8 @@ def _sizes(t: ModelTables) -> None:
 
 def _check_gaps(g: FlatGraph) -> None:
     """Refuse contacts whose gap is not their distance, as a run does at its start: HB-M205."""
-    if not any(m.law is not None for m in g.machines):
+    laws = [law for m in g.machines if m.law is not None for law in m.law.junctions]
+    if all(law.gap is None for law in laws):
         return
     from hybond.modes.laws.complementarity import Instant
     from hybond.modes.trial import Trials
@@ -226,7 +228,8 @@ def _machines(t: ModelTables) -> None:
     on = [[(place[n],) for n in sorted(nodes)] for m in g.machines for nodes in m.on]
     _put(t, "on_first", on, on_switch=_INTS)
     t.ints["switch_node"] = switches
-    t.ints["switch_machine"] = [_machine_of(g, g.nodes[k]).index for k in switches]
+    owners = _owners(g)
+    t.ints["switch_machine"] = [owners[k].index for k in switches]
     forced = rules_of(g)
     rules = [[(f.rule.source, f.rule.target, f.sign, f.reaction) for f in own] for own in forced]
     _put(
@@ -260,8 +263,9 @@ def _machines(t: ModelTables) -> None:
     _put(t, "atom_first", atoms, atom_value=_INTS, atom_size=_INTS, atom_zero=_INTS)
 
 
-def _machine_of(g: FlatGraph, node: Node) -> Machine:
-    return next(m for m in g.machines if node.index in m.controls)
+def _owners(g: FlatGraph) -> dict[int, Machine]:
+    """Return the machine that switches each controlled node."""
+    return {k: m for m in reversed(g.machines) for k in m.controls}
 
 
 # -- elements
@@ -270,6 +274,7 @@ def _machine_of(g: FlatGraph, node: Node) -> Machine:
 def _elements(t: ModelTables) -> None:
     g = t.graph
     parts = Parts(g)
+    owners = _owners(g)
     discrete = discrete_names(g)
     t.numbers["discrete"] = len(discrete)
     t.ints["discrete_kind"] = [1 if n.startswith("at:") else 2 for n in discrete]
@@ -288,7 +293,7 @@ def _elements(t: ModelTables) -> None:
     kept: list[Part] = []
     selects, chosen = [], []
     for node in elements:
-        select, variants = _variants(t, parts, node, discrete)
+        select, variants = _variants(t, parts, node, discrete, owners)
         selects.append(select)
         own = []
         for part in variants:
@@ -326,17 +331,19 @@ def _selecting(g: FlatGraph, node: Node, discrete: tuple[str, ...]) -> list[str]
 
 
 def _variants(
-    t: ModelTables, parts: Parts, node: Node, discrete: tuple[str, ...]
+    t: ModelTables,
+    parts: Parts,
+    node: Node,
+    discrete: tuple[str, ...],
+    owners: Mapping[int, Machine],
 ) -> tuple[list[tuple[int, int, int]], list[Part]]:
     """Return what selects the part of an element, and its parts in that order."""
     g = t.graph
     read = _selecting(g, node, discrete)
     machines = {int(n.split(":")[1]) for n in read if n.startswith("in:")}
-    machines |= {
-        _machine_of(g, g.nodes[int(n.split(":")[1])]).index for n in read if n.startswith("on:")
-    }
+    machines |= {owners[int(n.split(":")[1])].index for n in read if n.startswith("on:")}
     if node.controlled:
-        machines.add(_machine_of(g, node).index)
+        machines.add(owners[node.index].index)
     select = [(0, k, len(g.machines[k].states)) for k in sorted(machines)]
     for name in read:
         if name in discrete:
@@ -531,10 +538,13 @@ def _storages(t: ModelTables, plain: FlatGraph) -> None:
     laws, rows = [], []
     groups: dict[int, list[int]] = {}
     degrees: dict[int, int | None] = {}
+    together: dict[int, list[Storage]] = {}
+    for s in g.storages:
+        together.setdefault(s.node, []).append(s)
     for s in g.storages:
         node = g.nodes[s.node]
         assert node.law is not None
-        siblings = [o for o in g.storages if o.node == s.node]
+        siblings = together[s.node]
         slopes = [(o, stiffness(node, s.port, o.port, g, siblings)) for o in siblings]
         rows.append([(o.index, *t.values.entry(e)) for o, e in slopes])
         if node.law.matrix is not None:
@@ -625,10 +635,11 @@ def _priors(t: ModelTables) -> None:
     g = t.graph
     switches = [n.index for n in g.nodes if n.controlled]
     nodes = [n for n in g.nodes if reads_pre(n)]
+    by_source = {m.law.source: m for m in reversed(g.machines) if m.law}
     acting, machine, state, read = [], [], [], []
     for node in nodes:
         acting.append([(switches.index(s.index),) for s in switches_of(g, node)])
-        owner = next((m for m in g.machines if m.law and m.law.source == node.index), None)
+        owner = by_source.get(node.index)
         machine.append(owner.index if owner is not None and node.implied else -1)
         state.append(owner.states.index("impact") if owner and "impact" in owner.states else -1)
         assert node.law is not None

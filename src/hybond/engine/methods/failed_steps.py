@@ -1,0 +1,42 @@
+"""Steps that cannot be made, with the state that is to blame. After solvers/base.py."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import Engine, say_fault
+from hybond.engine.reasons.facts import add_fact
+from hybond.engine.words import Floats
+
+
+def no_rate(e: Engine, n: int, h: float, rate: Floats, y: Floats) -> int:
+    """Refuse a step of size `h` whose rates, or the state that they lead to, are not finite."""
+    found = say_fault(e, "HB-N202", "the derivative is not finite", "")
+    bad = first_not_finite(n, rate)
+    add_fact(e.fault, h)
+    add_fact(e.fault, float(bad if bad >= 0 else first_not_finite(n, y)))
+    return found
+
+
+def first_not_finite(n: int, values: Floats) -> int:
+    """Return the place of the first number that is infinite or none, or -1."""
+    for k in range(n):
+        if not math.isfinite(values[k]):
+            return k
+    return -1
+
+
+def step_too_small(e: Engine, n: int, h: float, error: Floats, scale: Floats) -> int:
+    """Refuse a step of size `h` that is still too large, with what dominates its error."""
+    found = say_fault(e, "HB-N201", "step size underflow", "")
+    worst = -1
+    most = 0.0
+    for k in range(n):
+        size = math.fabs(error[k])
+        share = size / scale[k] if scale[k] > 0.0 else math.inf if size > 0.0 else 0.0
+        if share > most:
+            most = share
+            worst = k
+    add_fact(e.fault, h)
+    add_fact(e.fault, float(worst))
+    return found

@@ -1,0 +1,277 @@
+"""Refusals in words, by their code, made of the numbers that the library knows of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from hybond.causality.assign import assign
+from hybond.causality.explain import describe_conflict
+from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.outcome.explain import Explaining
+from hybond.equations.ports import base_mode
+from hybond.model.expressions import Call, Expr
+from hybond.model.expressions.tree import walk
+from hybond.model.graph import FlatGraph, Mode
+
+NO_ELEMENT, OVERFLOW = -1, -2
+"""In place of an element: as in `hybond.engine.reasons.facts`."""
+OPPOSED = "give the flow of a source another way, or the source a resistance"
+TIMES = 100
+"""Instants in a row without any change that end a run."""
+ON_PAIRS = ("abs", "sign", "hypot", "min", "max")
+"""Functions that have a meaning for impulses."""
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """What a refusal says: why, where, and what to try unless that is always the same."""
+
+    why: str
+    where: str
+    hint: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A refusal, with what words are taken from; `mode` is the one that was tried."""
+
+    refusal: Refusal
+    graph: FlatGraph
+    explain: Explaining
+    mode: Mode
+
+    @property
+    def numbers(self) -> list[int]:
+        """What is known, in whole numbers; 0 for what is none."""
+        return [int(a) if math.isfinite(a) else 0 for a in self.refusal.about]
+
+    @property
+    def now(self) -> str:
+        """When it was."""
+        return f"at t = {self.refusal.t:.9g} s"
+
+    @property
+    def here(self) -> str:
+        """The mode that was tried."""
+        return self.graph.mode_text(self.mode)
+
+    def given_mode(self) -> tuple[Mode, tuple[float, ...]]:
+        """Return the mode that what is known begins with, and what follows."""
+        many = len(self.graph.machines)
+        return tuple(self.numbers[:many]), self.refusal.about[many:]
+
+    def paths(self, nodes: list[int]) -> str:
+        """Return the paths of elements."""
+        return ", ".join(self.graph.nodes[k].path for k in nodes)
+
+    def component(self, k: int) -> str:
+        """Return the path of a state."""
+        storages = self.graph.storages
+        return (
+            storages[k].path if k < len(storages) else self.graph.integrals[k - len(storages)].path
+        )
+
+
+def said_of(refusal: Refusal, graph: FlatGraph, explain: Explaining, mode: Mode) -> Said | None:
+    """Return what a refusal says; None if no more is known of it than its reason and place."""
+    words = WORDS.get(refusal.code)
+    if words is None or (refusal.code not in NO_NUMBERS and not refusal.about):
+        return None
+    return words(Case(refusal, graph, explain, mode))
+
+
+def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
+    return [describe_conflict(graph, mode, c) for c in assign(graph, mode).conflicts]
+
+
+def _sources(c: Case) -> Said:
+    mode, (difference, *pairs) = c.given_mode()
+    columns = sorted(zip(pairs[::2], pairs[1::2], strict=True))
+    nodes = [c.graph.nodes[int(node)] for _, node in columns]
+    names = " and ".join(f"{n.kind} {n.path}" for n in nodes)
+    if len(nodes) == 1:
+        why = f"{names} is shorted or cut off by what holds zero, but its value is {difference:.6g}"
+    else:
+        why = f"{names} prescribe the same variable and differ by {difference:.6g}"
+    chains = " ".join(_conflicts(c.graph, mode))
+    return Said(f"{why} {c.now}. {chains}", c.graph.mode_text(mode))
+
+
+def _too_high(c: Case) -> Said:
+    return Said(c.refusal.why, c.here)
+
+
+def _tied(c: Case) -> Said:
+    path = c.refusal.place
+    why = f"the law of {path} is tied to a constraint that holds in every mode"
+    return Said(why, c.graph.mode_text(base_mode(c.graph, c.mode)))
+
+
+def _slip(c: Case) -> Said:
+    path = c.refusal.place
+    return Said(f"the slip of {path} is not determined by what is stored", path)
+
+
+def _meaningless(c: Case) -> Said:
+    what = c.refusal.why.removesuffix(" at a jump").removesuffix(" has no meaning")
+    why = f"{what} has no meaning at a jump"
+    number = c.numbers[0]
+    if number < 0:
+        return Said(why, f"signals.{c.refusal.place} {c.now}")
+    rule, machine = c.explain.rule(number), c.explain.machine_of(number)
+    name = _function(rule.guard)
+    if name:
+        why = why.replace("a function of an impulse", f"{name}() of an impulse")
+    return Said(f"{why} (in the guard {rule.text!r})", f"{machine.path} {c.now}")
+
+
+def _function(guard: Expr) -> str:
+    """Return the function that an expression calls, if it is one."""
+    called = {e.function for e, _ in walk(guard) if isinstance(e, Call)} - {*ON_PAIRS}
+    return called.pop() if len(called) == 1 else ""
+
+
+def _open(c: Case) -> Said:
+    rule, *free = c.numbers
+    machine = c.explain.machine_of(rule)
+    return Said(c.explain.guard_on_open(rule, free, c.mode), f"{machine.path} {c.now}")
+
+
+def _impulsive(c: Case) -> Said:
+    path = c.refusal.place
+    kind = next(n.kind for n in c.graph.nodes if n.path == path)
+    why = f"the impulsive law of {kind} {path} multiplies an impulse by a factor that the jump"
+    return Said(f"{why} {c.now} changes", path)
+
+
+def _no_branches(c: Case) -> Said:
+    finite, *taking = c.numbers
+    ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
+    # where none may be ON, what keeps them OFF leaves no answer
+    names = c.paths([ports[k] for k in taking] or ports)
+    opposed = _conflicts(c.graph, base_mode(c.graph, c.mode))
+    what = "finite values" if finite else "impulses"
+    why = " ".join([f"the {what} of {names} have no solution {c.now}.", *opposed])
+    return Said(why.rstrip("."), c.here, OPPOSED if opposed else "")
+
+
+def _no_branches_stand(c: Case) -> Said:
+    tried = (f"{c.explain.machine_of(k).path}: {c.explain.rule(k).text}" for k in c.numbers)
+    return Said(f"no branches of the junction laws stand {c.now}: {'; '.join(tried)}", c.here)
+
+
+def _too_small(c: Case) -> Said:
+    h, k = c.refusal.about
+    path = c.component(int(k)) if k >= 0 else ""
+    blame = f"; {path} dominates the error" if path else ""
+    why = f"step size underflow {c.now}: h = {h:.3g} s is still too large{blame}"
+    return Said(why, path or c.here)
+
+
+def _no_rate(c: Case) -> Said:
+    h, k = c.refusal.about
+    path = c.component(int(k)) if k >= 0 else ""
+    blame = f" of {path}" if path else ""
+    size = f", h = {h:.3g} s" if h else ""
+    why = f"the derivative{blame} is not finite near t = {c.refusal.t:.9g} s{size}"
+    return Said(why, path or c.here)
+
+
+def _no_solution(c: Case) -> Said:
+    mode, nodes = c.given_mode()
+    names = c.paths([int(k) for k in nodes])
+    why = f"the laws of {names} have no solution near the last one (t = {c.refusal.t:.9g} s)"
+    return Said(why, c.graph.mode_text(mode))
+
+
+def _no_value(c: Case) -> Said:
+    mode, (element, value) = c.given_mode()
+    here = c.graph.mode_text(mode)
+    if element == OVERFLOW:
+        return Said(
+            f"the equations overflow {c.now}", here, "look at the last values of the partial result"
+        )
+    what = "has no finite slope" if math.isfinite(value) else f"gives {value}"
+    if element == NO_ELEMENT:
+        return Said(f"the law of a constraint's derivative {what} {c.now}", here)
+    node = c.graph.nodes[int(element)]
+    return Said(f"the law of {node.kind} {node.path} {what} {c.now}", node.path)
+
+
+def _no_jump(c: Case) -> Said:
+    return Said(f"{c.refusal.why} {c.now}", c.graph.mode_text(c.given_mode()[0]))
+
+
+def _no_sample(c: Case) -> Said:
+    k, value = c.refusal.about
+    path = c.graph.integrals[int(k)].path
+    return Said(f"{path} samples {value} {c.now}", f"signals.{path}")
+
+
+def _nowhere(c: Case) -> Said:
+    texts = ", ".join(c.explain.surfaces[k].text for k in c.numbers)
+    return Said(f"no combination of the modes stays on {texts} {c.now}", c.here)
+
+
+def _in_vain(c: Case) -> Said:
+    why = f"a guard holds {TIMES} times in a row {c.now}, and nothing changes"
+    return Said(why, ", ".join(c.explain.rule(k).text for k in c.numbers) or c.here)
+
+
+def _limits(c: Case) -> Said:
+    number, limit, breakaway = c.refusal.about
+    path = c.graph.machines[int(number)].path
+    if c.refusal.why.startswith("friction breaks loose"):
+        why = f"friction breaks loose at {breakaway:.6g} and slides with {limit:.6g} {c.now}"
+        return Said(why, path, "a breakaway of at least the limit")
+    why = f"the limit of the friction is {min(limit, breakaway):.6g} {c.now}: it would push"
+    return Said(why, path, "a size: abs(...), or the other sign of the force that it follows")
+
+
+def _slides_on(c: Case) -> Said:
+    endless, *machines = c.numbers
+    where = ", ".join(c.graph.machines[k].path for k in machines)
+    if not endless:
+        return Said(f"no step follows the slip {c.now}", where)
+    return Said(
+        f"the end of this slip is not found, from t = {c.refusal.t:.9g} s on",
+        where,
+        "what drives it is within a hair of the limit, or a law has no value near rest",
+    )
+
+
+WORDS: Mapping[str, Callable[[Case], Said]] = {
+    "HB-C101": _sources,
+    "HB-C103": _too_high,
+    "HB-C104": _tied,
+    "HB-C105": _slip,
+    "HB-J101": _meaningless,
+    "HB-J102": _open,
+    "HB-J103": _impulsive,
+    "HB-J110": _no_branches,
+    "HB-J111": _no_branches_stand,
+    "HB-N201": _too_small,
+    "HB-N202": _no_rate,
+    "HB-N301": _no_solution,
+    "HB-N302": _no_value,
+    "HB-N303": _no_jump,
+    "HB-N304": _no_jump,
+    "HB-N305": _no_sample,
+    "HB-N405": _nowhere,
+    "HB-N406": _in_vain,
+    "HB-N407": _limits,
+    "HB-N408": _slides_on,
+}
+NO_NUMBERS = (
+    "HB-C103",
+    "HB-C104",
+    "HB-C105",
+    "HB-J103",
+    "HB-J111",
+    "HB-N303",
+    "HB-N304",
+    "HB-N406",
+)
+"""What may be known of these is nothing, or their reason and place are enough."""

@@ -1,0 +1,160 @@
+"""What the library warns of, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from hybond.engine.compiled.native import Rows
+from hybond.engine.outcome.explain import Explaining
+from hybond.engine.tables.contacts import contacts_of
+from hybond.model.graph import FlatGraph, Mode
+
+if TYPE_CHECKING:
+    from hybond.equations.surfaces import Surface
+
+NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
+SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
+WITHOUT_END = 11
+"""Kinds of warnings: as in `hybond.engine.reasons.warned`."""
+TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
+"""Those whose text does not say when: once said, they are said."""
+SLIDES, ABOVE = 0, 1
+REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
+"""Why a contact cannot rest: as in `hybond.engine.contacts.unrest`."""
+CLEAR = 1e-9
+"""A sum above this part of its terms has digits enough."""
+REBOUND = "its rebounds do not vanish"
+
+
+class Warnings:
+    """The warnings of one run.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+    explain : Explaining
+    """
+
+    def __init__(self, graph: FlatGraph, explain: Explaining) -> None:
+        self.graph = graph
+        self.explain = explain
+        self.unrest: tuple[int, int, float, int] | None = None
+        """Of the contact that ended the run: why, the reaction, what it is, the sign it had."""
+        self._ports = [
+            law.node for m in graph.machines if m.law is not None for law in m.law.junctions
+        ]
+        self._said: set[tuple[float, ...]] = set()
+
+    def texts(self, rows: Rows) -> Iterator[str]:
+        """Yield the warnings of a slice."""
+        for k, kind in enumerate(rows.warn.tolist()):
+            about = rows.about[rows.warn_first[k] : rows.warn_first[k + 1]].tolist()
+            if kind in TIMELESS:
+                key = (kind, *about)
+                if key in self._said:
+                    continue
+                self._said.add(key)
+            if kind == UNREST:
+                _, why, reaction, force, sign = about
+                self.unrest = int(why), int(reaction), force, int(sign)
+                continue
+            yield self._text(kind, float(rows.warn_time[k]), about)
+
+    def _text(self, kind: int, t: float, about: list[float]) -> str:
+        numbers = [int(a) for a in about]
+        now = f"at t = {t:.9g} s"
+        if kind in (SECOND_ANSWER, IMPULSIVE):
+            nodes = [self._ports[k] for k in numbers] if kind == SECOND_ANSWER else numbers
+            names = ", ".join(self.graph.nodes[k].path for k in nodes)
+            if kind == IMPULSIVE:
+                return f"impulsive laws enter the jump equations: {names}"
+            return (
+                f"{now} the laws of {names} have more than one solution (Painleve): "
+                "the one found first is taken; a stiffness in the contact decides"
+            )
+        if kind == LEFT_OPEN:
+            machines = len(self.graph.machines)
+            mode: Mode = tuple(numbers[1 : 1 + machines])
+            text = self.explain.guard_on_open(numbers[0], numbers[1 + machines :], mode)
+            return f"{text}; least leakage decides, as the model asks"
+        if kind == FAR_APART:
+            return self._far_apart(about[0], about[1], tuple(numbers[2:]))
+        return self._of_surfaces(kind, now, numbers)
+
+    def _far_apart(self, least: float, dropped: float, mode: Mode) -> str:
+        lost = f"{dropped:.0e} of its terms and counts as zero" if dropped else ""
+        few = f"{least:.0e} of its terms and has few digits" if least < CLEAR else ""
+        return (
+            "elements lie too many powers of ten apart for the arithmetic: in mode "
+            f"({self.graph.mode_text(mode)}) a coefficient is {lost or few}; leave out what is "
+            "negligible, or check units"
+        )
+
+    def _of_surfaces(self, kind: int, now: str, numbers: list[int]) -> str:
+        graph = self.graph
+        if kind == NOT_UNIQUE:
+            many, sides = numbers[0], numbers[2::2]
+            surfaces = self._surfaces(numbers[1::2])
+            words = [
+                "sliding" if side == SLIDES else self._state(s, above=side == ABOVE)
+                for s, side in zip(surfaces, sides, strict=True)
+            ]
+            return (
+                f"{now} the motion from {' and '.join(s.text for s in surfaces)} is not unique: "
+                f"{many} ways lead on, among them off the surface on either side; "
+                f"it goes on in ({', '.join(words)})"
+            )
+        surfaces = self._surfaces(numbers)
+        first = surfaces[0]
+        if kind == NO_WAY_ON:
+            where = " and ".join(s.text for s in surfaces)
+            return f"no way on was found from {where} {now}: events go on"
+        if kind == TWIN_SURFACES:
+            one, other = (graph.machines[s.machine].path for s in surfaces)
+            return (
+                f"{one} and {other} both switch on {surfaces[1].text}: only {one} slides, "
+                "make them one machine"
+            )
+        if kind == OWN_JUMP:
+            return (
+                f"{first.text} reads what {graph.machines[first.machine].path} itself makes "
+                "jump: there is no surface to slide on"
+            )
+        if kind == WITHOUT_END:
+            return (
+                f"{graph.machines[first.machine].path} is pushed back over {first.text} at once "
+                "from either side, and crossings make stored quantities jump without an end "
+                f"({now.removeprefix('at ')}): no sliding motion is the limit of that"
+            )
+        return (
+            f"both sides push into {first.text} {now}, but the jump on crossing it "
+            "throws back by more than was gained: there is no sliding along it"
+        )
+
+    def _surfaces(self, numbers: list[int]) -> list[Surface]:
+        return [self.explain.surfaces[k] for k in numbers]
+
+    def _state(self, s: Surface, *, above: bool) -> str:
+        return self.graph.machines[s.machine].states[s.above if above else s.below]
+
+    def why_no_rest(self, no_solution: str) -> str:
+        """Return why the contact could not rest that ended the run.
+
+        `no_solution` is why its structure had none, the last time.
+        """
+        if self.unrest is None:
+            return REBOUND
+        why, number, force, sign = self.unrest
+        if why == REBOUNDS:
+            return REBOUND
+        if why == NO_SOLUTION:
+            return f"its structure has no solution at rest ({no_solution})"
+        reactions = [r for c in contacts_of(self.graph).values() for r in c.reactions]
+        text = reactions[number].text
+        if why == NO_SIGN:
+            return f"the impulses of {text} have no sign"
+        if why == OPEN:
+            return f"the equations at rest leave {text} open"
+        wanted = "positive" if sign > 0 else "negative"
+        return f"at rest {text} = {force:.6g}, which is not {wanted}"

@@ -1,0 +1,1 @@
+"""Why a run ends, and what it warns of, in numbers."""

@@ -1,0 +1,94 @@
+"""What a run warns of: numbers, in rows, for whoever puts them into words.
+
+Only where somebody will read it: `tells` of the model.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
+from hybond.engine.words import record
+
+NOT_UNIQUE: Final = 1
+"""Several ways lead on from surfaces. Numbers: how many, then each surface with its side."""
+NO_WAY_ON: Final = 2
+"""None does. Numbers: the surfaces."""
+TWIN_SURFACES: Final = 3
+"""Two machines switch on one surface. Numbers: that which slides, that which does not."""
+OWN_JUMP: Final = 4
+"""A surface reads what its own machine makes jump. Its number."""
+THROWS_BACK: Final = 5
+"""The jump on crossing a surface throws back by more than was gained. Its number."""
+SECOND_ANSWER: Final = 6
+"""Laws of junctions have more than one solution. Numbers: their ports."""
+IMPULSIVE: Final = 7
+"""Laws declared impulsive enter a jump. Numbers: their elements."""
+LEFT_OPEN: Final = 8
+"""A guard reads what the equations leave open. Numbers: the rule, the states, bond variables."""
+FAR_APART: Final = 9
+"""Elements lie far apart. Numbers: the least part that counts, the most that does not, states."""
+UNREST: Final = 10
+"""Why a contact cannot rest at which impacts accumulate. Numbers: see `unrest`."""
+
+WITHOUT_END: Final = 11
+"""Crossings of a surface make stored quantities jump without an end. Its number; said once."""
+
+
+@record
+class Warned:
+    """Rows of warnings: `kind`, `time`, and ``number[first[k]]`` to ``number[first[k + 1] - 1]``.
+
+    `far_apart` is whether elements were found to lie far apart: that is said once.
+    """
+
+    rows: int
+    kind: Places
+    first: Places
+    time: Block
+    numbers: int
+    number: Block
+    far_apart: bool
+
+
+def make_warned() -> Warned:
+    """Return no warnings."""
+    w = Warned()
+    w.kind = make_places(4)
+    w.first = make_places(4)
+    w.time = make_block(4)
+    w.number = make_block(16)
+    return w
+
+
+def begin_warning(w: Warned, kind: int, t: float) -> None:
+    """Begin a row; its numbers are added to it."""
+    grow_places(w.kind, w.rows + 1)
+    grow_places(w.first, w.rows + 2)
+    grow_block(w.time, w.rows + 1)
+    w.kind.at[w.rows] = kind
+    w.time.at[w.rows] = t
+    w.first.at[w.rows] = w.numbers
+    w.rows += 1
+    w.first.at[w.rows] = w.numbers
+
+
+def add_about(w: Warned, number: float) -> None:
+    """Add a number to the last row."""
+    grow_block(w.number, w.numbers + 1)
+    w.number.at[w.numbers] = number
+    w.numbers += 1
+    w.first.at[w.rows] = w.numbers
+
+
+def forget_warned(w: Warned) -> None:
+    """Forget the rows that were read."""
+    w.rows = 0
+    w.numbers = 0

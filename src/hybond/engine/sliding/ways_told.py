@@ -1,0 +1,128 @@
+"""What is warned of where motion meets switching surfaces. After modes/sliding/ways.py.
+
+Only where somebody will read it: `tells` of the model.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import grow_block
+from hybond.engine.engine import OK, Engine
+from hybond.engine.reasons.warned import (
+    NO_WAY_ON,
+    NOT_UNIQUE,
+    THROWS_BACK,
+    add_about,
+    begin_warning,
+)
+from hybond.engine.sliding.blend import blend
+from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, speed_of
+from hybond.engine.sliding.outputs import show_state
+
+PUSHED: Final = 1e-9
+"""A side leads to a surface if more than this part of both sides' speed does: less is rounding."""
+SAME_WEIGHTS: Final = 1e-9
+"""Weights lie in [0, 1], and come from solved equations: ways closer than this are one."""
+CLEAR_OF_IT: Final = 1e-9
+"""A way leaves its surface at more than this part of the largest speed: less is rounding."""
+
+
+def warn_of_surface(e: Engine, kind: int, surface: int) -> None:
+    """Warn of something about a surface."""
+    begin_warning(e.warned, kind, e.t)
+    add_about(e.warned, float(surface))
+
+
+def warn_of_no_way(e: Engine) -> None:
+    """Warn that no way was found to go on from the surfaces met."""
+    s = e.slide
+    begin_warning(e.warned, NO_WAY_ON, e.t)
+    for j in range(s.k):
+        add_about(e.warned, float(s.side[j]))
+
+
+def warn_of_ways(e: Engine) -> None:
+    """Warn where several ways lead on, each clearly; the one taken is in ``best``."""
+    s = e.slide
+    if s.k > FEW:
+        return
+    distinct = 0
+    total = 1
+    for _ in range(s.k):
+        total *= 3
+    ways = 0
+    for number in range(total):
+        put_sides(e, number)
+        ways += 1 if is_way(e) else 0
+    if ways < 2:
+        return
+    # those that slide most come first, and of ways that are one the first counts
+    for slides in range(s.k, -1, -1):
+        for number in range(total):
+            if put_sides(e, number) != slides or not is_way(e) or is_known_way(e, distinct):
+                continue
+            if not is_clear(e):
+                return
+            grow_block(s.ways, (distinct + 1) * s.k)
+            for j in range(s.k):
+                s.ways.at[distinct * s.k + j] = s.weight[j]
+            distinct += 1
+    if distinct < 2:
+        return
+    begin_warning(e.warned, NOT_UNIQUE, e.t)
+    add_about(e.warned, float(distinct))
+    for j in range(s.k):
+        add_about(e.warned, float(s.side[j]))
+        add_about(e.warned, float(s.best[j]))
+
+
+def put_sides(e: Engine, number: int) -> int:
+    """Put the sides of a choice, by its number, into ``trial_side``; return how many slide."""
+    s = e.slide
+    slides = 0
+    for j in range(s.k):
+        p = s.k - 1 - j
+        s.trial_side[p] = number % 3
+        number = number // 3
+        slides += 1 if s.trial_side[p] == SLIDES else 0
+    return slides
+
+
+def is_known_way(e: Engine, many: int) -> bool:
+    """Whether the weights are those of a way that was found before, but for rounding."""
+    s = e.slide
+    for way in range(many):
+        same = True
+        for j in range(s.k):
+            same = same and math.fabs(s.ways.at[way * s.k + j] - s.weight[j]) <= SAME_WEIGHTS
+        if same:
+            return True
+    return False
+
+
+def is_clear(e: Engine) -> bool:
+    """Whether a way leaves its surfaces at a speed that is more than rounding."""
+    s = e.slide
+    most = 0.0
+    for i in range(s.parts * s.k):
+        most = max(most, math.fabs(s.part_speed[i]))
+    for j in range(s.k):
+        if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:
+            return False
+    return True
+
+
+def warn_of_strokes(e: Engine) -> None:
+    """Warn where both modes lead to a surface, but a jump there leads back too far to slide."""
+    s = e.slide
+    show_state(e, e.t, e.y, e.shown)
+    s.known = False
+    if blend(e, e.shown) != OK:
+        return
+    low = s.plain_speed[0]
+    high = -s.plain_speed[1]
+    size = math.fabs(low) + math.fabs(high)
+    if size == 0.0 or (low > PUSHED * size and high > PUSHED * size):
+        warn_of_surface(e, THROWS_BACK, s.side[0])
