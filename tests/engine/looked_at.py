@@ -13,6 +13,7 @@ from example_runs import NAMES, RTOL, example, integrated
 import hybond as hb
 from hybond.engine.compiled.native import NativeModel, NativeRun, Rows
 from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
@@ -126,16 +127,24 @@ def stretches(rows: Rows) -> Iterator[slice]:
 def look_at_steps(look: NativeLook, rows: Rows, which: slice, energy: float) -> None:
     place = rows.step_place[which.start]
     machines = (len(place) - 2) // 2
-    # the surfaces are those of the instant before
-    ends = np.cumsum(rows.instant_place[: place[0], 2])
     assert place[1] == (rows.instant_place[place[0] - 1, 2])
+    made = slid_in(rows, which)
     look.into(
         rows.step_time[which.start, 0],
         place[2 : 2 + machines],
         landed=place[2 + machines :],
-        surfaces=rows.slid[ends[-1] - place[1] : ends[-1]],
+        surfaces=made.surfaces,
+        product=made.product,
+        modes=made.modes,
         energy=energy,
     )
+
+
+def slid_in(rows: Rows, which: slice) -> Combination:
+    """Return what some steps slid in."""
+    place = rows.step_place[which.start]
+    made = [ALONE, *(c for _, c in combinations(rows, (len(place) - 2) // 2))]
+    return made[place[1]]
 
 
 @functools.cache

@@ -14,6 +14,7 @@ from engine.looked_at import (
     reference,
     rows_of,
     segments_of,
+    slid_in,
     stretches,
 )
 
@@ -235,9 +236,10 @@ def test_the_same_text_looks_in_python() -> None:
     for which in stretches(rows):
         look_at_steps(here, rows, which, largest)
         place = rows.step_place[which.start]
-        surfaces = [0, 1] if place[1] == 2 else [0] * place[1]
-        assert place[1] == 0 or rows.slid[:1] == [0]
-        told = (place[2:4].tolist(), place[4:].tolist(), len(surfaces), surfaces, largest)
+        surfaces = list(slid_in(rows, which).surfaces)
+        assert surfaces in ([], [0], [0, 1])
+        slid = len(surfaces), surfaces, 0, 0, []
+        told = (place[2:4].tolist(), place[4:].tolist(), *slid, largest)
         assert look.look_into(engine, there, rows.step_time[which.start, 0], *told) == OK
         motion = Steps.of(rows, which)
         points = Within(motion, motion.time[:3, :2].mean(axis=1).clip(max=motion.time[:3, 2]))

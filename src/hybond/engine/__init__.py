@@ -33,6 +33,10 @@ room to work in. Data flows so::
                               law_roles (how each takes part), one_sided (without friction)
     planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
     accumulation, rest, landing     contacts that come to rest
+    sliding, going_on         after an event: which machines slide from there, and what is written
+    met, ways_on, filippov    the surfaces met, how the state goes on from them: additive, crossings
+    combine, corners, branches      the modes around surfaces; the branches of laws in each of them
+    blend, averages, onto     their combination, as a mode is asked for; back onto the surfaces
     report, run               what is printed; options; the program
 
 What junction laws and implicit steps ask of it, and give to it:

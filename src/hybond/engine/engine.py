@@ -338,6 +338,8 @@ class Engine:
     unrest: Fault
     """Why a structure at rest had no solution, the last time."""
     modes: Records[Mode]
+    modes_kept: int
+    """Of how many there is room."""
     modes_made: int
     bucket: Ints
     """The first mode kept in each bucket of configurations, or NO_MODE."""
@@ -603,6 +605,7 @@ def make_engine(m: Model) -> Engine:
         e.unrest.about = make_block(16)
         e.warned = make_warned()
     e.modes = records(Mode, KEPT)
+    e.modes_kept = KEPT
     e.bucket = ints(BUCKETS)
     for k in range(BUCKETS):
         e.bucket[k] = NO_MODE

@@ -382,6 +382,11 @@ class Model:
     rest_value: Ints
     rest_moves: Ints
     """Whether that changes while time passes."""
+    rest_pair: Ints
+    """If it does: the pair, and the expression while time passes, that it does not hold."""
+    rest_test: Ints
+    rest_atom: Ints
+    """The differences of its comparisons, behind those of rules; then the next one's."""
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

@@ -35,7 +35,7 @@ def to_c(model: Model, **options: object) -> str:
     Raises
     ------
     ModelError, UsageError
-        HB-E630 to HB-E634 for what the exported runtime does not have.
+        HB-E630 to HB-E632 for what the exported runtime does not have.
 
     Examples
     --------

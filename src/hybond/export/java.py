@@ -44,7 +44,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     Raises
     ------
     ModelError, UsageError
-        HB-E630 to HB-E634 for what the exported runtime does not have, HB-E606 for a name that no
+        HB-E630 to HB-E632 for what the exported runtime does not have, HB-E606 for a name that no
         class can have.
 
     Examples

@@ -53,9 +53,9 @@ typedef struct HybondSeen {
     int settling, rejected;
     int stuck_machine, stuck_events, stuck_why;
     double stuck_t, stuck_ratio;
-    int steps, instants, visits, fireds, hits, reads, overs, opens, slids, warns, abouts;
+    int steps, instants, visits, fireds, hits, reads, overs, opens, slids, slides, warns, abouts;
     const double *step_time, *step_until, *step_state, *step_dense;
-    const double *instant_time, *instant_state, *visit_energy, *hit_area, *read;
+    const double *instant_time, *instant_state, *visit_energy, *hit_area, *read, *slide_time;
     const double *warn_time, *about;
     const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
     const int *warn, *warn_first;
@@ -221,6 +221,8 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->open = log->open->at;
     seen->slids = log->slids;
     seen->slid = log->slid->at;
+    seen->slides = log->slides;
+    seen->slide_time = log->slide_time->at;
     seen->warns = log->warned->rows;
     seen->warn = log->warned->kind->at;
     seen->warn_first = log->warned->first->at;
@@ -279,7 +281,8 @@ typedef struct HybondPoints {
 
 SHOWN HybondLook *hybond_look_begin(const Model *model);
 SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const int *landed,
-                           int surfaces, const int *surface, double energy);
+                           int surfaces, const int *surface, int product, int rows,
+                           const int *branch, double energy);
 SHOWN int hybond_look_modes(HybondLook *look, int *state);
 SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
                              const int *slot, double *out);
@@ -329,19 +332,21 @@ static int ended(HybondLook *look)
 }
 
 SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const int *landed,
-                           int surfaces, const int *surface, double energy)
+                           int surfaces, const int *surface, int product, int rows,
+                           const int *branch, double energy)
 {
     if (setjmp(look->own.arena.spent) != 0) {
         return ended(look);
     }
-    return look_into(look->e, look->l, t, state, landed, surfaces, surface, energy);
+    return look_into(look->e, look->l, t, state, landed, surfaces, surface, product, rows,
+                     branch, energy);
 }
 
 /* The states of machines in each mode that is combined, and how many modes these are; NULL asks
  * for their number alone. */
 SHOWN int hybond_look_modes(HybondLook *look, int *state)
 {
-    return state == NULL ? look->e->slide->k + 1 : parts_of(look->e, state);
+    return state == NULL ? look->e->slide->parts : parts_of(look->e, state);
 }
 
 static void take_points(HybondLook *look, const HybondPoints *p)

@@ -57,12 +57,12 @@ _NAMES = {
 _ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
 _COUNTS = (
     *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
-    *("warns", "abouts"),
+    *("slides", "warns", "abouts"),
 )
 _FLOATS = (
     *("step_time", "step_until", "step_state", "step_dense"),
     *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
-    *("warn_time", "about"),
+    *("slide_time", "warn_time", "about"),
 )
 _INTS = (
     *("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
@@ -212,6 +212,7 @@ class Rows:
     hit : array of int, shape (hits,)
     hit_area : array, shape (hits, 2)
     over, open, slid : arrays of int
+    slide_time : array, shape (slides,)
     warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
         Their kinds, and where their numbers begin in `about`.
     warn_time, about : array
@@ -234,6 +235,7 @@ class Rows:
     over: NDArray[np.intc]
     open: NDArray[np.intc]
     slid: NDArray[np.intc]
+    slide_time: NDArray[np.float64]
     warn: NDArray[np.intc]
     warn_first: NDArray[np.intc]
     warn_time: NDArray[np.float64]
@@ -443,6 +445,7 @@ class NativeRun:
             _ints(s.over, s.overs),
             _ints(s.open, s.opens),
             _ints(s.slid, s.slids),
+            _floats(s.slide_time, s.slides),
             _ints(s.warn, s.warns),
             _ints(s.warn_first, s.warns + 1 if s.warns else 0),
             _floats(s.warn_time, s.warns),

@@ -29,7 +29,6 @@ from hybond.engine.compiled.points import (
     floats,
     whole,
 )
-from hybond.engine.sliding.slide_records import MOST
 from hybond.errors import NumericsError
 
 AT_ONCE = 4096
@@ -44,7 +43,10 @@ def _looking() -> ctypes.CDLL:
     points = ctypes.POINTER(PointsRecord)
     arguments: dict[str, list[Any]] = {
         "begin": [handle],
-        "into": [handle, ctypes.c_double, handle, handle, number, handle, ctypes.c_double],
+        "into": [
+            *(handle, ctypes.c_double, handle, handle, number, handle),
+            *(number, number, handle, ctypes.c_double),
+        ],
         "modes": [handle, handle],
         "values": [handle, points, number, handle, handle],
         "parts": [handle, points, number, handle, handle, handle],
@@ -123,6 +125,8 @@ class NativeLook:
         *,
         landed: ArrayLike = False,
         surfaces: Sequence[int] = (),
+        product: bool = False,
+        modes: ArrayLike | None = None,
         energy: float = 0.0,
     ) -> None:
         """Look into a motion.
@@ -138,6 +142,11 @@ class NativeLook:
             Which of them have landed.
         surfaces : sequence of int
             The switching surfaces that are slid on, by their number in the tables.
+        product : bool
+            Whether all corners of the cube of their weights are combined.
+        modes : array of int, shape (parts, machines), optional
+            The states of machines in the modes that are combined: of them the branches of junction
+            laws are taken, which are those of `state` if it is not given.
         energy : float
             The largest energy that the run has seen, J: what rounding is measured by.
 
@@ -165,15 +174,23 @@ class NativeLook:
         if (self._contact_at[(self._state_first + mode)[on != 0]] < 0).any():
             raise ValueError("a machine has landed in a state that closes no contact")
         found = whole(surfaces, "surfaces")
-        if len(set(found.tolist())) != len(found) or len(found) > MOST:
-            raise ValueError(f"surfaces: each once, at most {MOST}")
+        if len(set(found.tolist())) != len(found):
+            raise ValueError("surfaces: each once")
         if not ((found >= 0) & (found < m.surfaces)).all():
             raise ValueError("a surface that there is not")
+        rows = np.zeros((0, m.machines), dtype=np.intc)
+        if modes is not None:
+            rows = np.ascontiguousarray(modes, dtype=np.intc)
+            if rows.ndim != 2 or rows.shape[1] != m.machines:
+                raise ValueError(f"modes of {m.machines} machines, not shape {rows.shape}")
+            if not ((rows >= 0) & (rows < self._states_of)).all():
+                raise ValueError("a machine does not have that state")
         with self._lock:
             self._parts = 0
             self._check(
                 self._library.hybond_look_into(
-                    self._handle, t, address(mode), address(on), len(found), address(found), energy
+                    *(self._handle, t, address(mode), address(on), len(found), address(found)),
+                    *(int(product), len(rows), address(rows), energy),
                 )
             )
             self._parts = self._library.hybond_look_modes(self._handle, None)

@@ -59,7 +59,7 @@ from hybond.engine.run.guard_values import (
     begin_sizes_in_motion,
     measure_in_motion,
 )
-from hybond.engine.sliding.blend import combine_here
+from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats
 
 FEW_EVENTS: Final = 1e-13

@@ -13,7 +13,8 @@ from hybond.engine.instant.jump import enter_mode, impulse_directions
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import set_values
-from hybond.engine.sliding.blend import combine_here, freedom_here, sizes_here, solve_here
+from hybond.engine.sliding.averages import freedom_here, sizes_here, solve_here
+from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats, Ints
 
 DUSTING: Final = 2

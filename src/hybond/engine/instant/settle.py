@@ -33,6 +33,7 @@ from hybond.engine.instant.trial import a_priori, measure_trial, refuse_pair, sh
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.model import machine_name, rule_text, value
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 
@@ -87,6 +88,8 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     if a_priori(e, t, g.x, g.s, g.state) != OK or sample(e, g.s) != OK:
         return REFUSED
     interval_after(e, t)
+    choose_at(e, g.x, g.s)
+    know_around(e, g.state)
     if enter(e, t, g.x, g.s, g.state, True, False) != OK:
         return REFUSED
     drop_fired(i)
@@ -117,6 +120,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
                     tell_fired(e, i, k)
             for k in range(m.machines):
                 g.entered[k] = g.target[k]
+            know_around(e, g.entered)
             if enter(e, t, g.x, g.s, g.entered, True, False) != OK:
                 return REFUSED
             by_law(e, g.entered, i)

@@ -40,7 +40,8 @@ from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import node_name, stored_name
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.blend import begin_sizes, combine_here, freedom_here, solve_here
+from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here
+from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats, Ints, Text
 
 

@@ -72,7 +72,7 @@ def take_power(e: Engine, l: Look, q: Meter, i: int, t: float) -> int:
     size = 0.0
     supplied_size = 0.0
     dissipated_size = 0.0
-    for part in range(s.k + 1):
+    for part in range(s.parts):
         read_meters(e, s.solution, part * 2 * e.model.bonds, q.power)
         c = s.coefficient[part]
         supplied += c * q.power[0]

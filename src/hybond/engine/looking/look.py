@@ -19,7 +19,10 @@ from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, 
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import Model
-from hybond.engine.sliding.blend import combine_here, onto_surfaces, solve_here
+from hybond.engine.sliding.averages import solve_here
+from hybond.engine.sliding.branch_table import add_branches
+from hybond.engine.sliding.combine import combine_here
+from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -93,12 +96,17 @@ def look_into(
     landed: Ints,
     surfaces: int,
     surface: Ints,
+    product: int,
+    rows: int,
+    branch: Ints,
     energy: float,
 ) -> int:
     """Take the equations of a motion that begins at t.
 
     They are told by the states of machines, by which of these have landed, and by the surfaces slid
-    on; `energy` is the largest that the run has seen, which rounding is measured by.
+    on: whether all corners are combined, and, where junctions have laws, the states of machines in
+    the modes around, `rows` of `branch`. `energy` is the largest that the run has seen, which
+    rounding is measured by.
     """
     m = e.model
     g = e.landings
@@ -112,8 +120,15 @@ def look_into(
         g.landed[k] = m.contact_at[m.state_first[k] + state[k]] if landed[k] != 0 else -1
         g.any_landed = g.any_landed or landed[k] != 0
     e.slide.many = surfaces
+    e.slide.slid_product = product != 0
+    e.slide.has_last = False
     for j in range(surfaces):
         e.slide.surface[j] = surface[j]
+    e.slide.branches = 0
+    for row in range(rows if m.laws > 0 else 0):
+        for k in range(m.machines):
+            e.slide.target[k] = branch[row * m.machines + k]
+        add_branches(m, e.slide, e.slide.target)
     l.held_known = False
     l.values.known = False
     l.meters.known = False
@@ -122,7 +137,7 @@ def look_into(
     l.corrects = is_constrained(e.mode) or e.slide.k > 0 or g.any_landed
     # what is found does not depend on what was looked into before
     e.mode.guessed = False
-    for part in range(e.slide.k + 1 if e.slide.k > 0 else 0):
+    for part in range(e.slide.parts if e.slide.k > 0 else 0):
         part_mode(e, part).guessed = False
     for k in range(2 * m.slots):
         e.v[k] = 0.0
@@ -282,7 +297,7 @@ def look_parts(e: Engine, l: Look, coefficient: Floats, out: Floats) -> int:
     m = e.model
     s = e.slide
     a = l.values
-    parts = s.k + 1
+    parts = s.parts
     prepare(e, a, l.corrects)
     for i in range(l.points.many):
         if take_point(e, l, a, i, l.points.t[i]) != OK:
@@ -302,7 +317,7 @@ def look_parts(e: Engine, l: Look, coefficient: Floats, out: Floats) -> int:
 def parts_of(e: Engine, state: Ints) -> int:
     """Put the states of machines in each mode that is combined there; return how many they are."""
     m = e.model
-    parts = e.slide.k + 1
+    parts = e.slide.parts
     for part in range(parts):
         for k in range(m.machines):
             state[part * m.machines + k] = (

@@ -5,8 +5,8 @@ Configurations of one bucket are a chain: `bucket` has its first mode, `Mode.beh
 
 from __future__ import annotations
 
-from hybond.engine.engine import BUCKETS, KEPT, NO_MODE, Engine, Mode, make_mode
-from hybond.engine.words import Ints, some
+from hybond.engine.engine import BUCKETS, NO_MODE, Engine, Mode, make_mode
+from hybond.engine.words import Ints, records, some
 
 
 def find_kept(e: Engine, key: Ints) -> int:
@@ -22,12 +22,12 @@ def keep_mode(e: Engine, key: Ints) -> int:
     """Return where there is room for the mode of a configuration, from now on found by it."""
     n = e.model.machines + e.model.discrete
     at = e.modes_made
-    if at < KEPT:
+    if at < e.modes_kept:
         e.modes[at] = make_mode(e.model)
         e.modes_made += 1
     else:
         at = 0
-        for k in range(KEPT):
+        for k in range(e.modes_kept):
             if some(e.modes[k]).used < some(e.modes[at]).used:
                 at = k
         forget_mode(e, at)
@@ -38,6 +38,17 @@ def keep_mode(e: Engine, key: Ints) -> int:
     mode.behind = e.bucket[own]
     e.bucket[own] = at
     return at
+
+
+def keep_so_many(e: Engine, n: int) -> None:
+    """Let so many modes be kept: that many are used together."""
+    if n <= e.modes_kept:
+        return
+    more = records(Mode, n)
+    for k in range(e.modes_made):
+        more[k] = some(e.modes[k])
+    e.modes = more
+    e.modes_kept = n
 
 
 def forget_mode(e: Engine, at: int) -> None:

@@ -6,7 +6,7 @@ from hybond.engine.engine import OK, Engine, Mode
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.model import value
-from hybond.engine.sliding.blend import blended_field, solve_here
+from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
 
 

@@ -7,7 +7,6 @@ what its modes leave open, is noted as the rows come in.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import overload
@@ -16,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.native import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
+from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.outcome.explain import LANDS, Explaining
 from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.model.graph import Mode
+from hybond.programs.combined import Kind
 from hybond.programs.interval import interval_after
 from hybond.programs.sliding_program import corners_of, flipped
 from hybond.solvers.dense import Polynomial
@@ -113,7 +114,6 @@ class Instants:
         self.open = _first(rows.visit[:, 3])
         self.read = _first(rows.fired[:, 4])
         self.over = _first(rows.fired[:, 5])
-        self.slid = _first(rows.instant_place[:, 2])
         machines = (rows.instant_place.shape[1] - MACHINES_OF_INSTANT) // 2
         self.states = rows.instant_place[:, MACHINES_OF_INSTANT : MACHINES_OF_INSTANT + machines]
         self.landed = rows.instant_place[:, MACHINES_OF_INSTANT + machines :]
@@ -144,15 +144,13 @@ class Records:
         self.steps = 0
         self._waiting: list[Steps] = []
         """Those of the segment that is not over."""
-        self._instants = 0
-        self._surfaces_of: list[tuple[int, ...]] = []
-        """The numbers of the surfaces of each sliding."""
-        self._slid: tuple[int, ...] = ()
-        self._slides: list[tuple[int, int | None]] = [(0, None)]
-        """From which instant on which of the trace's slidings lasts."""
+        self._combinations: list[tuple[Combination, int | None]] = [(ALONE, None)]
+        """Each with the number of its sliding in the trace."""
 
     def add(self, rows: Rows) -> Instants | None:
         """Add the rows of a slice; return its instants, if there are any."""
+        for t, combination in combinations(rows, len(self.graph.machines)):
+            self._note_slide(t, combination)
         found = Instants(rows, self.mode) if len(rows.instant_time) else None
         if found is not None:
             self._add_instants(found)
@@ -178,14 +176,13 @@ class Records:
 
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""
-        key = np.column_stack([new.place[:, 0], new.until])
+        key = _key(new)
         if self._waiting:
-            last = self._waiting[-1]
-            if (key[0] == (last.place[-1, 0], last.until[-1])).all() and (key == key[0]).all():
+            if (key[0] == _key(self._waiting[-1])[-1]).all() and (key == key[0]).all():
                 self._waiting.append(new)
                 return
             new = Steps.joined([*self._waiting, new])
-            key = np.column_stack([new.place[:, 0], new.until])
+            key = _key(new)
         changes = np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1
         begins = [0, *changes.tolist()]
         self._note_segments(new, begins)
@@ -197,14 +194,14 @@ class Records:
         times = steps.time[begins[:-1], 0].tolist()
         if not times:
             return
-        slides = self._slides
-        numbers = [bisect_right(slides, int(steps.place[k, 0]), key=_begin) for k in begins[:-1]]
-        which = [slides[n - 1][1] for n in numbers]
+        which = [self._combinations[k] for k in steps.place[begins[:-1], 1].tolist()]
         self.trace.segments.extend(
             times, lambda k: self._segment(steps, begins[k], begins[k + 1], which[k])
         )
 
-    def _segment(self, steps: Steps, first: int, last: int, sliding: int | None) -> Segment:
+    def _segment(
+        self, steps: Steps, first: int, last: int, which: tuple[Combination, int | None]
+    ) -> Segment:
         machines = len(self.graph.machines)
         place = steps.place[first, MACHINES_OF_STEP:].tolist()
         landed = tuple(
@@ -218,8 +215,8 @@ class Records:
             np.vstack([steps.state[first : first + 1, 0], steps.state[first:last, 2]]),
             Interpolants(steps, first, last),
             landed,
-            sliding,
-            None if sliding is None else self._surfaces_of[sliding],
+            which[1],
+            None if which[1] is None else which[0],
         )
 
     # -- events
@@ -234,9 +231,6 @@ class Records:
         times = rows.instant_time[:many, 0].tolist()
         calm = np.diff(found.hit[found.visit]) == 0
         self.trace.events.extend(times, lambda k: self._event(found, k), plain=calm[:many].tolist())
-        if self._slid or rows.instant_place[:, 2].any():
-            for k in range(many):
-                self._note_slid(found, k)
         for f in np.flatnonzero(rows.fired[:, 3] == LANDS).tolist():
             self._note_landing(found, f)
         if len(rows.open):
@@ -245,7 +239,6 @@ class Records:
             self.mode = tuple(found.states[many - 1].tolist())
             self.trace.energy = max(self.trace.energy, float(rows.instant_time[many - 1, 1]))
             self.t = times[-1]
-        self._instants += many
 
     def _event(self, found: Instants, k: int) -> Event:
         """Return one event."""
@@ -280,35 +273,33 @@ class Records:
             )
         )
 
-    def _note_slid(self, found: Instants, k: int) -> None:
-        rows = found.rows
-        slid = tuple(rows.slid[found.slid[k] : found.slid[k + 1]].tolist())
-        if set(slid) == set(self._slid):
-            return
-        t = float(rows.instant_time[k, 0])
-        self._slide_until(t)
-        self._slid = slid
-        number: int | None = None
-        if slid:
-            number = len(self.trace.slidings)
-            self._surfaces_of.append(slid)
-            surfaces = tuple(self.explain.surfaces[j] for j in slid)
-            mode: Mode = tuple(found.states[k].tolist())
-            self.trace.slidings.append(
-                Sliding(
-                    t,
-                    t,
-                    tuple(self.graph.machines[s.machine].path for s in surfaces),
-                    tuple(s.text for s in surfaces),
-                    tuple(flipped(mode, surfaces, c) for c in corners_of(len(slid), "additive")),
-                    "additive",
+    def _note_slide(self, t: float, new: Combination) -> None:
+        """Note what is slid in from a time on."""
+        last, number = self._combinations[-1]
+        if not new.is_like(last):
+            self._slide_until(t)
+            number = None
+            if new.surfaces:
+                number = len(self.trace.slidings)
+                surfaces = [self.explain.surfaces[j] for j in new.surfaces]
+                kind: Kind = "product" if new.product else "additive"
+                corners = corners_of(len(surfaces), kind)
+                self.trace.slidings.append(
+                    Sliding(
+                        t,
+                        t,
+                        tuple(self.graph.machines[s.machine].path for s in surfaces),
+                        tuple(s.text for s in surfaces),
+                        tuple(flipped(new.mode, surfaces, c) for c in corners),
+                        kind,
+                    )
                 )
-            )
-        self._slides.append((self._instants + k + 1, number))
+        self._combinations.append((new, number))
 
     def _slide_until(self, t: float) -> None:
-        if self._slid:
-            self.trace.slidings[-1] = replace(self.trace.slidings[-1], t1=t)
+        number = self._combinations[-1][1]
+        if number is not None:
+            self.trace.slidings[number] = replace(self.trace.slidings[number], t1=t)
 
     def _note_open(self, found: Instants, many: int) -> None:
         """Warn of what the modes leave open in which time goes on."""
@@ -330,5 +321,6 @@ def _first(counts: NDArray[np.intc]) -> NDArray[np.intp]:
     return found
 
 
-def _begin(slide: tuple[int, int | None]) -> int:
-    return slide[0]
+def _key(steps: Steps) -> Vector:
+    """Return what steps of one segment have in common: instants, what is slid in, until when."""
+    return np.column_stack([steps.place[:, :2], steps.until])

@@ -11,6 +11,7 @@ from hybond.engine.compiled.native import NativeModel
 from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
+from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.records import Interpolants
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -104,13 +105,15 @@ class Signals:
         """Look into a segment; the last one is known."""
         if self._into is segment:
             return
-        surfaces = segment.combined if isinstance(segment.combined, tuple) else ()
+        made = segment.combined if isinstance(segment.combined, Combination) else ALONE
         landed = [m.path in segment.landed for m in self.graph.machines]
         self._look.into(
             float(segment.t[0]),
             list(segment.mode),
             landed=landed,
-            surfaces=surfaces,
+            surfaces=made.surfaces,
+            product=made.product,
+            modes=made.modes,
             energy=self._trace.energy,
         )
         self._into = segment

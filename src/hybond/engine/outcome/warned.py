@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
+WITHOUT_END = 11
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
 """Those whose text does not say when: once said, they are said."""
@@ -119,6 +120,12 @@ class Warnings:
             return (
                 f"{first.text} reads what {graph.machines[first.machine].path} itself makes "
                 "jump: there is no surface to slide on"
+            )
+        if kind == WITHOUT_END:
+            return (
+                f"{graph.machines[first.machine].path} is pushed back over {first.text} at once "
+                "from either side, and crossings make stored quantities jump without an end "
+                f"({now.removeprefix('at ')}): no sliding motion is the limit of that"
             )
         return (
             f"both sides push into {first.text} {now}, but the jump on crossing it "

@@ -38,6 +38,9 @@ FAR_APART: Final = 9
 UNREST: Final = 10
 """Why a contact cannot rest at which impacts accumulate. Numbers: see `unrest`."""
 
+WITHOUT_END: Final = 11
+"""Crossings of a surface make stored quantities jump without an end. Its number; said once."""
+
 
 @record
 class Warned:

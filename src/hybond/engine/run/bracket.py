@@ -88,7 +88,7 @@ def around(e: Engine, g: Locator, k: int, here: float) -> None:
     low = g.bracket_low
     high = g.bracket_high
     if holds_at(e, g, k, here):
-        if not g.rounded:
+        if not g.rounded and g.part[k] < 0:
             g.bracket_low = here
             g.bracket_high = here
             return

@@ -10,24 +10,27 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import Engine, say_fault
+from hybond.engine.engine import Engine
 from hybond.engine.run.bracket import SEARCH, root
 from hybond.engine.run.guard_shape import NEAR, floor_of, rest_of
 from hybond.engine.run.guard_values import atom_at
-from hybond.engine.run.locator import FRACTION, GRID, MOST, SAMPLES, Instants, Locator
+from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, Instants, Locator
+from hybond.engine.words import floats
 
 AROUND: Final = 6
 """Grid points on either side of an extremum of the polynomial where the true one is sought."""
 
 
-def keep(e: Engine, g: Locator, list_of: Instants, t: float) -> None:
+def keep(list_of: Instants, t: float) -> None:
     """Add an instant."""
-    if list_of.count < MOST:
-        list_of.at[list_of.count] = t
-        list_of.count += 1
-    else:
-        g.failed = True
-        say_fault(e, "HB-E634", "a guard has too many instants to be asked at in one step", "")
+    if list_of.count == list_of.room:
+        old = list_of.at
+        list_of.room *= 2
+        list_of.at = floats(list_of.room)
+        for k in range(list_of.count):
+            list_of.at[k] = old[k]
+    list_of.at[list_of.count] = t
+    list_of.count += 1
 
 
 def sort(list_of: Instants) -> None:
@@ -54,18 +57,18 @@ def between_roots(e: Engine, g: Locator, first: int, stop: int, end: float) -> N
             there = g.shape[a * SAMPLES + i + 1]
             turns = (here > 0.0 and there < 0.0) or (here < 0.0 and there > 0.0)
             if turns and g.t[i] < end and not g.failed:
-                keep(e, g, g.mark, root(e, g, a, g.t[i], g.t[i + 1]))
+                keep(g.mark, root(e, g, a, g.t[i], g.t[i + 1]))
     if g.mark.count == 0:
         return
     roots = g.mark.count
     for i in range(roots):
-        keep(e, g, c, g.mark.at[i])
+        keep(c, g.mark.at[i])
     for i in range(SAMPLES):
-        keep(e, g, g.mark, g.t[i])
+        keep(g.mark, g.t[i])
     sort(g.mark)
     for i in range(g.mark.count - 1):
         if g.mark.at[i + 1] - g.mark.at[i] > 0.0:
-            keep(e, g, c, 0.5 * (g.mark.at[i] + g.mark.at[i + 1]))
+            keep(c, 0.5 * (g.mark.at[i] + g.mark.at[i + 1]))
 
 
 def beside(e: Engine, g: Locator, a: int, c: float) -> None:
@@ -82,9 +85,9 @@ def beside(e: Engine, g: Locator, a: int, c: float) -> None:
     high = g.t[after]
     middle = atom_at(e, g, a, c)
     if atom_at(e, g, a, low) * middle < 0.0:
-        keep(e, g, g.mark, root(e, g, a, low, c))
+        keep(g.mark, root(e, g, a, low, c))
     if atom_at(e, g, a, high) * middle < 0.0:
-        keep(e, g, g.mark, root(e, g, a, c, high))
+        keep(g.mark, root(e, g, a, c, high))
 
 
 def extrema(e: Engine, g: Locator, a: int, end: float) -> None:
@@ -182,4 +185,4 @@ def dip(e: Engine, g: Locator, a: int, first: int, stop: int, sign: float, end: 
             fc = fd
             d = low + ratio * (high - low)
             fd = sign * atom_at(e, g, a, d)
-    keep(e, g, g.candidate, c if fc <= fd else d)
+    keep(g.candidate, c if fc <= fd else d)

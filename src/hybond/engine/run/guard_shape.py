@@ -11,9 +11,9 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.run.guard_values import (
     atom_here,
-    begin_sizes_in_motion,
     look,
-    measure_in_motion,
+    measure_here,
+    show,
     size_here,
     test_here,
 )
@@ -36,7 +36,7 @@ def sample(e: Engine, g: Locator) -> None:
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         for k in range(g.guards):
-            g.truth[k * SAMPLES + i] = 1 if test_here(e, g.rule[k]) else 0
+            g.truth[k * SAMPLES + i] = 1 if test_here(e, g, k) else 0
         for a in range(g.atoms):
             g.shape[a * SAMPLES + i] = atom_here(e, g, a)
 
@@ -137,24 +137,25 @@ def is_resolved(e: Engine, g: Locator) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
     for k in range(g.guards):
         for a in range(g.atom_first[k], g.atom_first[k + 1]):
-            if g.doubtful[a] != 0 and not is_rounding(e, g, g.rule[k], a):
+            if g.doubtful[a] != 0 and not is_rounding(e, g, k, a):
                 return False
     return True
 
 
-def is_rounding(e: Engine, g: Locator, rule: int, a: int) -> bool:
+def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:
     """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
     m = e.model
-    if rule < 0:
+    if g.margin[k] >= 0:
         return size_here(e, g, a) * ROUNDING >= g.rest[a]
     # what a bond variable cancels from: its own value may be nothing but rounding
     g.looked = math.nan
     look(e, g, g.t[0])
-    begin_sizes_in_motion(e)
-    measure_in_motion(e, rule)
+    measure_here(e, g, k)
+    rule = g.pair[k]
     largest = 0.0
     for i in range(SAMPLES):
         look(e, g, g.t[i])
+        show(e, g, g.part[k])
         for p in range(m.read_first[rule], m.read_first[rule + 1]):
             slot = m.read_slot[p]
             if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:

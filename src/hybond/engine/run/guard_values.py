@@ -16,8 +16,8 @@ from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import rule_text, value
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import Locator
-from hybond.engine.sliding.blend import begin_sizes, solve_here
+from hybond.engine.run.locator import ALL_PARTS, Locator
+from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""
@@ -27,14 +27,24 @@ def look(e: Engine, g: Locator, t: float) -> None:
     """Fill the values at t that guards read."""
     if g.looked == t:
         return
+    show(e, g, ALL_PARTS)
     between(e, t, g.y)
     set_motion(e, e.v, t, g.y)
+    g.lost = False
     if e.slide.k == 0:
         g.failed = solve_read(e, e.mode, g.reads, e.v) != OK or g.failed
     else:
-        g.failed = solve_here(e, e.mode, e.v) != OK or g.failed
+        # where no combination holds the state on its surfaces, it has left them
+        g.lost = solve_here(e, e.mode, e.v) != OK
     g.looked = t
     g.sized = False
+
+
+def show(e: Engine, g: Locator, part: int) -> None:
+    """Show the values in a mode that is combined, or of the motion as it is, where it is looked."""
+    if g.showing != part:
+        show_part(e, part, e.v)
+        g.showing = part
 
 
 def atom_at(e: Engine, g: Locator, a: int, t: float) -> float:
@@ -46,7 +56,8 @@ def atom_at(e: Engine, g: Locator, a: int, t: float) -> float:
 def atom_here(e: Engine, g: Locator, a: int) -> float:
     """Return the same at the values of the motion."""
     if g.atom[a] < 0:
-        return e.slide.margin[-1 - g.atom[a]]
+        return -1.0 if g.lost else e.slide.margin[-1 - g.atom[a]]
+    show(e, g, g.atom_part[a])
     return value(e.model, e.model.atom_value[g.atom[a]], e.v)
 
 
@@ -55,37 +66,62 @@ def size_here(e: Engine, g: Locator, a: int) -> float:
     return 1.0 if g.atom[a] < 0 else value(e.model, e.model.atom_size[g.atom[a]], e.v)
 
 
-def test_here(e: Engine, rule: int) -> bool:
-    """Return the truth of a guard at the values of the motion, rounding being counted."""
-    if rule < 0:
-        return e.slide.margin[-1 - rule] < -BEYOND
-    return value(e.model, e.model.rule_test[rule], e.v) != 0.0
+def test_here(e: Engine, g: Locator, k: int) -> bool:
+    """Return the truth of guard k at the values of the motion, rounding being counted."""
+    if g.margin[k] >= 0:
+        return g.lost or e.slide.margin[g.margin[k]] < -BEYOND
+    show(e, g, g.part[k])
+    return value(e.model, g.test[k], e.v) != 0.0
 
 
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
-    """Ask a guard as settling will: with rounding counted as zero."""
+    """Ask a guard as settling will, with rounding counted as zero; nothing jumps there."""
     look(e, g, t)
-    return holds_here(e, g, g.rule[k])
-
-
-def holds_here(e: Engine, g: Locator, rule: int) -> bool:
-    """Ask a guard at the values of the motion; nothing jumps there."""
     m = e.model
     stack = e.work.stack
-    if rule < 0:
-        return test_here(e, rule)
-    if not g.sized:
-        begin_sizes_in_motion(e)
-        g.sized = True
-    measure_in_motion(e, rule)
+    if g.margin[k] >= 0:
+        return test_here(e, g, k)
+    measure_here(e, g, k)
     ask_in_motion(e)
-    true = holds(m, rule, stack)
+    true = holds(m, g.pair[k], stack)
     if stack.refused != 0:
-        refuse_pair(e, e.v[0], rule_text(m, rule))
+        refuse_pair(e, e.v[0], rule_text(m, g.rule[k]))
         if m.tells != 0:
-            add_fact(e.fault, float(rule))
+            add_fact(e.fault, float(g.rule[k]))
         g.failed = True
     return true
+
+
+def measure_here(e: Engine, g: Locator, k: int) -> None:
+    """Find what rounding of the signals that guard k reads is measured by, and show these."""
+    if g.part[k] >= 0:
+        show(e, g, ALL_PARTS)
+        keep_stored(e)
+        part_sizes(e, g.part[k], e.v, e.work.here, e.work.terms)
+        g.sized = False
+    elif not g.sized:
+        show(e, g, ALL_PARTS)
+        begin_sizes_in_motion(e)
+        g.sized = True
+    show(e, g, g.part[k])
+    measure_in_motion(e, g.pair[k])
+
+
+def keep_stored(e: Engine) -> None:
+    """Put what is stored there, to measure rounding by."""
+    for k in range(e.model.storages):
+        e.work.here[k] = e.v[e.model.stored_slot + k]
+
+
+def begin_sizes_in_motion(e: Engine) -> None:
+    """Prepare for guards to be measured at the values of the motion, after `solve_here`."""
+    keep_stored(e)
+    begin_sizes(e, e.mode, e.v, e.work.here, e.work.terms)
+
+
+def measure_in_motion(e: Engine, pair: int) -> None:
+    """Find what rounding of the signals that a guard reads is measured by in the motion."""
+    measure(e, e.mode, pair, e.work.xi, e.v, e.work.terms)
 
 
 def ask_in_motion(e: Engine) -> None:
@@ -97,15 +133,3 @@ def ask_in_motion(e: Engine) -> None:
     stack.jump = e.v
     stack.jumps = False
     stack.terms = e.work.terms
-
-
-def begin_sizes_in_motion(e: Engine) -> None:
-    """Prepare for guards to be measured at the values of the motion, after `solve_here`."""
-    for k in range(e.model.storages):
-        e.work.here[k] = e.v[e.model.stored_slot + k]
-    begin_sizes(e, e.mode, e.v, e.work.here, e.work.terms)
-
-
-def measure_in_motion(e: Engine, rule: int) -> None:
-    """Find what rounding of the signals that a guard reads is measured by in the motion."""
-    measure(e, e.mode, rule, e.work.xi, e.v, e.work.terms)

@@ -15,12 +15,19 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.run.guard_shape import find_shape, is_resolved, sample
-from hybond.engine.run.guard_values import holds_at
-from hybond.engine.run.locator import DEEPEST, FRACTION, SAMPLES, Locator, has_failed
+from hybond.engine.run.guard_values import holds_at, show
+from hybond.engine.run.locator import ALL_PARTS, DEEPEST, FRACTION, SAMPLES, Locator, has_failed
 
 
 def locate(e: Engine, g: Locator) -> int:
     """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
+    status = search(e, g)
+    show(e, g, ALL_PARTS)
+    return status
+
+
+def search(e: Engine, g: Locator) -> int:
+    """Look for it, block after block."""
     g.at = math.inf
     g.failed = False
     g.looked = math.nan
@@ -95,7 +102,7 @@ def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
     g.mark.count = 0
     for i in range(1, SAMPLES):
         if g.truth[k * SAMPLES + i] != 0:
-            keep(e, g, c, g.t[i])
+            keep(c, g.t[i])
     for a in range(first, stop):
         begin = c.count
         extrema(e, g, a, end)

@@ -14,6 +14,7 @@ from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
 from hybond.engine.engine import Engine, Reads, make_reads
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.reading import read_guard, read_nothing
+from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
@@ -26,17 +27,19 @@ GRID: Final = 65
 """Points of a block at which that polynomial is looked at."""
 DEEPEST: Final = 14
 """Halvings of one step; a jump of a guard's signal is closed in on no further."""
-MOST: Final = 4000
-"""Instants of one block at which a guard may be asked."""
-WEIGHTS: Final = 32
-"""Surfaces that may be slid on at once."""
+INSTANTS: Final = 200
+"""Of one block at which a guard is asked, unless there are more."""
+ALL_PARTS: Final = -1
+"""A guard is asked of the motion as it is, not of one of the modes that are combined."""
+NONE: Final = -1
 
 
 @record
 class Instants:
-    """Some instants."""
+    """Some instants; there is room for `room` of them."""
 
     count: int
+    room: int
     at: Floats
 
 
@@ -49,11 +52,23 @@ class Locator:
     """
 
     guards: int
+    room: int
+    """Guards that there is room for, and comparisons."""
+    room_atoms: int
     rule: Ints
+    """Of each guard: the rule that says it, or NONE."""
+    pair: Ints
+    """What settling asks; NONE for how far a weight is from leaving, which is `margin`."""
+    test: Ints
+    margin: Ints
+    part: Ints
+    """The mode that it is asked of, among those that are combined, or ALL_PARTS."""
     atoms: int
     atom_first: Ints
     """Of each guard: its comparisons in `shape`."""
     atom: Ints
+    atom_part: Ints
+    """Of each comparison: the part of its guard."""
     reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
@@ -66,6 +81,8 @@ class Locator:
     rounded: bool
     """Whether a guard leaves as soon as it holds with rounding counted as zero."""
     failed: bool
+    showing: int
+    """The part whose values are shown, or ALL_PARTS."""
     t: Floats
     low: Floats
     high: Floats
@@ -84,6 +101,9 @@ class Locator:
     mark: Instants
     looked: float
     sized: bool
+    """Whether terms of the motion as it is are known there."""
+    lost: bool
+    """Whether no combination holds the state on its surfaces there."""
     at: float
     root_low: float
     bracket_low: float
@@ -93,6 +113,7 @@ class Locator:
 def make_instants(n: int) -> Instants:
     """Return room for n instants."""
     i = Instants()
+    i.room = n
     i.at = floats(n)
     return i
 
@@ -100,31 +121,45 @@ def make_instants(n: int) -> Instants:
 def make_locator(e: Engine) -> Locator:
     """Return a locator without guards."""
     m = e.model
-    rules = m.rule_first[m.machines] + 2 * WEIGHTS
-    atoms = m.atom_first[m.rule_first[m.machines]] + 2 * WEIGHTS
+    rules = m.rule_first[m.machines]
     g = Locator()
-    g.rule = ints(rules)
-    g.atom_first = ints(rules + 1)
-    g.atom = ints(atoms)
+    fit_locator(g, rules, m.atom_first[rules])
     g.t = floats(SAMPLES)
     g.low = floats(DEEPEST + 2)
     g.high = floats(DEEPEST + 2)
     g.depth = ints(DEEPEST + 2)
-    g.shape = floats(atoms * SAMPLES)
-    g.truth = ints(rules * SAMPLES)
-    g.rest = floats(atoms)
-    g.doubtful = ints(atoms)
-    g.calm = ints(rules)
-    g.turn = floats(rules)
-    g.done = ints(rules)
     g.reads = make_reads(m)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
-    g.candidate = make_instants(MOST)
-    g.mark = make_instants(MOST)
+    g.candidate = make_instants(INSTANTS)
+    g.mark = make_instants(INSTANTS)
+    g.showing = ALL_PARTS
     fit_polynomials(g)
     return g
+
+
+def fit_locator(g: Locator, guards: int, atoms: int) -> None:
+    """Make room for so many guards and comparisons; what was there is lost."""
+    if guards <= g.room and atoms <= g.room_atoms and g.room > 0:
+        return
+    g.room = max(max(guards, g.room), 1)
+    g.room_atoms = max(atoms, g.room_atoms)
+    g.rule = ints(g.room)
+    g.pair = ints(g.room)
+    g.test = ints(g.room)
+    g.margin = ints(g.room)
+    g.part = ints(g.room)
+    g.atom_first = ints(g.room + 1)
+    g.truth = ints(g.room * SAMPLES)
+    g.calm = ints(g.room)
+    g.turn = floats(g.room)
+    g.done = ints(g.room)
+    g.atom = ints(g.room_atoms)
+    g.atom_part = ints(g.room_atoms)
+    g.shape = floats(g.room_atoms * SAMPLES)
+    g.rest = floats(g.room_atoms)
+    g.doubtful = ints(g.room_atoms)
 
 
 def fit_polynomials(g: Locator) -> None:
@@ -181,6 +216,12 @@ def put_powers(n: int, a: Floats, sampled: bool) -> None:
 def watch(e: Engine, g: Locator, state: Ints) -> None:
     """Take the guards that leave a mode."""
     m = e.model
+    s = e.slide
+    rules = m.rule_first[m.machines]
+    rests = m.surface_rest[2 * m.surfaces]
+    several = s.parts + 1 if s.k > 0 and m.laws > 0 else 1
+    atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
+    fit_locator(g, several * rules + rests + 2 * s.k, atoms + 2 * s.k)
     g.guards = 0
     g.atoms = 0
     read_nothing(m, g.reads)
@@ -190,22 +231,67 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
                 continue
             if e.planar.leading and m.law_planar[k] != 0:
                 continue
-            g.rule[g.guards] = r
-            g.atom_first[g.guards] = g.atoms
-            for a in range(m.atom_first[r], m.atom_first[r + 1]):
-                g.atom[g.atoms] = a
-                g.atoms += 1
-            g.guards += 1
+            watch_rule(e, g, r, ALL_PARTS)
             read_guard(m, e.mode, g.reads, r)
-    g.rounded = e.slide.k == 0
-    for margin in range(2 * e.slide.k):
-        # where a weight leaves 0 ... 1, a machine leaves its surface
-        g.rule[g.guards] = -1 - margin
-        g.atom_first[g.guards] = g.atoms
-        g.atom[g.atoms] = -1 - margin
-        g.atoms += 1
-        g.guards += 1
+    g.rounded = s.k == 0
+    if s.k > 0:
+        watch_slide(e, g)
     g.atom_first[g.guards] = g.atoms
+
+
+def watch_slide(e: Engine, g: Locator) -> None:
+    """Take what ends sliding: what allows it, weights, and branches in the modes combined.
+
+    After modes/sliding/view.py, View.locator.
+    """
+    m = e.model
+    s = e.slide
+    for j in range(s.k):
+        for p in range(m.surface_rest[2 * s.side[j]], m.surface_rest[2 * s.side[j] + 2]):
+            if m.rest_moves[p] != 0:
+                begin_guard(g, m.surface_up[s.side[j]], ALL_PARTS)
+                g.pair[g.guards] = m.rest_pair[p]
+                g.test[g.guards] = m.rest_test[p]
+                end_guard(g, m.rest_atom[p], m.rest_atom[p + 1])
+    for margin in range(2 * s.k):
+        # where a weight leaves 0 ... 1, a machine leaves its surface
+        begin_guard(g, NONE, ALL_PARTS)
+        g.margin[g.guards] = margin
+        end_guard(g, NONE - margin, NONE - margin + 1)
+    for part in range(s.parts if m.laws > 0 else 0):
+        own = part_mode(e, part)
+        for k in range(m.machines):
+            for r in range(m.rule_first[k], m.rule_first[k + 1] if m.is_law[k] != 0 else 0):
+                if m.rule_watched[r] != 0 and m.rule_source[r] == own.state[k]:
+                    watch_rule(e, g, r, part)
+
+
+def watch_rule(e: Engine, g: Locator, r: int, part: int) -> None:
+    """Take the guard of a rule, asked of one of the modes combined or of the motion as it is."""
+    m = e.model
+    begin_guard(g, r, part)
+    g.pair[g.guards] = r
+    g.test[g.guards] = m.rule_test[r]
+    end_guard(g, m.atom_first[r], m.atom_first[r + 1])
+
+
+def begin_guard(g: Locator, rule: int, part: int) -> None:
+    """Begin one more guard."""
+    g.rule[g.guards] = rule
+    g.pair[g.guards] = NONE
+    g.test[g.guards] = NONE
+    g.margin[g.guards] = NONE
+    g.part[g.guards] = part
+    g.atom_first[g.guards] = g.atoms
+
+
+def end_guard(g: Locator, first: int, stop: int) -> None:
+    """End it with its comparisons: those of the model, or a negative one for a margin."""
+    for a in range(first, stop):
+        g.atom[g.atoms] = a
+        g.atom_part[g.atoms] = g.part[g.guards]
+        g.atoms += 1
+    g.guards += 1
 
 
 def has_failed(g: Locator) -> bool:

@@ -22,6 +22,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.methods.stepping import RADAU
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
+from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, floats, record
 
 BROKEN: Final = 16
@@ -36,12 +37,16 @@ class Report:
 
     Of steps: `step_time` holds t0, t1, t; `step_until` the next timed event; `step_state` y0, y1,
     y; `step_dense` the coefficients, power by power; `step_place` the number of instants before it,
-    how many surfaces are slid on, then the state of each machine, then whether it has landed.
+    the number of the combination that is slid in (0: none), then the state of each machine, then
+    whether it has landed.
+
+    Of combinations, which count from 1 on: when they begin in `slide_time`; in `slid` how many
+    surfaces are slid on, and unless that is 0 whether all corners are combined, how many modes, the
+    surfaces by number, the state of each machine as shown, then in each of these modes.
 
     Of instants: `instant_time` t, and the largest energy seen before; `instant_state` the state
-    before and after; `instant_place` the cause, how many modes were visited, how many surfaces are
-    slid on from there (their numbers in `slid`), then the state of each machine after it, then
-    whether it has landed.
+    before and after; `instant_place` the cause, how many modes were visited, the number of the
+    combination from there on, then the state of each machine after it, then whether it has landed.
 
     Of each mode visited, `visit`: its kind, how many transitions, impulses and open bond variables
     belong to it, and whether its energy is known, before, after and given by sources in
@@ -77,8 +82,17 @@ class Report:
     over: Places
     opens: int
     open: Places
+    slides: int
+    slide_time: Block
     slids: int
     slid: Places
+    slide_number: int
+    """Of the combination in force, and of all so far."""
+    slides_made: int
+    slide_row: Places
+    """What was written of the last one; `slide_length` numbers."""
+    slide_length: int
+    slide_next: Places
     rejected: int
     """Steps that were too long."""
     settling: bool
@@ -107,7 +121,11 @@ def make_report(e: Engine) -> Report:
     r.read = make_block(16)
     r.over = make_places(16)
     r.open = make_places(16)
+    r.slide_time = make_block(16)
     r.slid = make_places(16)
+    r.slide_row = make_places(16)
+    r.slide_next = make_places(16)
+    r.slide_length = 1
     r.settling = True
     r.left = floats(e.states)
     r.warned = e.warned if e.model.tells != 0 else make_warned()
@@ -126,7 +144,52 @@ def forget_rows(r: Report) -> None:
     r.overs = 0
     r.opens = 0
     r.slids = 0
+    r.slides = 0
     forget_warned(r.warned)
+
+
+def report_slide(e: Engine, r: Report) -> None:
+    """Write down what is slid on from the present time on, if that is new."""
+    next_one = r.slide_next
+    length = put_slide(e, next_one)
+    same = length == r.slide_length
+    for k in range(length if same else 0):
+        same = same and next_one.at[k] == r.slide_row.at[k]
+    if same:
+        return
+    grow_block(r.slide_time, r.slides + 1)
+    r.slide_time.at[r.slides] = e.t
+    r.slides += 1
+    r.slides_made += 1
+    r.slide_number = r.slides_made if e.slide.many > 0 else 0
+    grow_places(r.slid, r.slids + length)
+    for k in range(length):
+        r.slid.at[r.slids + k] = next_one.at[k]
+    r.slids += length
+    r.slide_next = r.slide_row
+    r.slide_row = next_one
+    r.slide_length = length
+
+
+def put_slide(e: Engine, row: Places) -> int:
+    """Put what is slid on there; return how many numbers that takes."""
+    s = e.slide
+    machines = e.model.machines
+    grow_places(row, 3 + s.many + (1 + s.parts) * machines)
+    row.at[0] = s.many if s.k > 0 else 0
+    if row.at[0] == 0:
+        return 1
+    row.at[1] = 1 if s.product else 0
+    row.at[2] = s.parts
+    at = 3
+    for j in range(s.many):
+        row.at[at] = s.surface[j]
+        at += 1
+    for part in range(-1, s.parts):
+        for k in range(machines):
+            row.at[at] = e.state[k] if part < 0 else part_mode(e, part).state[k]
+            at += 1
+    return at
 
 
 def report_step(e: Engine, r: Report) -> None:
@@ -186,7 +249,7 @@ def write_step(e: Engine, r: Report, t0: float, t1: float, t: float) -> None:
     r.step_until.at[k] = e.next_break
     at = (2 + 2 * machines) * k
     r.step_place.at[at] = r.instants_before + r.instants
-    r.step_place.at[at + 1] = e.slide.many
+    r.step_place.at[at + 1] = r.slide_number
     for machine in range(machines):
         r.step_place.at[at + 2 + machine] = e.state[machine]
         r.step_place.at[at + 2 + machines + machine] = e.landed[machine]
@@ -264,14 +327,10 @@ def write_instant(e: Engine, r: Report, i: Instant, cause: int) -> None:
     at = (3 + 2 * machines) * k
     r.instant_place.at[at] = cause
     r.instant_place.at[at + 1] = i.steps
-    r.instant_place.at[at + 2] = e.slide.many
+    r.instant_place.at[at + 2] = r.slide_number
     for machine in range(machines):
         r.instant_place.at[at + 3 + machine] = e.state[machine]
         r.instant_place.at[at + 3 + machines + machine] = e.landed[machine]
-    for j in range(e.slide.many):
-        grow_places(r.slid, r.slids + 1)
-        r.slid.at[r.slids] = e.slide.surface[j]
-        r.slids += 1
 
 
 def write_visit(r: Report, i: Instant, step: int) -> None:

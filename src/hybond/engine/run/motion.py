@@ -51,10 +51,12 @@ from hybond.engine.run.report import (
     keep_left,
     report_end,
     report_event,
+    report_slide,
     report_step,
 )
 from hybond.engine.run.stranded import in_vain, no_slip
-from hybond.engine.sliding.blend import combine_here, onto_surfaces
+from hybond.engine.sliding.combine import combine_here
+from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
 from hybond.engine.words import Floats, floats, record
 
@@ -175,6 +177,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         r.before[k] = e.landings.before[k]
     if slide_after(e, i, r.before) != OK:
         return REFUSED
+    report_slide(e, r.report)
     if i.steps > 0:
         r.events += 1
         report_event(e, r.report, i)
@@ -276,6 +279,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     m = e.model
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
+    report_slide(e, r.report)
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED

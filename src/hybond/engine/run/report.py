@@ -98,6 +98,10 @@ def report_step(e: Engine, r: Report) -> None:
         r.next_point += 1
 
 
+def report_slide(e: Engine, r: Report) -> None:
+    """Do nothing: what is slid on shows in the events."""
+
+
 def report_end(e: Engine, r: Report) -> None:
     """Print the row of the present time if a point is due."""
     if r.events or r.silent:

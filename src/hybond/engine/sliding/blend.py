@@ -1,8 +1,9 @@
 """Motion on switching surfaces: a combination of the modes between which it slides.
 
-On the surfaces the modes around give the fields ``f_c``, and the motion is ``f_0 + sum_j weight_j
-(f_j - f_0)``, f_j having only machine j above its surface, with weights such that no switching
-function moves. Every bond variable is the same combination. After programs/combined.py.
+On the surfaces the modes around give the fields ``f_c``, and the motion is their combination with
+coefficients such that no switching function moves: ``f_0 + sum_j weight_j (f_j - f_0)``, f_j having
+only machine j above its surface, where the switches act independently of each other; else that of
+all corners, with products of weights, by Newton's method. After programs/combined.py.
 """
 
 from __future__ import annotations
@@ -11,84 +12,26 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.engine import (
-    NOT_FINITE,
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    say_fault,
-)
-from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.newton import freedom_at, solve
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.mode.newton import solve
 from hybond.engine.mode.newton_system import write_bonds
-from hybond.engine.mode.sizes import seen_of, sizes_of
 from hybond.engine.model import value
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.common_space import NEVER, find_common, keep_to_all, onto_all
-from hybond.engine.sliding.surface import (
-    is_of_state,
-    part_mode,
-    put_read,
-    surface_rate,
-    surface_value,
-)
-from hybond.engine.words import Floats, Ints
+from hybond.engine.sliding.common_space import keep_to_all
+from hybond.engine.sliding.corners import put_coefficients, put_slopes, speed_at
+from hybond.engine.sliding.outputs import output_rate
+from hybond.engine.sliding.surface import part_mode, put_read, surface_rate
+from hybond.engine.words import Floats
 
 ROUNDING: Final = 1e-14
 """An average below this part of what it is made of is zero."""
-OFTEN: Final = 3
-"""Times that a state is put back on its surfaces."""
-
-
-def take_parts(e: Engine, state: Ints) -> int:
-    """Take the modes around the surfaces ``side[0 .. k - 1]`` of a mode, and what they hold."""
-    m = e.model
-    s = e.slide
-    s.known = False
-    for part in range(s.k + 1):
-        for machine in range(m.machines):
-            s.target[machine] = state[machine]
-        for j in range(s.k):
-            surface = s.side[j]
-            above = part == j + 1
-            s.target[m.surface_machine[surface]] = (
-                m.surface_above[surface] if above else m.surface_below[surface]
-            )
-        if mode_of(e, s.target) != OK:
-            return REFUSED
-        s.part[part] = e.mode_at
-    if mode_of(e, state) != OK:
-        return REFUSED
-    return OK
-
-
-def combine_here(e: Engine, state: Ints) -> int:
-    """Take what a mode is combined of while some machines slide; nothing if none does."""
-    m = e.model
-    s = e.slide
-    s.k = 0
-    if s.many == 0:
-        return OK
-    for i in range(s.many):
-        surface = s.surface[i]
-        now = state[m.surface_machine[surface]]
-        if now == m.surface_below[surface] or now == m.surface_above[surface]:
-            s.side[s.k] = surface
-            s.k += 1
-    if s.k == 0:
-        return OK
-    if take_parts(e, state) != OK:
-        return REFUSED
-    if find_common(e) == NEVER:
-        why = "sliding between modes with these constraints is not part of an export"
-        return say_fault(e, "HB-E635", why, "")
-    for j in range(s.k):
-        if not is_of_state(e, s.side[j]):
-            why = "sliding on a surface that reads what can jump is not part of an export"
-            return say_fault(e, "HB-E635", why, "")
-    return OK
+ROUNDS: Final = 30
+STILL: Final = 1e-14
+"""Weights are of order one: a step of Newton's method below this is rounding, and the last."""
+SOLVED: Final = 1e-9
+"""Weights are taken if the last of all steps was below this: it need not come to rounding."""
+ASTRAY: Final = 2.0
+"""Weights further than this from the middle are no answer."""
 
 
 def solve_part(e: Engine, part: int, v: Floats, rates: Floats, at: int, kept: bool) -> int:
@@ -126,16 +69,20 @@ def find_speeds(e: Engine, kept: bool) -> int:
     m = e.model
     s = e.slide
     n = e.states
-    for part in range(s.k + 1):
+    for part in range(s.parts):
         if solve_part(e, part, s.v, s.part_rate, part * n, kept) != OK:
             return NOT_FINITE
         for k in range(2 * m.bonds):
             s.solution[part * 2 * m.bonds + k] = e.work.w[k]
     for j in range(s.k):
-        put_read(e, s.side[j], s.v)
-        for part in range(s.k + 1):
-            s.part_speed[part * s.k + j] = surface_rate(
-                e, s.side[j], s.v, s.part_rate, part * n, True
+        surface = s.side[j]
+        if s.of_state[j] != 0:
+            put_read(e, surface, s.v)
+        for part in range(s.parts):
+            s.part_speed[part * s.k + j] = (
+                surface_rate(e, surface, s.v, s.part_rate, part * n, True)
+                if s.of_state[j] != 0
+                else output_rate(e, surface, s.v, s.part_rate, part * n)
             )
     return OK
 
@@ -156,10 +103,7 @@ def blend(e: Engine, v: Floats) -> int:
         return NOT_FINITE
     if find_weights(e) != OK:
         return NOT_FINITE
-    s.coefficient[0] = 1.0
-    for j in range(s.k):
-        s.coefficient[0] -= s.weight[j]
-        s.coefficient[j + 1] = s.weight[j]
+    put_coefficients(s, s.weight, s.coefficient)
     average(e, 2 * m.bonds, s.solution, s.w)
     average(e, n, s.part_rate, s.rate)
     find_margins(e)
@@ -186,12 +130,60 @@ def is_here(e: Engine, v: Floats) -> bool:
 def find_weights(e: Engine) -> int:
     """Find the weights with which no switching function moves."""
     s = e.slide
+    if s.product:
+        return find_product(e)
     for j in range(s.k):
         for p in range(s.k):
             s.change[j * s.k + p] = s.part_speed[(p + 1) * s.k + j] - s.part_speed[j]
             s.matrix[j * s.k + p] = s.change[j * s.k + p]
         s.weight[j] = -s.part_speed[j]
     return solve_weights(e, s.weight)
+
+
+def find_product(e: Engine) -> int:
+    """Find those of a product combination, from the last ones, else from the middle."""
+    s = e.slide
+    for attempt in range(2):
+        for j in range(s.k):
+            s.weight[j] = s.last[j] if s.has_last and attempt == 0 else 0.5
+        step = math.inf
+        for _ in range(ROUNDS):
+            find_change(e)
+            for j in range(s.k):
+                s.right[j] = speed_at(s, s.part_speed, s.coefficient, j)
+            for i in range(s.k * s.k):
+                s.matrix[i] = s.change[i]
+            if solve_weights(e, s.right) != OK:
+                return NOT_FINITE
+            step = 0.0
+            for j in range(s.k):
+                s.weight[j] -= s.right[j]
+                step = max(step, math.fabs(s.right[j]))
+            if step <= STILL:
+                break
+        taken = step <= SOLVED
+        for j in range(s.k):
+            taken = taken and math.fabs(s.weight[j] - 0.5) <= ASTRAY
+        if taken:
+            find_change(e)
+            for j in range(s.k):
+                s.last[j] = s.weight[j]
+            s.has_last = True
+            return OK
+    return no_combination(e)
+
+
+def find_change(e: Engine) -> None:
+    """Find the coefficients of a product, and how the weights move the functions."""
+    s = e.slide
+    put_coefficients(s, s.weight, s.coefficient)
+    put_slopes(s)
+    for j in range(s.k):
+        for p in range(s.k):
+            total = 0.0
+            for part in range(s.parts):
+                total += s.part_speed[part * s.k + j] * s.by[part * s.k + p]
+            s.change[j * s.k + p] = total
 
 
 def solve_weights(e: Engine, right: Floats) -> int:
@@ -202,9 +194,13 @@ def solve_weights(e: Engine, right: Floats) -> int:
         lu_solve(s.k, s.matrix, s.pivot, 1, right)
     for j in range(s.k):
         regular = regular and math.isfinite(right[j])
-    if regular:
-        return OK
+    return OK if regular else no_combination(e)
+
+
+def no_combination(e: Engine) -> int:
+    """Note that the surfaces touch, or the switches cancel."""
     say_fault(e, "HB-N405", "no combination of the modes stays on the surfaces", "")
+    s = e.slide
     if e.model.tells != 0:
         for j in range(s.k):
             add_fact(e.fault, float(s.side[j]))
@@ -218,7 +214,7 @@ def average(e: Engine, n: int, rows: Floats, out: Floats) -> None:
     for k in range(n):
         total = 0.0
         size = 0.0
-        for part in range(s.k + 1):
+        for part in range(s.parts):
             total += s.coefficient[part] * rows[part * n + k]
             size += math.fabs(s.coefficient[part]) * math.fabs(rows[part * n + k])
         out[k] = 0.0 if math.fabs(total) <= ROUNDING * size else total
@@ -226,11 +222,14 @@ def average(e: Engine, n: int, rows: Floats, out: Floats) -> None:
 
 def find_pushes(e: Engine) -> int:
     """Keep how fast the functions move before a jump, to tell how surfaces are approached."""
+    m = e.model
     s = e.slide
     if find_speeds(e, False) != OK:
         return NOT_FINITE
-    for i in range((s.k + 1) * s.k):
+    for i in range(s.parts * s.k):
         s.plain_speed[i] = s.part_speed[i]
+    for i in range(s.parts * 2 * m.bonds if m.laws > 0 else 0):
+        s.plain_solution[i] = s.solution[i]
     return OK
 
 
@@ -256,140 +255,7 @@ def find_margins(e: Engine) -> None:
 def side_speed(e: Engine, j: int, side: float) -> float:
     """Return how fast function j moves, jumps left out, with its own machine on one side."""
     s = e.slide
-    total = 0.0
-    rest = 1.0
     for p in range(s.k):
-        weight = side if p == j else s.weight[p]
-        rest -= weight
-        total += weight * s.plain_speed[(p + 1) * s.k + j]
-    return total + rest * s.plain_speed[j]
-
-
-# -- what asks for one mode asks for these
-
-
-def solve_here(e: Engine, mode: Mode, v: Floats) -> int:
-    """Put the bond variables of a mode, or of a combination, into `e.work.w` and `v`."""
-    if e.slide.k == 0:
-        return solve(e, mode, v)
-    if blend(e, v) != OK:
-        return NOT_FINITE
-    for k in range(2 * e.model.bonds):
-        e.work.w[k] = e.slide.w[k]
-    write_bonds(e, v, e.slide.w)
-    return OK
-
-
-def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
-    """Put the sizes of the terms of bond variables into `e.work.sizes`, after `solve_here`."""
-    m = e.model
-    s = e.slide
-    if s.k == 0:
-        sizes_of(e, mode, v)
-        return
-    n = 2 * m.bonds
-    for k in range(n):
-        s.w_size[k] = math.fabs(s.w[k])
-    for part in range(s.k + 1):
-        for k in range(2 * m.slots):
-            s.v[k] = v[k]
-        own = part_mode(e, part)
-        for k in range(m.switches + m.state_first[m.machines]):
-            s.v[m.on_slot + k] = own.flags[k]
-        if solve(e, own, s.v) == OK:
-            sizes_of(e, own, s.v)
-            for k in range(n):
-                size = math.fabs(s.coefficient[part]) * e.work.sizes[k]
-                s.w_size[k] = max(s.w_size[k], size)
-    for k in range(n):
-        e.work.sizes[k] = s.w_size[k]
-        e.work.w[k] = s.w[k]
-
-
-def begin_sizes(e: Engine, mode: Mode, v: Floats, x: Floats, terms: Floats) -> None:
-    """Prepare for guards to be measured at the values `v`, `x` being stored, after `solve_here`.
-
-    What bond variables of a combination are measured by is found at once, into `terms`; what was
-    seen of them between junction laws does not count there: sliding beside such laws is refused.
-    """
-    m = e.model
-    if e.slide.k == 0:
-        if m.laws > 0:
-            seen_of(e, mode, x)
-        return
-    sizes_here(e, mode, v)
-    for b in range(2 * m.bonds):
-        terms[m.bond_slot + b] = e.work.sizes[b]
-
-
-def freedom_here(e: Engine, mode: Mode, v: Floats) -> int:
-    """Return in how many directions bond variables are free, those into `e.work.freedom`.
-
-    What a combination leaves open is what its first part does.
-    """
-    if e.slide.k == 0:
-        return freedom_at(e, mode, v)
-    return 0
-
-
-def blended_field(e: Engine, t: float, y: Floats, rate: Floats) -> int:
-    """Put ``y'`` of the combination into `rate`."""
-    m = e.model
-    set_time(e, e.v, t)
-    for k in range(m.storages):
-        e.v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        e.v[m.signal_slot + k] = y[m.storages + k]
-    if blend(e, e.v) != OK:
-        return NOT_FINITE
-    for k in range(e.states):
-        rate[k] = e.slide.rate[k]
-    return OK
-
-
-def onto_surfaces(e: Engine, t: float, y: Floats) -> int:
-    """Put the state back on its surfaces, along the fields that hold it there."""
-    s = e.slide
-    n = e.states
-    v = e.shown
-    for _ in range(OFTEN):
-        if s.common:
-            show_state(e, t, y, v)
-            onto_all(e, v, y)
-        show_state(e, t, y, v)
-        off = False
-        for j in range(s.k):
-            s.right[j] = surface_value(e, s.side[j], v)
-            off = off or s.right[j] != 0.0
-        if not off:
-            return OK
-        if blend(e, v) != OK:
-            return NOT_FINITE
-        for i in range(s.k * s.k):
-            s.matrix[i] = s.change[i]
-        if solve_weights(e, s.right) != OK:
-            return NOT_FINITE
-        still = True
-        for k in range(n):
-            back = 0.0
-            for j in range(s.k):
-                back += s.right[j] * (s.part_rate[(j + 1) * n + k] - s.part_rate[k])
-            moved = y[k] - back
-            still = still and moved == y[k]
-            y[k] = moved
-        if still:
-            return OK
-        s.known = False
-    return OK
-
-
-def show_state(e: Engine, t: float, y: Floats, v: Floats) -> None:
-    """Write time and state, as the combination asks for."""
-    m = e.model
-    set_time(e, v, t)
-    for k in range(m.slots):
-        v[m.slots + k] = 0.0
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
+        s.tilted[p] = side if p == j else s.weight[p]
+    put_coefficients(s, s.tilted, s.tilted_coefficient)
+    return speed_at(s, s.plain_speed, s.tilted_coefficient, j)

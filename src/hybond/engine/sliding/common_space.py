@@ -70,13 +70,13 @@ def find_common(e: Engine) -> int:
     n = 2 * m.bonds
     s.common = False
     same = True
-    for k in range(1, s.k + 1):
+    for k in range(1, s.parts):
         same = same and holds_the_same(e, part_mode(e, 0), part_mode(e, k))
     if same:
         return ALONE
     s.holders = 0
     s.held = 0
-    for k in range(s.k + 1):
+    for k in range(s.parts):
         mode = part_mode(e, k)
         if not is_plain(e, mode):
             return NEVER
@@ -246,9 +246,8 @@ def can_keep(e: Engine, v: Floats, rates: Floats) -> bool:
     return True
 
 
-def onto_all(e: Engine, v: Floats, x: Floats) -> None:
-    """Put stored quantities, those in `v`, back where all constraints are met, into `x`."""
-    m = e.model
+def find_correction(e: Engine, v: Floats) -> None:
+    """Find the areas by which the state in `v` is off the constraints, into ``e.slide.area``."""
     s = e.slide
     find_inverse(e, v)
     at = 0
@@ -259,9 +258,18 @@ def onto_all(e: Engine, v: Floats, x: Floats) -> None:
             s.off.at[at] = row_times(mode.constraints, i, e.work.xi)
             s.off_size.at[at] = row_size(mode.constraints, i, e.work.xi)
             at += 1
+    fit(s.area, s.areas)
     for a in range(s.areas):
         area = 0.0
         for i in range(s.held):
             area += s.inverse.at[a * s.held + i] * s.off.at[i]
-        for k in range(m.storages):
-            x[k] -= s.moves.at[k * s.areas + a] * area
+        s.area.at[a] = area
+
+
+def onto_all(e: Engine, v: Floats, x: Floats) -> None:
+    """Put stored quantities, those in `v`, back where all constraints are met, into `x`."""
+    s = e.slide
+    find_correction(e, v)
+    for a in range(s.areas):
+        for k in range(e.model.storages):
+            x[k] -= s.moves.at[k * s.areas + a] * s.area.at[a]

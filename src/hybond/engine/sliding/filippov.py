@@ -6,14 +6,22 @@ only where the weight is 1 and down only where it is 0. After modes/sliding/fili
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
+from hybond.engine.sliding.corners import put_coefficients, speed_at
 
 FEW: Final = 6
 """Most surfaces for which all choices are tried."""
+ROUNDS: Final = 30
+STILL: Final = 1e-14
+SOLVED: Final = 1e-10
+"""Steps of Newton's method below these are the last; are small enough after the last."""
+FAR: Final = 1e6
+"""It does not lead on from further away."""
 SLIDES: Final = 0
 ABOVE: Final = 1
 BELOW: Final = 2
@@ -27,7 +35,7 @@ def find_ways(e: Engine) -> int:
     """
     s = e.slide
     if s.k > FEW:
-        return 1 if pivot(e) else 0
+        return 1 if not s.product and pivot(e) else 0
     ways = 0
     most = -1
     asked = False
@@ -90,6 +98,8 @@ def pivot(e: Engine) -> bool:
 def weigh(e: Engine) -> bool:
     """Find the weights with which the surfaces that slide stay where they are."""
     s = e.slide
+    if s.product:
+        return weigh_product(e)
     free = 0
     many = count_slides(e)
     for j in range(s.k):
@@ -97,7 +107,8 @@ def weigh(e: Engine) -> bool:
     for j in range(s.k):
         if s.trial_side[j] != SLIDES:
             continue
-        s.right[free] = -speed_of(e, j)
+        speed = speed_of(e, j)
+        s.right[free] = -speed
         column = 0
         for p in range(s.k):
             if s.trial_side[p] == SLIDES:
@@ -117,6 +128,55 @@ def weigh(e: Engine) -> bool:
             s.weight[j] = s.right[at]
             at += 1
     return True
+
+
+def weigh_product(e: Engine) -> bool:
+    """Find those of a product combination, by Newton's method from the middle."""
+    s = e.slide
+    many = count_slides(e)
+    for j in range(s.k):
+        slides = s.trial_side[j] == SLIDES
+        s.weight[j] = 0.5 if slides else 1.0 if s.trial_side[j] == ABOVE else 0.0
+    step = 0.0
+    for _ in range(ROUNDS if many > 0 else 0):
+        put_residual(e, many)
+        if lu_factor(many, s.matrix, s.pivot) == SINGULAR:
+            return False
+        lu_solve(many, s.matrix, s.pivot, 1, s.right)
+        step = 0.0
+        at = 0
+        for j in range(s.k):
+            if s.trial_side[j] == SLIDES:
+                s.weight[j] -= s.right[at]
+                step = max(step, math.fabs(s.right[at]))
+                at += 1
+        if not all_finite(many, s.right) or not step < FAR:
+            return False
+        if step <= STILL:
+            return True
+    return step <= SOLVED
+
+
+def put_residual(e: Engine, many: int) -> None:
+    """Put the speeds of the functions that are to stay there, and their slopes by the weights."""
+    s = e.slide
+    row = 0
+    for j in range(s.k):
+        if s.trial_side[j] != SLIDES:
+            continue
+        s.right[row] = speed_of(e, j)
+        column = 0
+        for p in range(s.k):
+            if s.trial_side[p] != SLIDES:
+                continue
+            # exact in each weight alone, whatever the step
+            weight = s.weight[p]
+            s.weight[p] = weight + 1.0
+            ahead = speed_of(e, j)
+            s.matrix[row * many + column] = ahead - s.right[row]
+            s.weight[p] = weight
+            column += 1
+        row += 1
 
 
 def wrong_at(e: Engine, first: int) -> int:
@@ -152,6 +212,9 @@ def added(e: Engine, j: int, p: int) -> float:
 def speed_of(e: Engine, j: int) -> float:
     """Return the speed of function j at the weights."""
     s = e.slide
+    if s.product:
+        put_coefficients(s, s.weight, s.tilted_coefficient)
+        return speed_at(s, s.part_speed, s.tilted_coefficient, j)
     total = s.part_speed[j]
     for p in range(s.k):
         total += added(e, j, p) * s.weight[p]

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-from hybond.engine.algebra.blocks import Block, make_block
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
-
-MOST: Final = 32
-"""Most surfaces that are slid on, or decided on, at once."""
 
 
 @record
@@ -17,15 +12,24 @@ class Slide:
     """The surfaces slid on, and the combination of modes in the present one.
 
     ``surface[0 .. many - 1]`` are the surfaces slid on, `many` 0 if none. In the mode taken last
-    `k` of them, ``side``, have modes on both sides: `part` are these modes by number, all below
-    first, then one each with only that machine above. After programs/combined.py, Combined.
+    `k` of them, ``side``, have modes on both sides: ``part[0 .. parts - 1]`` are these modes by
+    number, those of corners.py. After programs/combined.py, Combined.
     """
 
     many: int
     surface: Ints
+    slid_product: bool
+    """Whether those slid on make a product combination."""
     k: int
     side: Ints
+    product: bool
+    parts: int
     part: Ints
+    room: int
+    """Surfaces that there is room for, and parts."""
+    room_parts: int
+    of_state: Ints
+    """Of each side: whether its function reads nothing that can jump."""
     # modes with different constraints are held to all of them: programs/common_space.py
     common: bool
     holders: int
@@ -39,18 +43,34 @@ class Slide:
     off_size: Block
     slope: Block
     inverse: Block
+    area: Block
+    total: Block
+    # the branches of junction laws in the modes around: branches.py
+    branches: int
+    branch: Places
+    """Rows of states of machines."""
+    choose_x: Floats
+    choose_s: Floats
+    kept_pre: Floats
     # the combination at one point
     known: bool
     at: Floats
     """The time, signals and stored quantities that the rest belongs to."""
     weight: Floats
+    last: Floats
+    """The weights found last, from which those of a product are sought."""
+    has_last: bool
     coefficient: Floats
+    by: Floats
+    """Of each part, a row: the slopes of its coefficient by the weights."""
     w: Floats
     w_size: Floats
     """The size of the terms that made each bond variable."""
     rate: Floats
     solution: Floats
     """Of each part, a row of bond variables."""
+    plain_solution: Floats
+    """The same before parts are kept to the constraints of all, where there are junction laws."""
     part_rate: Floats
     plain_speed: Floats
     part_speed: Floats
@@ -59,24 +79,35 @@ class Slide:
     """How the weights, columns, move the functions, rows."""
     margin: Floats
     """How far each surface is from being left, below, then above."""
+    tilted: Floats
+    """Weights to try, and their coefficients."""
+    tilted_coefficient: Floats
     v: Floats
+    ahead: Floats
+    """Values near those of the combination."""
     state: Ints
+    corner: Ints
     target: Ints
     x: Floats
     rates: Floats
     rates2: Floats
-    drift: Floats
-    drift_size: Floats
+    freedom: Block
+    """Directions in which bond variables of some part are free, one after the other."""
     # what is decided after an event
     met: int
     met_surface: Ints
+    first_met: Ints
+    """Those met before any of them was left out."""
     sides: Ints
     best: Ints
+    best_product: bool
     best_weight: Floats
     trial_side: Ints
     matrix: Floats
     right: Floats
     pivot: Ints
+    agrees: Ints
+    """Of each side: whether all parts give its function one value."""
     number: Ints
     """Of storages: what has been visited; of bonds, on the way from a bond to a storage."""
     seen: Ints
@@ -86,9 +117,15 @@ class Slide:
     mark: Ints
     chosen: Ints
     kept_met: Ints
-    signal: Floats
     keep: Floats
     y: Floats
+    # infinitely many jumps of one instant, added up: crossings.py
+    before: Floats
+    impulses: Floats
+    energy_before: float
+    energy_after: float
+    endless: Ints
+    """Of each surface: whether it was said that jumps back and forth over it have no end."""
     ways: Block
     """Weights of the ways on."""
 
@@ -97,54 +134,86 @@ def make_slide(m: Model) -> Slide:
     """Return room for sliding."""
     s = Slide()
     n = m.storages + m.integrals
-    s.surface = ints(MOST)
-    s.side = ints(MOST)
-    s.part = ints(MOST + 1)
-    s.holder = ints(MOST + 1)
+    surfaces = max(m.surfaces, 1)
+    s.surface = ints(surfaces)
+    s.side = ints(surfaces)
+    s.of_state = ints(surfaces)
+    s.met_surface = ints(surfaces)
+    s.first_met = ints(surfaces)
+    s.sides = ints(surfaces)
+    s.best = ints(surfaces)
+    s.trial_side = ints(surfaces)
+    s.agrees = ints(surfaces)
+    s.chosen = ints(surfaces)
+    s.endless = ints(surfaces)
+    s.kept_met = ints(surfaces)
+    s.parts = 1
     s.directions = make_block(1)
     s.moves = make_block(1)
     s.off = make_block(1)
     s.off_size = make_block(1)
     s.slope = make_block(1)
     s.inverse = make_block(1)
+    s.area = make_block(1)
+    s.total = make_block(1)
+    s.freedom = make_block(1)
+    s.branch = make_places(1)
+    s.choose_x = floats(m.storages)
+    s.choose_s = floats(m.integrals)
+    s.kept_pre = floats(m.slots)
     s.at = floats(n + 1)
-    s.weight = floats(MOST)
-    s.coefficient = floats(MOST + 1)
     s.w = floats(2 * m.bonds)
     s.w_size = floats(2 * m.bonds)
     s.rate = floats(n)
-    s.solution = floats((MOST + 1) * 2 * m.bonds)
-    s.part_rate = floats((MOST + 1) * n)
-    s.plain_speed = floats((MOST + 1) * MOST)
-    s.part_speed = floats((MOST + 1) * MOST)
-    s.change = floats(MOST * MOST)
-    s.margin = floats(2 * MOST)
     s.v = floats(2 * m.slots)
+    s.ahead = floats(2 * m.slots)
     s.state = ints(m.machines)
+    s.corner = ints(m.machines)
     s.target = ints(m.machines)
     s.x = floats(m.storages)
     s.rates = floats(n)
     s.rates2 = floats(m.storages)
-    s.drift = floats((MOST + 1) * (m.storages + 1))
-    s.drift_size = floats((MOST + 1) * (m.storages + 1))
-    s.met_surface = ints(max(m.surfaces, 1))
-    s.sides = ints(MOST)
-    s.best = ints(MOST)
-    s.best_weight = floats(MOST)
-    s.trial_side = ints(MOST)
-    s.matrix = floats(MOST * MOST)
-    s.right = floats(MOST)
-    s.pivot = ints(MOST)
     s.seen = ints(m.bonds)
     s.number = ints(m.bonds)
     s.around = ints(m.machines)
     s.settled = ints(m.machines)
     s.mark = ints(m.machines)
-    s.chosen = ints(max(m.surfaces, MOST))
-    s.kept_met = ints(max(m.surfaces, 1))
-    s.signal = floats(m.integrals)
     s.keep = floats(m.storages)
     s.y = floats(n)
+    s.before = floats(n)
+    s.impulses = floats(2 * m.bonds)
+    fit_slide(m, s, 1, 2)
     if m.tells != 0:
         s.ways = make_block(8)
     return s
+
+
+def fit_slide(m: Model, s: Slide, k: int, parts: int) -> None:
+    """Make room for so many surfaces and parts; what was found of others may be lost."""
+    if k <= s.room and parts <= s.room_parts:
+        return
+    n = m.storages + m.integrals
+    s.room = max(k, s.room)
+    s.room_parts = max(parts, s.room_parts)
+    s.known = False
+    s.has_last = False
+    s.weight = floats(s.room)
+    s.last = floats(s.room)
+    s.best_weight = floats(s.room)
+    s.tilted = floats(s.room)
+    s.right = floats(s.room)
+    s.pivot = ints(s.room)
+    s.matrix = floats(s.room * s.room)
+    s.change = floats(s.room * s.room)
+    s.margin = floats(2 * s.room)
+    s.part = ints(s.room_parts)
+    s.holder = ints(s.room_parts)
+    s.coefficient = floats(s.room_parts)
+    s.tilted_coefficient = floats(s.room_parts)
+    s.by = floats(s.room_parts * s.room)
+    s.part_speed = floats(s.room_parts * s.room)
+    s.plain_speed = floats(s.room_parts * s.room)
+    s.part_rate = floats(s.room_parts * n)
+    s.solution = floats(s.room_parts * 2 * m.bonds)
+    if m.laws > 0:
+        s.plain_solution = floats(s.room_parts * 2 * m.bonds)

@@ -25,7 +25,7 @@ def is_joined(e: Engine, switch: int) -> bool:
     """Whether a switch is ON in all parts; -1 is none."""
     if switch < 0:
         return True
-    for k in range(e.slide.k + 1):
+    for k in range(e.slide.parts):
         if part_mode(e, k).on[switch] == 0:
             return False
     return True
@@ -70,7 +70,7 @@ def is_of_state(e: Engine, surface: int) -> bool:
         index = m.surface_index[i]
         if m.surface_kind[i] == 4 and storage_behind(e, index) == NO_STORAGE:
             return False
-        for part in range(1, e.slide.k + 1):
+        for part in range(1, e.slide.parts):
             here = part_mode(e, part)
             if m.surface_kind[i] == 5 and here.flags[index] != part_mode(e, 0).flags[index]:
                 return False

@@ -17,8 +17,9 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
-from hybond.engine.sliding.blend import blend, show_state
+from hybond.engine.sliding.blend import blend
 from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, speed_of
+from hybond.engine.sliding.outputs import show_state
 
 PUSHED: Final = 1e-9
 """A side leads to a surface if more than this part of both sides' speed does: less is rounding."""
@@ -105,7 +106,7 @@ def is_clear(e: Engine) -> bool:
     """Whether a way leaves its surfaces at a speed that is more than rounding."""
     s = e.slide
     most = 0.0
-    for i in range((s.k + 1) * s.k):
+    for i in range(s.parts * s.k):
         most = max(most, math.fabs(s.part_speed[i]))
     for j in range(s.k):
         if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:

@@ -661,6 +661,12 @@ def _reads(t: ModelTables) -> None:
         own = slice(first[k], first[k + 1])
         numbers = [test, *t.ints["atom_value"][own], *t.ints["atom_size"][own]]
         forms[k] += [t.values.all[n] for n in numbers]
+    first = t.ints["rest_atom"]
+    for r, (k, test) in enumerate(zip(t.ints["rest_pair"], t.ints["rest_test"], strict=True)):
+        own = slice(first[r], first[r + 1])
+        numbers = [test, *t.ints["atom_value"][own], *t.ints["atom_size"][own]]
+        if k >= 0:
+            forms[k] += [t.values.all[n] for n in numbers]
     read = [{t.slots.index[n] for e in own for n in names(e)} for own in forms]
     _put(t, "read_first", [[(k,) for k in sorted(own)] for own in read], read_slot=_INTS)
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from hybond.engine.tables.contacts import rules_of
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
-from hybond.model.expressions import Expr, differentiate, names, simplify
+from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
+from hybond.modes.guards import magnitude, seen_in_motion
 
 if TYPE_CHECKING:
     from hybond.engine.tables.make import ModelTables
@@ -48,6 +49,27 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["surface_rest"] = _first(rests)
     t.ints["rest_value"] = [t.values.number(e) for row in rests for e in row]
     t.ints["rest_moves"] = [int(moves(e)) for row in rests for e in row]
+    _put_watched(t, [e for row in rests for e in row])
+
+
+def _put_watched(t: ModelTables, rests: list[Expr]) -> None:
+    """Put what is watched while sliding: that something else ceases to be as the rules ask."""
+    pairs, tests, first = [], [], [len(t.ints["atom_value"])]
+    for e in rests:
+        pair = test = -1
+        if moves(e):
+            rule = Rule(0, 0, Not(e), "")
+            pair = len(t.pairs)
+            t.pairs.append(rule.guard)
+            seen, differences = seen_in_motion(rule)
+            test = t.values.number(seen)
+            t.ints["atom_value"] += [t.values.number(d) for d in differences]
+            t.ints["atom_size"] += [t.values.number(magnitude(d)) for d in differences]
+            t.ints["atom_zero"] += [1] * len(differences)
+        pairs.append(pair)
+        tests.append(test)
+        first.append(len(t.ints["atom_value"]))
+    t.ints.update(rest_pair=pairs, rest_test=tests, rest_atom=first)
 
 
 def _first(rows: Sequence[Sequence[object]]) -> list[int]:

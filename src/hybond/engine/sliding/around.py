@@ -1,0 +1,33 @@
+"""The modes around the surfaces that a state has met."""
+
+from __future__ import annotations
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.mode.newton import solve
+from hybond.engine.mode.values import field
+from hybond.engine.sliding.branches import know_branches
+from hybond.engine.sliding.combine import take_parts
+from hybond.engine.words import Floats
+
+
+def take_met(e: Engine, first: int, many: int, product: bool) -> int:
+    """Take some of the surfaces met as those to be combined, with the modes around them."""
+    s = e.slide
+    for j in range(many):
+        s.side[j] = s.met_surface[first + j]
+    know_branches(e, s.around, many, product, s.side)
+    s.k = many
+    s.product = product
+    s.has_last = False
+    return take_parts(e, s.around)
+
+
+def find_field(e: Engine, rate: Floats) -> bool:
+    """Put the rates of the present state in ``e.mode`` there; False if there are none."""
+    m = e.model
+    for k in range(m.slots):
+        e.v[m.slots + k] = 0.0
+    for k in range(m.switches + m.state_first[m.machines]):
+        e.v[m.on_slot + k] = e.mode.flags[k]
+    # functions of surfaces may read any bond variable
+    return field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK

@@ -1,0 +1,98 @@
+"""Which branches junction laws take in each of the modes that sliding combines.
+
+A diode beside a relay may conduct while the relay is on one side and block while it is on the
+other. Each mode of a combination has the branches that complementarity gives it in one state; they
+are kept, by the states of all other machines, until they are chosen anew. After
+modes/sliding/branches.py.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.instant.entering import enter
+from hybond.engine.instant.trial import a_priori
+from hybond.engine.sliding.branch_table import add_branches, find_branches, take_branches
+from hybond.engine.sliding.corners import count_corners, put_corner
+from hybond.engine.words import Floats, Ints
+
+
+def choose_at(e: Engine, x: Floats, signals: Floats) -> None:
+    """Let branches be chosen in this state from now on; those that are known are kept."""
+    s = e.slide
+    for k in range(e.model.storages):
+        s.choose_x[k] = x[k]
+    for k in range(e.model.integrals):
+        s.choose_s[k] = signals[k]
+
+
+def choose_anew(e: Engine) -> None:
+    """Forget all branches; they are chosen in the present state."""
+    s = e.slide
+    for k in range(e.model.storages):
+        s.choose_x[k] = e.y[k]
+    for k in range(e.model.integrals):
+        s.choose_s[k] = e.y[e.model.storages + k]
+    s.branches = 0
+
+
+def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> None:
+    """Choose the branches of the modes around k surfaces that are not known yet.
+
+    What is combined has to be taken anew, and so has the mode.
+    """
+    s = e.slide
+    if e.model.laws == 0:
+        return
+    for part in range(count_corners(k, product)):
+        put_corner(e.model, state, part, k, product, side, s.state)
+        choose(e, s.state)
+
+
+def know_around(e: Engine, state: Ints) -> None:
+    """Choose the branches of the modes that are combined in `state`, before it is entered."""
+    m = e.model
+    s = e.slide
+    if m.laws == 0 or s.many == 0:
+        return
+    sides = 0
+    for i in range(s.many):
+        surface = s.surface[i]
+        now = state[m.surface_machine[surface]]
+        if now == m.surface_below[surface] or now == m.surface_above[surface]:
+            s.side[sides] = surface
+            sides += 1
+    for k in range(m.slots):
+        s.kept_pre[k] = e.pre[k]
+    know_branches(e, state, sides, s.slid_product, s.side)
+    for k in range(m.slots):
+        e.pre[k] = s.kept_pre[k]
+
+
+def choose_own(e: Engine, state: Ints) -> None:
+    """Give a mode that goes on alone the branches of its own laws."""
+    if e.model.laws > 0:
+        choose(e, state)
+        take_branches(e.model, e.slide, state)
+
+
+def choose(e: Engine, state: Ints) -> None:
+    """Choose the branches of a mode, unless they are known."""
+    m = e.model
+    s = e.slide
+    if find_branches(m, s, state) >= 0:
+        return
+    many = s.many
+    k = s.k
+    parts = s.parts
+    sweep = e.laws.sweep
+    # each mode has the branches that it has alone
+    s.many = 0
+    e.laws.sweep = False
+    found = a_priori(e, e.t, s.choose_x, s.choose_s, state) == OK
+    found = found and enter(e, e.t, s.choose_x, s.choose_s, state, True, False) == OK
+    # where no branches stand, those that it has go on
+    add_branches(m, s, e.trial.state if found else state)
+    s.many = many
+    s.k = k
+    s.parts = parts
+    e.laws.sweep = sweep

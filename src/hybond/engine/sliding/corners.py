@@ -1,0 +1,76 @@
+"""The modes that a combination is made of, and how much of each its weights take.
+
+Of k machines between two states each, a combination takes either all below, then each one alone
+above (*additive*), or all corners of the cube of weights (*product*). After
+programs/sliding_program.py, corners_of, and programs/combined.py.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.model import Model
+from hybond.engine.sliding.slide_records import Slide
+from hybond.engine.words import Floats, Ints
+
+
+def count_corners(k: int, product: bool) -> int:
+    """Return how many modes are combined."""
+    return 1 << k if product else k + 1
+
+
+def is_above(k: int, product: bool, part: int, j: int) -> bool:
+    """Whether machine j of k is above its surface in a part."""
+    if product:
+        return ((part >> (k - 1 - j)) & 1) == 1
+    return part == j + 1
+
+
+def put_corner(
+    m: Model, base: Ints, part: int, k: int, product: bool, side: Ints, out: Ints
+) -> None:
+    """Put the states of machines in a part there, those that do not slide being as in `base`."""
+    for machine in range(m.machines):
+        out[machine] = base[machine]
+    for j in range(k):
+        surface = side[j]
+        above = is_above(k, product, part, j)
+        out[m.surface_machine[surface]] = (
+            m.surface_above[surface] if above else m.surface_below[surface]
+        )
+
+
+def put_coefficients(s: Slide, weight: Floats, out: Floats) -> None:
+    """Put the share of each part at some weights there."""
+    if not s.product:
+        out[0] = 1.0
+        for j in range(s.k):
+            out[0] -= weight[j]
+            out[j + 1] = weight[j]
+        return
+    for part in range(s.parts):
+        out[part] = 1.0
+        for j in range(s.k):
+            out[part] *= weight[j] if is_above(s.k, True, part, j) else 1.0 - weight[j]
+
+
+def put_slopes(s: Slide) -> None:
+    """Put the slopes of the coefficients by the weights into `by`, a row for each part."""
+    for part in range(s.parts):
+        for j in range(s.k):
+            above = is_above(s.k, s.product, part, j)
+            if s.product:
+                slope = 1.0 if above else -1.0
+                for p in range(s.k):
+                    if p != j:
+                        up = is_above(s.k, True, part, p)
+                        slope *= s.weight[p] if up else 1.0 - s.weight[p]
+            else:
+                slope = -1.0 if part == 0 else 1.0 if above else 0.0
+            s.by[part * s.k + j] = slope
+
+
+def speed_at(s: Slide, speed: Floats, coefficient: Floats, j: int) -> float:
+    """Return how fast function j moves, a row of `speed` being that of a part."""
+    total = 0.0
+    for part in range(s.parts):
+        total += coefficient[part] * speed[part * s.k + j]
+    return total

@@ -1,0 +1,150 @@
+"""Going on along the surfaces chosen, and what is written down of that.
+
+After modes/sliding/motion.py, Slider._go_on and Slider._write.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.instant import (
+    CONTINUOUS,
+    PINNACLE,
+    Instant,
+    add_energy,
+    append_fired,
+    is_struck,
+    note_fired,
+    note_hit,
+    note_step,
+)
+from hybond.engine.instant.told import (
+    PUSHED_BACK,
+    SLIDES_OFF,
+    SLIDES_ON,
+    THROWN_BACK,
+    add_read,
+    say_why,
+)
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.sliding.branches import choose_anew, know_around
+from hybond.engine.sliding.combine import combine_here
+from hybond.engine.sliding.filippov import SLIDES
+from hybond.engine.sliding.onto import onto_surfaces
+from hybond.engine.sliding.what_happened import is_held
+
+SLIDING: Final = -1
+"""The state of a machine that slides, in what is written down."""
+FLOOR: Final = 1e-12
+"""Impulses of jumps that were added up are none below this part of the largest."""
+
+
+def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
+    """Go on along the surfaces chosen, and write down what became of machines.
+
+    If `collapsed`, infinitely many jumps have led there.
+    """
+    m = e.model
+    s = e.slide
+    for k in range(m.machines):
+        s.mark[k] = s.target[k]
+    waiting = note_transitions(e, i, slid)
+    s.many = slid
+    s.slid_product = slid > 0 and s.best_product
+    for j in range(slid):
+        s.surface[j] = s.chosen[j]
+    for k in range(m.machines):
+        e.state[k] = s.mark[k]
+    choose_anew(e)
+    know_around(e, e.state)
+    found = s.met if slid > 0 else 0
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    s.has_last = False
+    at = 0
+    for j in range(found):
+        if s.best[j] == SLIDES:
+            s.last[at] = s.best_weight[j]
+            at += 1
+    s.has_last = at > 0 and at == s.k
+    if s.k > 0 and onto_surfaces(e, e.t, e.y) != OK:
+        return REFUSED
+    s.known = False
+    if waiting > 0:
+        write_transitions(e, i, collapsed)
+    return OK
+
+
+def write_transitions(e: Engine, i: Instant, collapsed: bool) -> None:
+    """Add the decision to what is written down of this instant."""
+    s = e.slide
+    if i.steps == 0:
+        note_step(i, CONTINUOUS)
+        return
+    last = i.steps - 1
+    differs = False
+    for k in range(e.model.machines):
+        differs = differs or s.settled[k] != e.state[k]
+    if collapsed:
+        i.kind.at[last] = PINNACLE
+        note_collapse(e, i)
+    elif is_struck(i, last) and differs and s.many == 0:
+        i.kind.at[last] = PINNACLE
+        note_step(i, CONTINUOUS)
+        if i.energies.at[last] != 0:
+            left = i.energy.at[3 * last + 1]
+            add_energy(i, left, left, 0.0)
+    else:
+        append_fired(i)
+
+
+def note_collapse(e: Engine, i: Instant) -> None:
+    """Note the step in which jumps back and forth end, with all their impulses."""
+    s = e.slide
+    most = 0.0
+    for b in range(2 * e.model.bonds):
+        most = max(most, math.fabs(s.impulses[b]))
+    for b in range(2 * e.model.bonds):
+        if s.impulses[b] != 0.0:
+            note_hit(i, b, s.impulses[b], FLOOR * most)
+    note_step(i, CONTINUOUS)
+    if e.model.tells != 0:
+        add_energy(i, s.energy_before, s.energy_after, 0.0)
+
+
+def note_transitions(e: Engine, i: Instant, slid: int) -> int:
+    """Note what the decision did to machines; return how many transitions there are."""
+    m = e.model
+    s = e.slide
+    i.waiting = 0
+    for j in range(s.many + slid):
+        surface = s.surface[j] if j < s.many else s.chosen[j - s.many]
+        machine = m.surface_machine[surface]
+        stays = False
+        for p in range(slid):
+            stays = stays or s.chosen[p] == surface
+        if is_held(e, surface) and stays:
+            continue
+        now = s.mark[machine]
+        if stays:
+            note_fired(i, machine, s.settled[machine], SLIDING)
+            say_why(i.told, SLIDES_ON)
+            add_read(i.told, float(surface), 0.0, False)
+        elif now == m.surface_below[surface] or now == m.surface_above[surface]:
+            note_fired(i, machine, SLIDING, now)
+            say_why(i.told, SLIDES_OFF)
+            add_read(i.told, float(surface), 0.0, False)
+    for machine in range(m.machines):
+        if s.settled[machine] == s.mark[machine]:
+            continue
+        known = False
+        for j in range(s.many + slid):
+            surface = s.surface[j] if j < s.many else s.chosen[j - s.many]
+            known = known or m.surface_machine[surface] == machine
+        if not known:
+            note_fired(i, machine, s.settled[machine], s.mark[machine])
+            if m.is_law[machine] == 0:
+                say_why(i.told, PUSHED_BACK if s.many + slid > 0 else THROWN_BACK)
+    return i.waiting

@@ -1,0 +1,173 @@
+"""The surfaces that the state is on after an event. After modes/sliding/motion.py, Slider._met."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.instant import GUARD, Instant
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.values import evaluate
+from hybond.engine.model import value
+from hybond.engine.sliding.around import find_field, take_met
+from hybond.engine.sliding.combine import combine_here
+from hybond.engine.sliding.crossings import vanishes
+from hybond.engine.sliding.surface import put_read, surface_rate
+from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
+from hybond.engine.words import Floats
+
+AT_ONCE: Final = 1e-11
+"""A state is on a surface if it gets there within this part of the time that has passed."""
+
+
+def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
+    """Find the surfaces that the state is on, one per machine. After Slider._met.
+
+    They are sought anew where the fields may have jumped, else among those just crossed.
+    """
+    m = e.model
+    s = e.slide
+    s.met = 0
+    anew = i.cause != GUARD or moved
+    turns = False
+    if moved:
+        for k in range(m.storages):
+            s.x[k] = e.y[k] - before[k]
+        turns = vanishes(e, s.x, e.y)
+    shown = False
+    for surface in range(m.surfaces):
+        machine = m.surface_machine[surface]
+        now = e.state[machine]
+        if now != m.surface_below[surface] and now != m.surface_above[surface]:
+            continue
+        known = False
+        for j in range(s.met):
+            known = known or m.surface_machine[s.met_surface[j]] == machine
+        f = fired_once(i, machine)
+        crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
+        held = is_held(e, surface)
+        if known or not (crossed or held or anew):
+            continue
+        if not shown:
+            if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+                return REFUSED
+            if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+                return REFUSED
+            shown = True
+        if not is_allowed(e, surface):
+            continue
+        # at a timed event a rule may have fired because an input jumped over the surface, and one
+        # that asks for more because that has come true
+        sure = held or (crossed and not anew and is_alone(e, surface, i.target.at[f]))
+        sure = sure and not moved
+        if turns and i.steps > 0 and went_and_came(i, machine):
+            # there and back by a pinnacle: towards the surface, if its jumps have vanished
+            sure = True
+        if sure or is_on(e, surface):
+            s.met_surface[s.met] = surface
+            s.met += 1
+    return OK
+
+
+def is_alone(e: Engine, surface: int, target: int) -> bool:
+    """Whether the rule that leads over a surface asks for nothing else."""
+    m = e.model
+    side = 2 * surface + (0 if target == m.surface_above[surface] else 1)
+    return m.surface_rest[side] == m.surface_rest[side + 1]
+
+
+def is_allowed(e: Engine, surface: int) -> bool:
+    """Whether what else the rules ask for holds at the values shown."""
+    m = e.model
+    for i in range(m.surface_rest[2 * surface], m.surface_rest[2 * surface + 2]):
+        if value(m, m.rest_value[i], e.shown) == 0.0:
+            return False
+    return True
+
+
+def is_on(e: Engine, surface: int) -> bool:
+    """Whether the state is on a surface: it was there an instant ago, or will be."""
+    m = e.model
+    g = value(m, m.surface_value[surface], e.shown)
+    if g == 0.0:
+        return True
+    speed = speed_here(e, surface)
+    return speed == speed and math.fabs(g) <= AT_ONCE * math.fabs(e.t) * math.fabs(speed)
+
+
+def speed_here(e: Engine, surface: int) -> float:
+    """Return how fast a function moves in the mode looked at; nan if it reads what can jump.
+
+    The rates of the state are in ``e.slide.rates`` then.
+    """
+    m = e.model
+    s = e.slide
+    for j in range(s.met):
+        s.kept_met[j] = s.met_surface[j]
+    kept = s.met
+    s.met_surface[0] = surface
+    status = take_met(e, 0, 1, False)
+    known = status == OK and s.of_state[0] != 0
+    for j in range(kept):
+        s.met_surface[j] = s.kept_met[j]
+    speed = math.nan
+    if known:
+        s.k = 0
+        found = mode_of(e, s.around) == OK and find_field(e, s.rates)
+        s.k = 1
+        if found:
+            for k in range(2 * m.slots):
+                s.v[k] = e.v[k]
+            put_read(e, surface, s.v)
+            speed = surface_rate(e, surface, s.v, s.rates, 0, True)
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return math.nan
+    return speed
+
+
+def onto(e: Engine, surface: int) -> int:
+    """Put the state back on a surface that it is off by rounding, along the motion."""
+    m = e.model
+    s = e.slide
+    for k in range(m.machines):
+        s.around[k] = s.target[k]
+        s.mark[k] = s.target[k]
+    speed = speed_here(e, surface)
+    for k in range(m.machines):
+        s.around[k] = s.settled[k]
+        s.target[k] = s.mark[k]
+    if speed != speed or speed == 0.0:
+        return OK
+    s.k = 0
+    s.known = False
+    if mode_of(e, s.target) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    back = value(m, m.surface_value[surface], e.shown) / speed
+    for k in range(e.states):
+        e.y[k] -= back * s.rates[k]
+    return OK
+
+
+def drop(e: Engine, surface: int) -> None:
+    """Give a machine that slides no more the side that its rules, or its function, ask for."""
+    m = e.model
+    s = e.slide
+    machine = m.surface_machine[surface]
+    if mode_of(e, s.settled) != OK or combine_here(e, s.settled) != OK:
+        return
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return
+    up = True
+    down = True
+    for i in range(m.surface_rest[2 * surface], m.surface_rest[2 * surface + 1]):
+        up = up and value(m, m.rest_value[i], e.shown) != 0.0
+    for i in range(m.surface_rest[2 * surface + 1], m.surface_rest[2 * surface + 2]):
+        down = down and value(m, m.rest_value[i], e.shown) != 0.0
+    g = value(m, m.surface_value[surface], e.shown)
+    if up != down:
+        s.target[machine] = m.surface_above[surface] if up else m.surface_below[surface]
+    elif g > 0.0:
+        s.target[machine] = m.surface_above[surface]
+    elif g < 0.0:
+        s.target[machine] = m.surface_below[surface]

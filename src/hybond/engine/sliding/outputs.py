@@ -1,0 +1,114 @@
+"""Switching functions that read what can jump: bond variables that no storage stands behind.
+
+All modes around must give them one value; how fast they move along a mode's field is found by
+differences. After programs/combined.py, Combined.outputs_agree.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.newton import solve
+from hybond.engine.model import value
+from hybond.engine.sliding.surface import part_mode
+from hybond.engine.words import Floats, float_table
+
+AGREES: Final = 1e-9
+"""Parts give a switching function one value up to this part of what it reads."""
+POINTS: Final = 3
+STENCIL: Final = float_table(0.75, -0.15, 1.0 / 60.0)
+"""Central difference of order six: factors of what lies 1, 2, 3 steps ahead."""
+STEP: Final = 1e-3
+"""The step, as a part of the state."""
+
+
+def show_state(e: Engine, t: float, y: Floats, v: Floats) -> None:
+    """Write time and state, as the combination asks for."""
+    m = e.model
+    set_time(e, v, t)
+    for k in range(m.slots):
+        v[m.slots + k] = 0.0
+    for k in range(m.storages):
+        v[m.stored_slot + k] = y[k]
+    for k in range(m.integrals):
+        v[m.signal_slot + k] = y[m.storages + k]
+
+
+def solve_plain(e: Engine, part: int, v: Floats) -> int:
+    """Write the Booleans and bond variables of a part, not kept to what others hold."""
+    m = e.model
+    mode = part_mode(e, part)
+    for k in range(m.switches + m.state_first[m.machines]):
+        v[m.on_slot + k] = mode.flags[k]
+    return solve(e, mode, v)
+
+
+def output_value(e: Engine, surface: int, part: int, v: Floats) -> float:
+    """Return a switching function as a part gives it at the values `v`, which change; or nan."""
+    if solve_plain(e, part, v) != OK:
+        return math.nan
+    return value(e.model, e.model.surface_value[surface], v)
+
+
+def output_rate(e: Engine, surface: int, v: Floats, rate: Floats, at: int) -> float:
+    """Return how fast a function moves at the rates of the state in `rate`, from `at` on.
+
+    Bond variables of the first part stand for those of all.
+    """
+    m = e.model
+    s = e.slide
+    n = e.states
+    speed = 0.0
+    size = 0.0
+    for k in range(n):
+        speed += rate[at + k] * rate[at + k]
+        here = v[m.stored_slot + k if k < m.storages else m.signal_slot + k - m.storages]
+        size += here * here
+    h = STEP
+    if speed > 0.0:
+        h = STEP * (math.sqrt(size) if size > 0.0 else 1.0) / math.sqrt(speed)
+    total = 0.0
+    for p in range(2 * POINTS):
+        way = 1.0 if p < POINTS else -1.0
+        ahead = way * h * float(p % POINTS + 1)
+        for k in range(2 * m.slots):
+            s.ahead[k] = v[k]
+        set_time(e, s.ahead, v[0] + ahead)
+        for k in range(n):
+            slot = m.stored_slot + k if k < m.storages else m.signal_slot + k - m.storages
+            s.ahead[slot] = v[slot] + ahead * rate[at + k]
+        g = output_value(e, surface, 0, s.ahead)
+        total += way * STENCIL[p % POINTS] * g
+    return total / h
+
+
+def find_agreeing(e: Engine) -> int:
+    """Find for each side whether all parts give its function one value, into `agrees`."""
+    m = e.model
+    s = e.slide
+    for j in range(s.k):
+        s.agrees[j] = 1
+        if s.of_state[j] != 0:
+            continue
+        surface = s.side[j]
+        least = math.inf
+        most = -math.inf
+        size = 0.0
+        largest = 0.0
+        for part in range(s.parts):
+            for k in range(2 * m.slots):
+                s.ahead[k] = e.shown[k]
+            g = output_value(e, surface, part, s.ahead)
+            if not math.isfinite(g):
+                return NOT_FINITE
+            least = min(least, g)
+            most = max(most, g)
+            largest = max(largest, math.fabs(g))
+            for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
+                if m.surface_kind[i] == 4:
+                    size = max(size, math.fabs(s.ahead[m.bond_slot + m.surface_index[i]]))
+        s.agrees[j] = 1 if most - least <= AGREES * (size + largest) else 0
+    return OK
