@@ -36,10 +36,8 @@ def example(name: str) -> hb.Model:
 
 
 def integrated(name: str) -> dict[str, object]:
-    """Return the options of a run that printed programs can make: they propagate nothing."""
-    exact = example(name).experiment.get("solver") == "exact"
-    method: dict[str, object] = {"solver": "rk45"} if exact else {}
-    return {"rtol": DECIDED.get(name, RTOL), **method}
+    """Return the options of a run that a printed program makes."""
+    return {"rtol": DECIDED.get(name, RTOL)}
 
 
 @functools.cache

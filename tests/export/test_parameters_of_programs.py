@@ -52,8 +52,7 @@ def same(said: Said, run: Said) -> None:
 
 
 def run_with(model: hb.Model, values: dict[str, float]) -> Said:
-    method = {"solver": "rk45"} if model.experiment.get("solver") == "exact" else {}
-    return expected(hb.simulate(model, parameters=values, **method))
+    return expected(hb.simulate(model, parameters=values))
 
 
 def program_of(model: hb.Model, folder: Path) -> Path:

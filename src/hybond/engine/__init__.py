@@ -18,7 +18,11 @@ room to work in. Data flows so::
     damped                    Newton with shorter steps, where full ones do not end
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left
-    values, scale, stepping   values while time passes; tolerances; one step (dopri, radau, fixed)
+    values, scale, stepping   values while time passes; tolerances; one step
+    control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
+                              propagated: flow (which modes are linear, and their matrix, by
+                              linear_rows and balance), propagate (its exponential)
+    fixed                     forward Euler and the classical Runge-Kutta method
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket
     sampling, calls           signals set at instants; inputs and blocks that are asked for

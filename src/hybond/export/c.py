@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hybond._version import __version__
 from hybond.export.c_parameters import held, places, putting, setting
-from hybond.export.program import NAMES, Exported, exported, printed_before
+from hybond.export.program import NAMES, SET, Exported, exported, printed_before
 from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.c_printer import CPrinter, c_number, c_table, c_text
@@ -68,6 +68,7 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
     printer.known = printed_before("c")
+    printer.kept = SET
     beside = held(found)
     written = found.parameters.tables
     tables = found.tables.floats

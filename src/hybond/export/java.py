@@ -9,7 +9,7 @@ from hybond._version import __version__
 from hybond.errors import UsageError
 from hybond.export.identifiers import identifier
 from hybond.export.java_parameters import declared, putting, setting
-from hybond.export.program import NAMES, Exported, exported, printed_before, runtime
+from hybond.export.program import NAMES, SET, Exported, exported, printed_before, runtime
 from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
@@ -62,6 +62,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
     printer.known = printed_before("java")
+    printer.kept = SET
     printer.given = {
         **{f: _names(printer, found, f) for f in NAMES},
         "value": _values(printer, found),

@@ -30,6 +30,8 @@ DRIVEN = (
     *("settle_unit", "guard_holds", "nominal_now"),
 )
 """What somebody calls who drives the run: the functions of a functional mock-up unit."""
+SET = (("Model", "rtol"), ("Model", "atol"))
+"""What the options of a printed program set, though a method of fixed steps does not read it."""
 OPTIONS = ("points",)
 """Whole numbers of the model that the options of the printed program change."""
 NAMES = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from hybond.translate.braces import Braces
 from hybond.translate.effects import Effects, effects_of
@@ -45,6 +45,8 @@ class Chapters(Braces):
         """The text of given functions, which stands where they are declared."""
         self.known: dict[int, list[str]] = {}
         """Definitions that were printed before, by the identity of the function."""
+        self.kept: Collection[tuple[str, str]] = ()
+        """Fields that are printed whether they are used or not: record and name."""
 
     def chapter(self, module: Module) -> list[str]:
         """Return what of a module is needed, as it stands there."""
@@ -68,8 +70,9 @@ class Chapters(Braces):
         )
 
     def members(self, record: Record) -> list[Member]:
-        """Return the fields that are printed: those that are used."""
-        return [m for m in record.members if (record.name, m.name) in self.reached.fields]
+        """Return the fields that are printed: those that are used, and those that are kept."""
+        wanted = (*self.reached.fields, *self.kept)
+        return [m for m in record.members if (record.name, m.name) in wanted]
 
     def fields(self, record: Record) -> list[str]:
         """Return the lines of a record's fields, with their comments."""

@@ -95,7 +95,6 @@ class Exact:
     """The largest value that each watched generator had since the start."""
     size: Block
     off: Block
-    slopes: Floats
 
 
 def make_flow(m: Model) -> Flow:
@@ -142,5 +141,4 @@ def make_exact(m: Model) -> Exact:
     x.amplitude = make_block(most)
     x.size = make_block(most)
     x.off = make_block(most)
-    x.slopes = floats(n)
     return x

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.options import METHODS
 from hybond.equations.element_parts import Dynamic, Source
-from hybond.model.expressions import Expr, Number, names
+from hybond.model.expressions import Expr, Number, differentiate, names
 from hybond.model.expressions.traced import give_up
 from hybond.model.expressions.tree import walk
 from hybond.model.inputs import Called, Constant, Timetable
@@ -20,6 +21,7 @@ from hybond.programs.generators import (
     CONSTANT,
     Found,
     Generators,
+    Key,
     Terms,
     constant,
     generators,
@@ -58,6 +60,8 @@ class _Making:
     def __init__(self, t: ModelTables) -> None:
         self.t = t
         self.reasons = [STORAGE, LAWS]
+        self.followed: dict[int, dict[Key, float]] = {}
+        """Of each form that was found, by its identity: factors that know where they come from."""
 
     def put(self, sources: list[Source], dynamics: list[Dynamic]) -> None:
         t, g = self.t, self.t.graph
@@ -95,21 +99,44 @@ class _Making:
 
     def _terms(self, e: Expr, *, bonds: bool) -> Found:
         """Return an expression as terms, linear in what is stored, or why it has none."""
+        found = self._found(e, bonds=bonds, level=False)
+        if isinstance(found, str):
+            # inputs that never change may be factors, if they are taken for their levels
+            found = self._found(e, bonds=bonds, level=True)
+        if isinstance(found, dict):
+            self._follow(e, found)
+        return found
 
+    def _found(self, e: Expr, *, bonds: bool, level: bool) -> Found:
         def known(path: str) -> Found:
             if path.startswith(("e:", "f:")) and not bonds:
                 return "a bond variable"
-            return self._name(path)
+            return self._name(path, level=level)
 
         found = terms_of(e, known)
-        if isinstance(found, dict) and not all(map(_straight, found)):
-            return "a product with what is stored"
-        if not isinstance(e, Number):
-            numbers = [n.value for n, _ in walk(e) if isinstance(n, Number)]
-            give_up(numbers, "a source whose motion is solved exactly")
-        return found
+        straight = isinstance(found, str) or all(map(_straight, found))
+        return found if straight else "a product with what is stored"
 
-    def _name(self, path: str) -> Found:
+    def _follow(self, e: Expr, found: Terms) -> None:
+        """Keep factors that know of which parameters they are made; give up what is lost."""
+        followed: dict[Key, float] = {}
+        for key, c in found.items():
+            rate, shift, factors = key
+            if not rate and not shift and len(factors) == 1:
+                slope = differentiate(e, factors[0])
+                if isinstance(slope, Number) and float(slope.value) == c.real:
+                    followed[key] = slope.value
+            elif key == CONSTANT and isinstance(e, Number) and float(e.value) == c.real:
+                followed[key] = e.value
+        if followed.keys() != found.keys():
+            numbers = [n.value for n, _ in walk(e) if isinstance(n, Number)]
+            read = {n.partition(":")[2] for n in names(e) if n.startswith("u:")}
+            waveforms = [self.t.graph.inputs[int(k)].waveform for k in read]
+            numbers += [w.level for w in waveforms if isinstance(w, Constant)]
+            give_up(numbers, "a source whose motion is solved exactly")
+        self.followed[id(found)] = followed
+
+    def _name(self, path: str, *, level: bool) -> Found:
         kind, _, index = path.partition(":")
         if kind in ("on", "in"):
             return "a condition that varies"
@@ -118,8 +145,8 @@ class _Making:
         waveform = self.t.graph.inputs[int(index)].waveform
         if isinstance(waveform, Called):
             return "an input that is a function in Python"
-        if isinstance(waveform, Constant):
-            return constant(waveform.level if kind == "u" else 0.0)
+        if kind == "u" and level and isinstance(waveform, Constant):
+            return constant(waveform.level)
         return of_name(path) if kind == "u" or _slopes(waveform) else constant(0.0)
 
     def _slope(self, path: str) -> str | None:
@@ -172,19 +199,22 @@ class _Making:
             return []
         g, slots = self.t.graph, self.t.slots
         bonds, stored = 2 * len(g.bonds), len(g.storages)
-        row = []
+        followed = self.followed[id(found)]
+        timed = dict(_entries(made.row(_timed(found)).tolist()))
+        timed.update({made.place[key]: a for key, a in followed.items() if not _stored(key[2])})
+        first = bonds + stored + len(g.integrals)
+        row = [(first + k, a) for k, a in timed.items()]
         for key, c in found.items():
+            factor = followed.get(key, c.real)
             if not _stored(key[2]):
                 continue
             path = key[2][0]
             kind, _, index = path.partition(":")
             if kind in ("e", "f"):
-                row.append((slots.index[path] - slots.w.start, c.real))
+                row.append((slots.index[path] - slots.w.start, factor))
             else:
-                row.append((bonds + int(index) + (stored if kind == "s" else 0), c.real))
-        first = bonds + stored + len(g.integrals)
-        row += [(first + k, c) for k, c in _entries(made.row(_timed(found)).tolist())]
-        return sorted(row)
+                row.append((bonds + int(index) + (stored if kind == "s" else 0), factor))
+        return sorted(row, key=lambda entry: entry[0])
 
     def _rows(self, name: str, rows: list[list[tuple[int, float]]], value: str) -> None:
         first = [0]
@@ -192,7 +222,7 @@ class _Making:
             first.append(first[-1] + len(row))
         self.t.ints[f"{name}_first"] = first
         self.t.ints[f"{name}_column"] = [k for row in rows for k, _ in row]
-        self.t.floats[f"{name}_{value}"] = [c for row in rows for _, c in row]
+        self.t.floats[f"{name}_{value}"] = [number_of(c) for row in rows for _, c in row]
 
 
 def _slopes(waveform: object) -> bool:
