@@ -133,16 +133,22 @@ def put_impulses_of(m: Model, r: Laws, i: Impact) -> None:
             r.landed[s] += a.e[s * n + k] * nu
         for b in range(2 * m.bonds):
             r.struck_impulses[b] += a.gain[b * n + k] * nu
-        carries = 2 if m.port_restitution[k] != NO_LAW_VALUE else 1
-        r.through[m.port_machine[k]] = carries if nu > 0.0 else 0
+        r.through[m.port_machine[k]] = carrying(m, k) if nu > 0.0 else 0
     r.struck = True
     r.struck_moved = JUMPS
     r.factors = 0
 
 
+def carrying(m: Model, k: int) -> int:
+    """Return the branch in which the contact of port k carries an impulse."""
+    return 2 if m.port_restitution[k] != NO_LAW_VALUE else 1
+
+
 def is_reached(e: Engine, r: Laws, i: Impact) -> int:
     """Refuse storage that does not follow the law: HB-J206."""
     m = e.model
+    for k in range(m.machines):
+        e.trial.state[k] = r.state[k]
     for k in range(2 * m.slots):
         r.later[k] = r.v[k]
     for s in range(m.storages):
@@ -165,8 +171,21 @@ def is_reached(e: Engine, r: Laws, i: Impact) -> int:
 
 
 def refuse_impact(e: Engine, r: Laws, found: int) -> int:
-    """Refuse an impact that its law has no answer to, by one of its contacts."""
+    """Refuse an impact that its law has no answer to.
+
+    The place is the first of the contacts that it is about; in the mode that is then said to be
+    tried, these are the only one-sided laws that are not in their first branch.
+    """
+    m = e.model
     i = r.impact
+    for k in range(m.machines):
+        e.trial.state[k] = r.state[k]
+    for k in range(m.ports):
+        if m.port_two_sided[k] == 0:
+            e.trial.state[m.port_machine[k]] = 0
+    for q in range(i.n):
+        if i.blamed[q] != 0:
+            e.trial.state[m.port_machine[r.tried[q]]] = carrying(m, r.tried[q])
     code = "HB-J204"
     why = "the contacts are still active after many phases of compression and expansion"
     if found == CREATES_ENERGY:
@@ -181,6 +200,6 @@ def refuse_impact(e: Engine, r: Laws, found: int) -> int:
     p = 0
     while p < i.n - 1 and i.blamed[p] == 0:
         p += 1
-    say_fault(e, code, why, node_name(e.model, e.model.port_node[r.tried[p]]))
+    say_fault(e, code, why, node_name(m, m.port_node[r.tried[p]]))
     e.fault.t = r.t
     return REFUSES

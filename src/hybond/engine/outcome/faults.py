@@ -115,6 +115,8 @@ def error_of(
             why = " ".join([f"the laws of {fault.place} have no solution {now}.", *opposed])
             why, where = why.rstrip("."), here
             hint = OPPOSED if opposed else hint
+        case "HB-J201" | "HB-J202" | "HB-J203":
+            where = _struck(graph, fault.mode) or where
         case "HB-N201":
             blame = f"; {fault.place} dominates the error" if fault.place else ""
             why = f"step size underflow {now}: no step is small enough{blame}"
@@ -146,6 +148,12 @@ def error_of(
 def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
     base = tuple(0 if m.law is not None else k for m, k in zip(graph.machines, mode, strict=True))
     return [describe_conflict(graph, base, c) for c in assign(graph, base).conflicts]
+
+
+def _struck(graph: FlatGraph, mode: Mode) -> str:
+    """Return the contacts that an impact is about: those that are closed in the mode tried."""
+    pairs = zip(graph.machines, mode, strict=True)
+    return ", ".join(m.path for m, k in pairs if m.law is not None and not m.law.two_sided and k)
 
 
 def _owner(graph: FlatGraph, text: str) -> str:
