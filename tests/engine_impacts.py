@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hybond.engine.impacts.compliant import compress
-from hybond.engine.impacts.impact_laws import exchange
+from hybond.engine.impacts.impact_laws import exchange_impulses
 from hybond.engine.impacts.impact_records import CREATES_ENERGY, DEPENDS, EXCHANGED, make_impact
 from hybond.engine.impacts.impact_records import Impact as Record
 from hybond.engine.tables.options import IMPACTS
@@ -51,7 +51,7 @@ def impact(
         )
     case = Case.of(W, v, eps, law, names, 0.0)
     i = record(case.W, case.v, case.eps, stiffness, exponent)
-    found = exchange(i, IMPACTS[law])
+    found = exchange_impulses(i, IMPACTS[law])
     if found != EXCHANGED:
         kind = ModelError if found == DEPENDS else NumericsError
         code = {CREATES_ENERGY: "HB-J201", DEPENDS: "HB-J202"}.get(found, f"HB-J20{found}")

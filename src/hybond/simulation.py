@@ -115,9 +115,9 @@ def simulate(
         Half the width of that band, in the unit of the switching functions or in SI.
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
         The law of impacts at several contacts with restitution; see
-        `hybond.modes.impacts.laws`. Default ``"newton"``, contact after contact: the only one that
-        needs no more than what a single impact tells, never creates energy, and gives the textbook
-        answer for rows of balls.
+        `hybond.engine.impacts.impact_laws`. Default ``"newton"``, contact after contact: the only
+        one that needs no more than what a single impact tells, never creates energy, and gives the
+        textbook answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
         ``progress(t, events)`` after each step, or each few that the kernel takes.

@@ -28,10 +28,10 @@ from typing import Final
 from hybond.engine.impacts.impact_records import Compliant, Impact
 from hybond.engine.impacts.spring_steps import (
     MARGIN,
-    advance,
+    advance_phase,
     find_forces,
     find_rate,
-    find_speeds,
+    find_separations,
 )
 
 LOOSER: Final = 1e2
@@ -91,12 +91,12 @@ def integrate(c: Compliant, tolerance: float) -> bool:
     while c.pieces < c.most:
         find_phases(c)
         if expands_at_once(c):
-            if not drop(c, tolerance):
+            if not drop_plastic(c, tolerance):
                 return False
             find_phases(c)
         if is_over(c):
             return True
-        if not advance(c, tolerance):
+        if not advance_phase(c, tolerance):
             return False
         c.pieces += 1
     return False
@@ -104,7 +104,7 @@ def integrate(c: Compliant, tolerance: float) -> bool:
 
 def find_phases(c: Compliant) -> None:
     """Give each contact its phase, from velocity and indentation, or the rate of the velocity."""
-    find_speeds(c)
+    find_separations(c)
     for a in range(c.n):
         c.acts[a] = 1
         if c.d[a] <= MARGIN:
@@ -157,7 +157,7 @@ def expands_at_once(c: Compliant) -> bool:
     return some
 
 
-def drop(c: Compliant, tolerance: float) -> bool:
+def drop_plastic(c: Compliant, tolerance: float) -> bool:
     """Let plastic contacts expand, in no time; False if this does not end."""
     n = c.n
     h = c.h
@@ -178,7 +178,7 @@ def drop(c: Compliant, tolerance: float) -> bool:
 def drop_on(c: Compliant, tolerance: float) -> bool:
     """Let plastic contacts expand until none does; False if there are too many phases."""
     while c.pieces < c.most:
-        find_speeds(c)
+        find_separations(c)
         find_forces(c)
         moves = False
         for a in range(c.n):
@@ -194,7 +194,7 @@ def drop_on(c: Compliant, tolerance: float) -> bool:
                 put_phase(c, a, 1, 0.0, -1, 0)
         if not moves:
             return True
-        if not advance(c, tolerance):
+        if not advance_phase(c, tolerance):
             return False
         c.pieces += 1
     return False

@@ -31,9 +31,9 @@ from hybond.engine.impacts.impact_records import (
     CANNOT_STOP,
     CREATES_ENERGY,
     DEPENDS,
-    ENDLESS,
     EXCHANGED,
     LZB,
+    NEVER_ENDS,
     POISSON,
     Impact,
 )
@@ -45,14 +45,14 @@ APPROACH: Final = 1e-12
 CREATED: Final = 1e-11
 """Energy that appears is more than rounding beyond this part of the terms that it is a sum of."""
 SPRING_RTOL: Final = 1e-12
-PIECES: Final = 2000
-PIECES_EACH: Final = 200
+MOST_PHASES: Final = 2000
+MOST_PHASES_EACH: Final = 200
 """The most phases of springs: so many, and so many more for each contact."""
 DIFFERS: Final = 1e-9
 """A velocity that dependent contacts contradict each other by, beyond rounding."""
 
 
-def exchange(i: Impact, law: int) -> int:
+def exchange_impulses(i: Impact, law: int) -> int:
     """Find what the contacts exchange by a law; EXCHANGED, or why it has no answer."""
     most = 0.0
     least = 0.0
@@ -100,10 +100,10 @@ def newton_simultaneous(i: Impact) -> int:
             asked += i.kernel[a * free + c] * (i.eps[k] - mean / float(came)) * speed
         if is_contradiction(i, asked):
             return blame_dependent(i, came, free, c)
-    found = stop(i, i.z, i.impulses)
+    found = find_stopping(i, i.z, i.impulses)
     if found != EXCHANGED:
         return found
-    move(i)
+    move_contacts(i)
     for k in range(i.n):
         if i.stays[k] != 0:
             i.after[k] = -i.eps[k] * i.v[k]
@@ -113,7 +113,7 @@ def newton_simultaneous(i: Impact) -> int:
 def poisson(i: Impact) -> int:
     """Compress all closed contacts, then give back a part of each impulse, at least."""
     n = i.n
-    found = stop(i, i.v, i.impulses)
+    found = find_stopping(i, i.v, i.impulses)
     if found != EXCHANGED:
         return found
     shared = i.shared
@@ -144,13 +144,13 @@ def poisson(i: Impact) -> int:
         i.z[k] = returned if i.stays[k] != 0 else i.v[k] + slowed + returned
     for k in range(n):
         i.after[k] = (1.0 + i.eps[k]) * i.impulses[k]
-    found = stop(i, i.z, i.impulses)
+    found = find_stopping(i, i.z, i.impulses)
     if found != EXCHANGED:
         return found
     for k in range(n):
         i.impulses[k] += i.after[k]
     i.shared = shared
-    move(i)
+    move_contacts(i)
     for k in range(n):
         if i.stays[k] != 0:
             i.after[k] = 0.0
@@ -161,12 +161,12 @@ def by_springs(i: Impact) -> int:
     """Compress and expand springs; the energy is not let grow by the error of integration."""
     n = i.n
     # springs cannot stop what no impulse can stop
-    found = stop(i, i.v, i.impulses)
+    found = find_stopping(i, i.v, i.impulses)
     if found != EXCHANGED:
         return found
     i.shared = False
-    if not compress(i, SPRING_RTOL, PIECES + PIECES_EACH * n):
-        return ENDLESS
+    if not compress(i, SPRING_RTOL, MOST_PHASES + MOST_PHASES_EACH * n):
+        return NEVER_ENDS
     gained = 0.0
     curvature = 0.0
     passive = True
@@ -178,14 +178,14 @@ def by_springs(i: Impact) -> int:
     if passive and gained + 0.5 * curvature > 0.0:
         for k in range(n):
             i.impulses[k] *= -2.0 * gained / curvature  # along their ray, to where it is zero
-    move(i)
+    move_contacts(i)
     for k in range(n):
         if math.fabs(i.after[k]) <= i.error:
             i.after[k] = 0.0
     return EXCHANGED
 
 
-def stop(i: Impact, q: Floats, z: Floats) -> int:
+def find_stopping(i: Impact, q: Floats, z: Floats) -> int:
     """Solve ``0 <= z``, ``w z + q >= 0``, one of them zero; `i.stays` says where the second is."""
     if lemke(i.lcp, i.n, i.w, q, i.nothing) != SOLVED:
         for k in range(i.n):
@@ -198,7 +198,7 @@ def stop(i: Impact, q: Floats, z: Floats) -> int:
     return EXCHANGED
 
 
-def move(i: Impact) -> None:
+def move_contacts(i: Impact) -> None:
     """Put the velocities there that follow from the impulses."""
     for k in range(i.n):
         i.after[k] = i.v[k]

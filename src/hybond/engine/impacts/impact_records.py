@@ -17,7 +17,7 @@ CREATES_ENERGY: Final = 1
 DEPENDS: Final = 2
 """Contacts that depend on each other have restitutions that differ."""
 CANNOT_STOP: Final = 3
-ENDLESS: Final = 4
+NEVER_ENDS: Final = 4
 
 COLUMNS: Final = 6
 """Lengths of step from which one is extrapolated: the order is twice as many."""

@@ -21,8 +21,8 @@ TURN: Final = 0.5
 """Part of a radian that the fastest oscillation may turn in a step: no phase hides in one."""
 MOST_STEPS: Final = 200000
 LOCATING: Final = 200
-SHORTER: Final = 0.1
-LONGER: Final = 4.0
+LEAST_FACTOR: Final = 0.1
+MOST_FACTOR: Final = 4.0
 
 GOES_ON: Final = 0
 ENDS: Final = 1
@@ -45,7 +45,7 @@ def force_at(c: Compliant, a: int, d: float) -> float:
     return math.copysign(c.k[a] * part, d)
 
 
-def find_speeds(c: Compliant) -> None:
+def find_separations(c: Compliant) -> None:
     """Find the separating velocities as they are."""
     for a in range(c.n):
         c.v[a] = c.base[a]
@@ -61,9 +61,9 @@ def find_rate(c: Compliant, a: int) -> float:
     return total
 
 
-def advance(c: Compliant, tolerance: float) -> bool:
+def advance_phase(c: Compliant, tolerance: float) -> bool:
     """Go on to the end of the phase; False if there is none within so many steps."""
-    find_speeds(c)
+    find_separations(c)
     for a in range(c.n):
         c.keep_margin[a] = MARGIN + max(0.0, -float(c.keeps[a]) * c.v[a])
         c.last_margin[a] = MARGIN + max(0.0, -c.d[a])
@@ -72,15 +72,15 @@ def advance(c: Compliant, tolerance: float) -> bool:
         find_forces(c)
         before = least_left(c, False)
         h = min(c.h, longest_step(c))
-        error = make_step(c, h) / tolerance
+        error = make_spring_step(c, h) / tolerance
         if not error <= 1.0:
             part = 0.9 * math.pow(error, -1.0 / (2.0 * float(COLUMNS) - 1.0))
-            c.h = h * (max(part, SHORTER) if part == part else SHORTER)
+            c.h = h * (max(part, LEAST_FACTOR) if part == part else LEAST_FACTOR)
             if not c.h > 0.0:
                 return False
             continue
         longer = 0.9 * math.pow(max(error, 1e-30), -1.0 / (2.0 * float(COLUMNS) - 1.0))
-        c.h = h * min(max(longer, SHORTER), LONGER)
+        c.h = h * min(max(longer, LEAST_FACTOR), MOST_FACTOR)
         after = least_left(c, True)
         if after <= 0.0:
             end_at(c, h, before, after)
@@ -100,7 +100,7 @@ def longest_step(c: Compliant) -> float:
     return TURN / math.sqrt(square) if square > 0.0 else math.inf
 
 
-def make_step(c: Compliant, h: float) -> float:
+def make_spring_step(c: Compliant, h: float) -> float:
     """Put what a step adds to p and d into `c.gain`; return its error, relative to their sizes."""
     wide = 2 * c.n
     for a in range(wide):
@@ -149,7 +149,7 @@ def take_step(c: Compliant) -> None:
     for a in range(c.n):
         c.p[a] += c.gain[a]
         c.d[a] += c.gain[c.n + a]
-    find_speeds(c)
+    find_separations(c)
 
 
 def least_left(c: Compliant, ahead: bool) -> float:
@@ -187,7 +187,7 @@ def end_at(c: Compliant, h: float, before: float, after: float) -> None:
             middle = low + 0.5 * (high - low)
         if not (middle > low and middle < high):
             break
-        make_step(c, middle)
+        make_spring_step(c, middle)
         found = least_left(c, True)
         if found <= 0.0:
             high = middle
@@ -199,4 +199,4 @@ def end_at(c: Compliant, h: float, before: float, after: float) -> None:
             left = found
             right = 0.5 * right if side == 2 else right
             side = 2
-    make_step(c, high)
+    make_spring_step(c, high)

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.impacts.impact_laws import exchange
+from hybond.engine.impacts.impact_laws import exchange_impulses
 from hybond.engine.impacts.impact_records import (
     CANNOT_STOP,
     CREATES_ENERGY,
@@ -19,6 +19,7 @@ from hybond.engine.impacts.impact_records import (
 )
 from hybond.engine.instant.jump import JUMPS
 from hybond.engine.laws.law_instant import (
+    CLOSED,
     NO_LAW_VALUE,
     clean,
     find_able,
@@ -56,6 +57,7 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
     clean(m, r, r.y)
     if find_able(e, r) != OK:
         return REFUSES
+    close_gaps(m, r)
     some = False
     for k in range(m.ports):
         rebounds = m.port_restitution[k] != NO_LAW_VALUE
@@ -64,11 +66,28 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
         return NOTHING_STRIKES
     i = r.impact
     take_contacts(m, r, i)
-    found = exchange(i, m.impact)
+    found = exchange_impulses(i, m.impact)
     if found != EXCHANGED:
         return refuse_impact(e, r, found)
     put_impulses_of(m, r, i)
     return STRIKES if is_reached(e, r, i) == OK else REFUSES
+
+
+def close_gaps(m: Model, r: Laws) -> None:
+    """Close gaps that are rounding of what other contacts of their domain have been open.
+
+    Bodies that flew together and come back together have gaps that were never more than rounding.
+    Contact after contact it does not matter which of them closes first; at once it does.
+    """
+    for k in range(m.ports):
+        if r.able[k] != 0 or m.port_gap[k] == NO_LAW_VALUE:
+            continue
+        largest = 0.0
+        for j in range(m.ports):
+            if m.port_domain[j] == m.port_domain[k]:
+                largest = max(largest, r.largest[j])
+        if quantity(m, m.port_gap, m.port_gap_constant, k, r.v) <= CLOSED * largest:
+            r.able[k] = 1
 
 
 def take_contacts(m: Model, r: Laws, i: Impact) -> None:
@@ -114,16 +133,22 @@ def put_impulses_of(m: Model, r: Laws, i: Impact) -> None:
             r.landed[s] += a.e[s * n + k] * nu
         for b in range(2 * m.bonds):
             r.struck_impulses[b] += a.gain[b * n + k] * nu
-        carries = 2 if m.port_restitution[k] != NO_LAW_VALUE else 1
-        r.through[m.port_machine[k]] = carries if nu > 0.0 else 0
+        r.through[m.port_machine[k]] = carrying(m, k) if nu > 0.0 else 0
     r.struck = True
     r.struck_moved = JUMPS
     r.factors = 0
 
 
+def carrying(m: Model, k: int) -> int:
+    """Return the branch in which the contact of port k carries an impulse."""
+    return 2 if m.port_restitution[k] != NO_LAW_VALUE else 1
+
+
 def is_reached(e: Engine, r: Laws, i: Impact) -> int:
     """Refuse storage that does not follow the law: HB-J206."""
     m = e.model
+    for k in range(m.machines):
+        e.trial.state[k] = r.state[k]
     for k in range(2 * m.slots):
         r.later[k] = r.v[k]
     for s in range(m.storages):
@@ -146,8 +171,21 @@ def is_reached(e: Engine, r: Laws, i: Impact) -> int:
 
 
 def refuse_impact(e: Engine, r: Laws, found: int) -> int:
-    """Refuse an impact that its law has no answer to, by one of its contacts."""
+    """Refuse an impact that its law has no answer to.
+
+    The place is the first of the contacts that it is about; in the mode that is then said to be
+    tried, these are the only one-sided laws that are not in their first branch.
+    """
+    m = e.model
     i = r.impact
+    for k in range(m.machines):
+        e.trial.state[k] = r.state[k]
+    for k in range(m.ports):
+        if m.port_two_sided[k] == 0:
+            e.trial.state[m.port_machine[k]] = 0
+    for q in range(i.n):
+        if i.blamed[q] != 0:
+            e.trial.state[m.port_machine[r.tried[q]]] = carrying(m, r.tried[q])
     code = "HB-J204"
     why = "the contacts are still active after many phases of compression and expansion"
     if found == CREATES_ENERGY:
@@ -162,6 +200,6 @@ def refuse_impact(e: Engine, r: Laws, found: int) -> int:
     p = 0
     while p < i.n - 1 and i.blamed[p] == 0:
         p += 1
-    say_fault(e, code, why, node_name(e.model, e.model.port_node[r.tried[p]]))
+    say_fault(e, code, why, node_name(m, m.port_node[r.tried[p]]))
     e.fault.t = r.t
     return REFUSES

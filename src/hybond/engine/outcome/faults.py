@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
@@ -96,6 +96,8 @@ def error_of(
     now = f"at t = {refusal.t:.9g} s"
     said = Said(f"{refusal.why} {now}", refusal.place or here)
     match code:
+        case "HB-J201" | "HB-J202" | "HB-J203":
+            said = replace(said, where=_struck(graph, fault.mode) or said.where)
         case "HB-N401":
             kind = DivergenceOfTime
             said = _cycle(fault, graph, explain, broken)
@@ -119,6 +121,12 @@ def error_of(
         case _:
             said = said_of(refusal, graph, explain, fault.mode) or said
     return kind(said.why, code=code, where=said.where, hint=said.hint or HINTS.get(code, ""))
+
+
+def _struck(graph: FlatGraph, mode: Mode) -> str:
+    """Return the contacts that an impact is about: those that are closed in the mode tried."""
+    pairs = zip(graph.machines, mode, strict=True)
+    return ", ".join(m.path for m, k in pairs if m.law is not None and not m.law.two_sided and k)
 
 
 def _cycle(
