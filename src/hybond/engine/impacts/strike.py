@@ -74,10 +74,11 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
 
 
 def close_gaps(m: Model, r: Laws) -> None:
-    """Close gaps that are rounding of what other contacts of their domain have been open.
+    """Close gaps below the tolerance, measured by what contacts of their domain have been open.
 
-    Bodies that flew together and come back together have gaps that were never more than rounding.
-    Contact after contact it does not matter which of them closes first; at once it does.
+    Bodies that flew together and come back together have gaps that were never more than rounding;
+    those that should meet at one instant are apart by the error of the run. Contact after contact
+    it does not matter which of them closes first; at once it does.
     """
     for k in range(m.ports):
         if r.able[k] != 0 or m.port_gap[k] == NO_LAW_VALUE:
@@ -86,7 +87,7 @@ def close_gaps(m: Model, r: Laws) -> None:
         for j in range(m.ports):
             if m.port_domain[j] == m.port_domain[k]:
                 largest = max(largest, r.largest[j])
-        if quantity(m, m.port_gap, m.port_gap_constant, k, r.v) <= CLOSED * largest:
+        if quantity(m, m.port_gap, m.port_gap_constant, k, r.v) <= max(CLOSED, m.rtol) * largest:
             r.able[k] = 1
 
 
