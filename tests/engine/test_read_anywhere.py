@@ -31,6 +31,16 @@ def ball() -> hb.Model:
     return m
 
 
+def test_the_start_knows_what_the_model_gave() -> None:
+    m = hb.Model("joined", domain="electrical")
+    m.add(a=hb.C("1 F", e="10 V"), b=hb.C("2 F", e="4 V"), r=hb.R("1 ohm"), node=hb.Zero())
+    m.bond("node -> a", "node -> b", "node -> r")
+    for engine in ("library", "reference"):
+        start = hb.simulate(m, until=1, engine=engine).events[0]
+        assert start.before.tolist() == [10.0, 8.0]
+        assert start.after == pytest.approx([6.0, 12.0])
+
+
 @pytest.mark.parametrize("name", ["max_events", "max_steps"])
 @pytest.mark.parametrize("many", [2**31, 2**32 + 1, 10**12])
 def test_a_limit_may_be_as_large_as_one_likes(name: str, many: int) -> None:
