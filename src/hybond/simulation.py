@@ -243,7 +243,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
-    why = ""
+    why, began = "", False
     engine = engine or ("auto" if kernel is None else "reference")
     if engine == "auto":
         engine = ENGINE
@@ -280,7 +280,7 @@ def simulate(
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
             why = run if isinstance(run, str) else f"solver {name!r}"
         except Declined as declined:
-            why = str(declined)
+            why, began = str(declined), True
         finally:
             for runner in runners.values():
                 runner.close()
@@ -290,6 +290,16 @@ def simulate(
                 code="HB-S119",
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
+            )
+        if began and any(s.block and s.block.function is not None for s in graph.samples):
+            # each is called once an instant, in order: a second run would go on with what the
+            # first one left
+            raise UsageError(
+                f"the library cannot make this run to its end ({why}), and the functions of its "
+                "blocks have been called",
+                code="HB-S119",
+                where="engine",
+                hint='engine="reference", with functions that have not been called yet',
             )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(

@@ -11,7 +11,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-from hybond.engine.compiled.native import ACCUMULATES, REFUSED, NativeModel, NativeRun
+from hybond.engine.compiled.native import (
+    ACCUMULATES,
+    REFUSED,
+    NativeModel,
+    NativeRun,
+)
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.records import CAUSES, Instants, Records
@@ -30,6 +35,8 @@ FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
 MOST = 1_000_000
+LARGEST = 2**31 - 1
+"""Beyond it there is no whole number in the library."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
 
@@ -82,9 +89,10 @@ class Settings:
             "atol": math.nan if self.atol is None else self.atol,
             "max_step": self.max_step,
             "event_tol": self.event_tol,
-            "max_writes": self.max_writes,
-            "max_events": self.max_events,
-            "max_steps": self.max_steps,
+            # the library counts no further
+            "max_writes": min(self.max_writes, LARGEST),
+            "max_events": min(self.max_events, LARGEST),
+            "max_steps": min(self.max_steps, LARGEST),
             "method": METHODS[self.solver],
             "step": self.step or 0.0,
             "slides": int(self.slides),

@@ -22,7 +22,9 @@ from hybond.engine.tables import ModelTables
 from hybond.model.graph import Mode
 from hybond.programs.combined import Kind
 from hybond.programs.interval import interval_after
+from hybond.programs.program import Program
 from hybond.programs.sliding_program import corners_of, flipped
+from hybond.programs.start import start_of
 from hybond.solvers.dense import Polynomial
 from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace
 
@@ -245,9 +247,13 @@ class Records:
         rows = found.rows
         t = float(rows.instant_time[k, 0])
         before, after = rows.instant_state[k]
+        cause = CAUSES[int(rows.instant_place[k, 0])]
+        if cause == "start":
+            # the row begins with what was settled
+            before = start_of(Program(self.graph))[: len(after)]
         return Event(
             t,
-            CAUSES[int(rows.instant_place[k, 0])],
+            cause,
             self.explain.steps(found, k),
             before,
             after,

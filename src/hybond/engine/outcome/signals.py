@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+import threading
+from bisect import bisect_left
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +25,7 @@ Vector = NDArray[np.float64]
 
 
 class Signals:
-    """What the segments of a run have for signals.
+    """What the segments of a run have for signals; any number of threads may ask.
 
     Parameters
     ----------
@@ -35,10 +39,41 @@ class Signals:
         self._slots = model.tables.slots
         self._trace = trace
         self._look = NativeLook(model)
+        self._lock = threading.RLock()
+        """Who asks has first to say into what: nobody else may come between."""
         self._into: object = None
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Signals:
+        """Return signals of a copied run, with a look of their own."""
+        return Signals(self._look.model, copy.deepcopy(self._trace, memo))
 
     def of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         """Return expressions in canonical names at times of a segment, each of shape (times,)."""
+        resting = np.asarray(t, dtype=float) > segment.t[-1]
+        with self._lock:
+            if not resting.any():
+                return self._of(segment, expressions, t)
+            found = np.zeros((len(expressions), len(resting)))
+            if not resting.all():
+                found[:, ~resting] = self._of(segment, expressions, t[~resting])
+            for k in np.flatnonzero(resting).tolist():
+                state, mode = self._rest(segment, float(t[k]))
+                found[:, k] = self.after(float(t[k]), state, mode, expressions)
+        return list(found)
+
+    def _rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
+        """Return state and mode at a time behind the last step of a segment.
+
+        Between the last of impacts that come to rest and their limit nothing is integrated: there
+        it is as the last one left it.
+        """
+        events = self._trace.events
+        k = bisect_left(events.times, t) - 1
+        if k < 0 or events.times[k] < segment.t[-1]:
+            return segment.y[-1], segment.mode
+        return events[k].after, events[k].steps[-1].mode
+
+    def _of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         steps, times = self._within(segment, t)
         self._enter(segment)
         slots = self._read(expressions)
@@ -62,11 +97,12 @@ class Signals:
         self, t: float, state: Vector, mode: Mode, expressions: Sequence[Expr]
     ) -> list[float]:
         """Return expressions at an instant after which nothing follows, in its last mode."""
-        self._into = None
-        self._look.into(t, list(mode), energy=self._trace.energy)
         slots = self._read(expressions)
         at = Points([t], state[None, : self._states], accepted=True)
-        columns = self._columns(slots, self._look.values(at, slots))
+        with self._lock:
+            self._into = None
+            self._look.into(t, list(mode), energy=self._trace.energy)
+            columns = self._columns(slots, self._look.values(at, slots))
         return [float(self._value(e, columns, (1,))[0]) for e in expressions]
 
     def bonds(self, segment: Segment) -> Vector:
@@ -75,25 +111,30 @@ class Signals:
         While machines slide each mode that is combined has its own.
         """
         steps, times = self._within(segment, segment.t)
-        self._enter(segment)
         first, last = self._slots.w.start, self._slots.w.stop
-        _, values = self._look.parts(Within(steps, times), np.arange(first, last))
+        with self._lock:
+            self._enter(segment)
+            _, values = self._look.parts(Within(steps, times), np.arange(first, last))
         return np.ascontiguousarray(values.reshape(-1, last - first).T)
 
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated up to the accepted points, J, shape (points, 2)."""
         steps, _ = self._within(segment, segment.t)
-        self._enter(segment)
         found = np.zeros((len(segment.t), 2))
-        np.cumsum(self._look.energies(steps)[:, :2], axis=0, out=found[1:])
+        with self._lock:
+            self._enter(segment)
+            np.cumsum(self._look.energies(steps)[:, :2], axis=0, out=found[1:])
         return found
 
     def weight(self, segment: Segment, t: float, machine: int, state: int) -> float:
         """Return the part of the time that a machine spends in a state at a time."""
+        if t > segment.t[-1]:
+            return float(self._rest(segment, t)[1][machine] == state)
         steps, times = self._within(segment, np.array([t]))
-        self._enter(segment)
-        shares, _ = self._look.parts(Within(steps, times), np.zeros(0, dtype=np.intc))
-        return float(shares[0, self._look.modes()[:, machine] == state].sum())
+        with self._lock:
+            self._enter(segment)
+            shares, _ = self._look.parts(Within(steps, times), np.zeros(0, dtype=np.intc))
+            return float(shares[0, self._look.modes()[:, machine] == state].sum())
 
     # -- the segment that is looked into
 
@@ -107,6 +148,8 @@ class Signals:
             return
         made = segment.combined if isinstance(segment.combined, Combination) else ALONE
         landed = [m.path in segment.landed for m in self.graph.machines]
+        # into nothing, if that fails
+        self._into = None
         self._look.into(
             float(segment.t[0]),
             list(segment.mode),
