@@ -21,7 +21,7 @@ def test_a_run_prints_title_events_final_values_and_statistics(shell: Any) -> No
     assert "impact  away -> hits" in done.out
     assert "1.25 m" in done.out
     *_, work, kernel = done.out.splitlines()
-    assert work.startswith("rk45, ") and kernel == "made by the library"
+    assert work.startswith("rk45, ") and kernel.startswith("made by the ")
 
 
 def test_samples_follow_the_exact_solution_of_the_spring(shell: Any) -> None:
