@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.engine.compiled import native
 from hybond.kernel.library import library
 from hybond.model.expressions import compile_expression, parse
 from hybond.programs.generators import generators, of_name, terms_of
@@ -17,10 +18,18 @@ ENDS = 1e-13
 """What the end of a step may be off by: rounding of a few dozen terms."""
 
 
+def require_library() -> None:
+    try:
+        native.library()
+    except native.Unavailable as why:
+        pytest.skip(str(why))
+
+
 @pytest.fixture(params=["reference", "kernel", "library"])
 def engine(request):
     """The options of a run; with the kernel all of its steps must be taken there."""
     if request.param == "library":
+        require_library()
         return {"solver": "exact", "engine": "library"}
     if request.param == "kernel" and isinstance(library(), str):
         pytest.skip(library())
@@ -416,6 +425,8 @@ def test_a_law_that_is_switched_off_may_be_anything(engine):
     ],
 )
 def test_what_is_not_linear_is_left_to_rk45(make, reason, by):
+    if "engine" in by:
+        require_library()
     a = hb.simulate(make(), 2.0, solver="exact", **by)
     b = hb.simulate(make(), 2.0, **by)
     assert a.method.startswith("0 modes propagated exactly; 1 mode left to rk45: ")

@@ -25,7 +25,7 @@ def unit_of(e: Expr, graph: FlatGraph) -> str:
     >>> [unit_of(graph.signals[name], graph) for name in ("torque", "slip", "locked")]
     ['N*m', 'rad/s', '']
     """
-    word = _word(e, graph)
+    word = _word(e, graph, frozenset())
     if word:
         return word
     dimension = infer_dimension(e, graph.dimensions.get)
@@ -33,34 +33,40 @@ def unit_of(e: Expr, graph: FlatGraph) -> str:
     return "" if text == "1" else text
 
 
-def _word(e: Expr, graph: FlatGraph) -> str | None:
-    """Return the word that all terms agree on; empty if they do not, None for a number."""
+def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
+    """Return the word that all terms agree on; empty if they do not, None for a number.
+
+    `within` are the integrals in whose rates this stands: one that reads itself says nothing.
+    """
     match e:
         case Number():
             return None
         case Name(path):
-            return _of_name(path, graph)
+            return _of_name(path, graph, within)
         case Neg(arg) | Pre(arg):
-            return _word(arg, graph)
+            return _word(arg, graph, within)
         case Binary("+" | "-", left, right) | If(_, left, right):
-            return _common((left, right), graph)
+            return _common((left, right), graph, within)
         case Call(function, args) if function in _KEEP:
-            return _common(args, graph)
+            return _common(args, graph, within)
     return ""
 
 
-def _common(terms: tuple[Expr, ...], graph: FlatGraph) -> str | None:
-    words = {_word(term, graph) for term in terms} - {None}
+def _common(terms: tuple[Expr, ...], graph: FlatGraph, within: frozenset[int]) -> str | None:
+    words = {_word(term, graph, within) for term in terms} - {None}
     return "" if len(words) > 1 else next(iter(words), None)
 
 
-def _of_name(path: str, graph: FlatGraph) -> str:
+def _of_name(path: str, graph: FlatGraph, within: frozenset[int]) -> str | None:
     kind, _, index = path.partition(":")
     if kind in ("e", "f"):
         domain = graph.bonds[int(index)].domain
         return domain.effort_unit if kind == "e" else domain.flow_unit
     if kind == "s":
-        rate = _word(graph.integrals[int(index)].rate, graph) or ""
+        k = int(index)
+        if k in within:
+            return None
+        rate = _word(graph.integrals[k].rate, graph, within | {k})
         return "rad" if rate == "rad/s" else ""
     if kind == "x":
         storage = graph.storages[int(index)]

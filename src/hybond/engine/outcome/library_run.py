@@ -146,8 +146,8 @@ class LibraryRun:
             Likewise.
         """
         try:
-            with _interrupts() as asked:
-                self._go(asked)
+            with _interrupts() as answer:
+                self._go(answer)
         finally:
             self.records.close()
             self._tidy()
@@ -161,7 +161,7 @@ class LibraryRun:
             return "accumulation"
         return "ok"
 
-    def _go(self, asked: Callable[[], bool]) -> None:
+    def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
         begin = time.perf_counter()
         for rows in self._native.slices(steps=lambda: self._slice):
@@ -174,8 +174,7 @@ class LibraryRun:
             self._tidy()
             if self.progress is not None:
                 self.progress(self._native.t, self.trace.events.total)
-            if asked():
-                raise KeyboardInterrupt
+            answer()
             begin = time.perf_counter()
 
     def _tidy(self) -> None:
@@ -262,23 +261,34 @@ def _write(journal: Journal, found: Instants) -> None:
 
 
 @contextmanager
-def _interrupts() -> Iterator[Callable[[], bool]]:
-    """Note Ctrl-C instead of raising it where rows could be lost; a second one raises."""
+def _interrupts() -> Iterator[Callable[[], None]]:
+    """Note Ctrl-C where it would be raised while rows could be lost; what is yielded answers it.
+
+    A second one is answered at once. Whoever has a handler of his own keeps it.
+    """
     noted: list[int] = []
+    try:
+        here = threading.current_thread() is threading.main_thread()
+        before = signal.getsignal(signal.SIGINT) if here else None
+    except ValueError:
+        before = None
+    if not callable(before):
+        yield lambda: None
+        return
+    handler = before
 
     def note(number: int, frame: FrameType | None) -> None:
         if noted:
-            raise KeyboardInterrupt
+            handler(number, frame)
         noted.append(number)
 
+    def answer() -> None:
+        if noted:
+            noted.clear()
+            handler(signal.SIGINT, None)
+
+    signal.signal(signal.SIGINT, note)
     try:
-        main = threading.current_thread() is threading.main_thread()
-        usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-        before = signal.signal(signal.SIGINT, note) if main and usual else None
-    except ValueError:
-        before = None
-    try:
-        yield lambda: bool(noted)
+        yield answer
     finally:
-        if before is not None:
-            signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, before)

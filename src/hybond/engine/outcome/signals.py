@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import sys
 import threading
 from bisect import bisect_left
 from collections.abc import Sequence
@@ -101,7 +102,7 @@ class Signals:
         at = Points([t], state[None, : self._states], accepted=True)
         with self._lock:
             self._into = None
-            self._look.into(t, list(mode), energy=self._trace.energy)
+            self._look.into(t, list(mode), energy=self._energy)
             columns = self._columns(slots, self._look.values(at, slots))
         return [float(self._value(e, columns, (1,))[0]) for e in expressions]
 
@@ -139,6 +140,11 @@ class Signals:
     # -- the segment that is looked into
 
     @property
+    def _energy(self) -> float:
+        """The largest energy that the run has seen, J; what overflows is large enough."""
+        return min(self._trace.energy, sys.float_info.max)
+
+    @property
     def _states(self) -> int:
         return len(self.graph.storages) + len(self.graph.integrals)
 
@@ -157,7 +163,7 @@ class Signals:
             surfaces=made.surfaces,
             product=made.product,
             modes=made.modes,
-            energy=self._trace.energy,
+            energy=self._energy,
         )
         self._into = segment
 
