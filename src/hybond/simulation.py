@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.blocks.runners import runners_of
-from hybond.engine.compiled.native import Unavailable
-from hybond.engine.outcome.library_run import Declined, LibraryRun, Settings
+from hybond.engine.compiled.native import Unavailable, library
+from hybond.engine.outcome.library_run import LibraryRun, Settings
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
 from hybond.kernel.marcher import ONLY, Marcher, marcher
@@ -243,7 +243,7 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
-    why, began = "", False
+    why = ""
     engine = engine or ("auto" if kernel is None else "reference")
     if engine == "auto":
         engine = ENGINE
@@ -253,34 +253,32 @@ def simulate(
         if name in METHODS:
             check_step(name, own_step)
         runners = runners_of(graph, fmus=fmus)
-        run = _by_library(
-            graph,
-            Settings(
-                until=end,
-                solver=name,
-                step=own_step,
-                rtol=rtol,
-                atol=atol,
-                max_step=math.inf if longest is None else longest,
-                event_tol=limits.event_tol,
-                slides=choice == "filippov",
-                impact=impact_of(impact, experiment),
-                max_events=limits.max_events,
-                max_steps=limits.max_steps,
-                max_writes=writes,
-            ),
-            progress=progress,
-            keep=keep,
-            journal=journal,
-            runners=runners,
-        )
         try:
+            run = _by_library(
+                graph,
+                Settings(
+                    until=end,
+                    solver=name,
+                    step=own_step,
+                    rtol=rtol,
+                    atol=atol,
+                    max_step=math.inf if longest is None else longest,
+                    event_tol=limits.event_tol,
+                    slides=choice == "filippov",
+                    impact=impact_of(impact, experiment),
+                    max_events=limits.max_events,
+                    max_steps=limits.max_steps,
+                    max_writes=writes,
+                ),
+                progress=progress,
+                keep=keep,
+                journal=journal,
+                runners=runners,
+            )
             if isinstance(run, LibraryRun):
                 run.trace.kernel = "the library"
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
-            why = run if isinstance(run, str) else f"solver {name!r}"
-        except Declined as declined:
-            why, began = str(declined), True
+            why = run
         finally:
             for runner in runners.values():
                 runner.close()
@@ -290,16 +288,6 @@ def simulate(
                 code="HB-S119",
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
-            )
-        if began and any(s.block and s.block.function is not None for s in graph.samples):
-            # each is called once an instant, in order: a second run would go on with what the
-            # first one left
-            raise UsageError(
-                f"the library cannot make this run to its end ({why}), and the functions of its "
-                "blocks have been called",
-                code="HB-S119",
-                where="engine",
-                hint='engine="reference", with functions that have not been called yet',
             )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
@@ -353,20 +341,17 @@ def _by_library(
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
     try:
+        library()
         tables = settings.tables(graph)
-        return LibraryRun(
-            tables,
-            progress=progress,
-            keep=keep,
-            journal=None if journal is None else _opened(journal, graph),
-            runners=runners,
-        )
     except Unavailable as error:
         return str(error)
     except HybondError as error:
         if not error.code.startswith("HB-E6"):
             raise
         return error.why
+    # last of all: it replaces the file that is there
+    opened = None if journal is None else _opened(journal, graph)
+    return LibraryRun(tables, progress=progress, keep=keep, journal=opened, runners=runners)
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -41,10 +41,6 @@ STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes be
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
 
 
-class Declined(Exception):
-    """The library met what it does not do; the text says what."""
-
-
 @dataclass(frozen=True, slots=True)
 class Settings:
     """What a run is asked for.
@@ -229,8 +225,6 @@ class LibraryRun:
 
     def _error(self) -> HybondError:
         refusal = self._native.fault
-        if refusal.code.startswith("HB-E"):
-            raise Declined(refusal.why)
         return self._refused(refusal)
 
     def _refused(self, refusal: Refusal) -> HybondError:

@@ -1,0 +1,43 @@
+"""Junction laws where rounding is all there is: from rest, and at exactly natural commutation."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from library.bench import every_way
+from library.test_electrical_bridges import LINES, PEAK, three_phases
+
+import hybond as hb
+
+
+@pytest.mark.parametrize("method", ["rk45", "radau"])
+def test_a_bridge_with_drops_begins_to_charge_from_nothing(method: str) -> None:
+    """No energy is there to measure rounding by, when two diodes begin to conduct at once."""
+    m = hb.Model("rectifier", domain="electrical")
+    m.add(s=hb.Submodel("electrical.sine_voltage", amplitude="17 V"), p=hb.Zero(), n=hb.Zero())
+    m.add(b=hb.Submodel("electrical.diode_bridge", drop="0.7 V"))
+    m.add(c=hb.Submodel("electrical.capacitor", C="1 mF"), zero=hb.Submodel("electrical.ground"))
+    m.bond("p -> c.plus", "c.minus -> n", "zero.pin -> n")
+    lines = ("s.plus - b.a", "s.minus - b.b", "b.plus - p", "n - b.minus")
+    for way in every_way(m, *lines)[::5]:
+        run = hb.simulate(way, until="4 ms", solver=method, engine="library")
+        assert run.events[1].t == pytest.approx(math.asin(1.4 / 17) / (100 * math.pi), rel=1e-9)
+        for t in (1e-3, 4e-3):
+            expected = 17 * math.sin(100 * math.pi * t) - 1.4
+            assert run["c.voltage"].at(t) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_thyristor_bridge_commutates_where_voltages_cross() -> None:
+    """Fired at angle 0 a current begins whose rate is the rounding of voltages that cancel."""
+    m = three_phases(hb.Submodel("electrical.thyristor_bridge"))
+    m.add(f=hb.Submodel("control.six_pulse", inputs={"alpha": 0.0}))
+    gates = {f"gate_{k}": f"f.gate_{k}" for k in range(1, 7)}
+    m.elements["b"] = hb.Submodel("electrical.thyristor_bridge", inputs=gates)
+    m.add(load=hb.Submodel("electrical.inductor", L="0.5 H", i0=10), r=hb.Zero())
+    m.add(loss=hb.Submodel("electrical.resistor", R=PEAK * 10))
+    m.bond("p -> load.plus", "load.minus -> r -> loss.plus", "loss.minus -> n")
+    for way in every_way(m, *LINES)[::16]:
+        run = hb.simulate(way, until="60 ms", rtol=1e-9, engine="library")
+        mean = (run["area"].at(0.06) - run["area"].at(0.04)) / 0.02
+        assert mean == pytest.approx(PEAK * 100, rel=1e-6), way.name
