@@ -61,10 +61,7 @@ class Fault:
 
 @record
 class Leakage:
-    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`.
-
-    After equations/leakage.py, Projection.
-    """
+    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`."""
 
     stages: int
     first: int
@@ -80,7 +77,7 @@ class Leakage:
 class Ways:
     """The impulses that a mode allows, and what they do to what is stored.
 
-    After modes/jump.py, Ways: `directions`, bond variables by `many`; `moving`, many by areas; `d`,
+    `directions` are bond variables by `many`; `moving`, many by areas; `d`,
     storages by areas; `slope`, constraints by areas, its inverse and its rank.
     """
 
@@ -118,7 +115,7 @@ class Mode:
 
     Bond variables are ``free r + known xi``, twice: before the hidden constraints (`power`, where
     impulses live) and after (`finite`, for finite values). `xi` are co-energy variables, values of
-    sources, their rates. After equations/mode.py, ModeEquations.
+    sources, their rates.
     """
 
     used: int
@@ -264,10 +261,7 @@ class Work:
 
 @record
 class Trial:
-    """A mode being tried: its jump, and the signals that follow, which stand in `v` of the run.
-
-    After modes/trial.py, Trial.
-    """
+    """A mode being tried: its jump, and the signals that follow, which stand in `v` of the run."""
 
     state: Ints
     x: Floats

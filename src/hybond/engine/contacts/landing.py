@@ -5,7 +5,7 @@ its flights below the time room; such a flight is never started. It then stays i
 state, whose impact law has every ``pre()`` term at its limit 0. Its own exits are suspended. It
 leaves, by its first exit, when the reaction (the conjugate of what the impact law prescribes)
 changes the sign that its impulses had. A landing is accepted only if the reaction has that sign to
-begin with. As modes.landing.landing; Mosterman & Biswas 2002, section 4.
+begin with. Source: Mosterman & Biswas 2002, section 4.
 """
 
 import math

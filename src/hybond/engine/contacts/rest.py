@@ -1,7 +1,4 @@
-"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero.
-
-As modes.landing.rest.
-"""
+"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero."""
 
 import math
 from typing import Final
@@ -38,7 +35,7 @@ def find_moved(e: Engine, held: Ints) -> None:
 
 
 def still_stored(e: Engine, held: Ints, x: Floats) -> None:
-    """Put rounding in storages that are held to zero. As modes.landing.rest.still."""
+    """Put rounding in storages that are held to zero."""
     m = e.model
     reach_of(e, x, e.energy, e.work.reach)
     for k in range(m.storages):

@@ -1,4 +1,4 @@
-"""Entering a mode: the jump that conserves state. After modes/jump.py.
+"""Entering a mode: the jump that conserves state.
 
     x+ = x + D nu,   nu such that   G z(x+) = c
 
@@ -332,7 +332,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
 
 
 def invert_slope(e: Engine, ways: Ways, count: int) -> None:
-    """Put the pseudo-inverse of the slope into `ways.inverse`. After modes/jump.py, _inverse."""
+    """Put the pseudo-inverse of the slope into `ways.inverse`."""
     w = e.work
     areas = ways.areas
     d = svd_room(e, max(count, areas), max(count, areas))
@@ -376,10 +376,7 @@ def scale_slope(e: Engine, ways: Ways, count: int, size: Floats) -> int:
 
 
 def find_step(e: Engine, ways: Ways, count: int) -> int:
-    """Put Newton's step into `e.work.step`; return the rank of the slope.
-
-    After modes/jump.py, _scaled_step.
-    """
+    """Put Newton's step into `e.work.step`; return the rank of the slope."""
     w = e.work
     areas = ways.areas
     d = svd_room(e, max(count, areas), max(count, areas))

@@ -1,6 +1,6 @@
 """Trying a mode: its jump from the a priori state, and every signal that follows.
 
-Nothing here decides anything; settle.py does. After modes/trial.py.
+Nothing here decides anything; settle.py does.
 """
 
 from __future__ import annotations
@@ -211,7 +211,7 @@ def find_floor(e: Engine, x: Floats) -> None:
     """Find the size below which each bond variable's impulse counts as zero.
 
     That part of the largest stored quantity of its kind in the bond's domain, or of the largest
-    such impulse if nothing is stored there. After modes/signals.py, impulse_floor.
+    such impulse if nothing is stored there.
     """
     m = e.model
     for c in range(m.classes):

@@ -338,7 +338,7 @@ def observe(e: Engine, v: Floats) -> None:
 def check_limits(e: Engine, t: float, v: Floats) -> int:
     """Look at limits of friction that vary: they must stay what friction can have.
 
-    HB-N407 for a limit below zero, or above that of breaking loose. As modes.laws.limits.
+    HB-N407 for a limit below zero, or above that of breaking loose.
     """
     m = e.model
     r = e.laws

@@ -81,7 +81,7 @@ def open_mode(e: Engine, p: Ports) -> Mode:
 
 
 def orientation(m: Model, base: Ints, given: Ints) -> None:
-    """Put which variable of each port is given into `given`. As equations.ports.orientation.
+    """Put which variable of each port is given into `given`.
 
     The choice is the reference mode of causality, which the tables hold for all states of the
     machines beside the laws.
@@ -95,7 +95,7 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
 
 
 def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
-    """Make the equations of a configuration with open laws. As equations.ports.port_equations."""
+    """Make the equations of a configuration with open laws."""
     m = e.model
     orientation(m, r.base, p.given)
     tries = 0
@@ -186,8 +186,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     """Put the derivatives of the bond variables by `l` there.
 
     Modulated two-ports and controlled sources are affine in what ports give, so that a difference
-    over a unit step is exact; through nonlinear resistors it is a chord. As
-    equations.ports.PortEquations.gains.
+    over a unit step is exact; through nonlinear resistors it is a chord.
     """
     mode = open_mode(e, p)
     m = e.model
@@ -243,7 +242,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     """Find the response of `r.now` at the values `v` and the stored state `x`.
 
     Bond variables are written into `v`. Rates are asked for if `timed`; those of a nonlinear graph
-    are differences. As equations.ports.PortEquations.response.
+    are differences.
     """
     m = e.model
     p = r.now
@@ -330,10 +329,7 @@ def couple(m: Model, p: Ports, a: Response) -> None:
 
 
 def find_constant(e: Engine, r: Laws, v: Floats) -> int:
-    """Find what is the same at every state of a linear graph.
-
-    As equations.ports.PortEquations._constant.
-    """
+    """Find what is the same at every state of a linear graph."""
     m = e.model
     p = r.now
     mode = open_mode(e, p)

@@ -1,7 +1,7 @@
 """Which modes are linear, and what their matrix is: column after column, by the rows of the mode.
 
 Stored quantities, signals and generators stand for themselves; bond variables follow from them as
-they do at any instant. After programs/linear.py.
+they do at any instant.
 """
 
 from __future__ import annotations

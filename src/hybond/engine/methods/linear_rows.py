@@ -2,7 +2,7 @@
 
 A controlled source, or a law written out as a formula, makes such a row. Where they have forms, the
 unknowns that they determine are solved for here; those of other rows stay open, and so do bond
-variables that depend on them. After programs/solved_rows.py.
+variables that depend on them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Newton with steps that are shortened until they help. After equations/damped.py.
+"""Newton with steps that are shortened until they help.
 
 Full steps jump to and fro where a law is bent like a root on both sides of rest: two orifices in a
 row. A step is taken as far as the *next* one, with the same slopes, becomes smaller.

@@ -1,6 +1,6 @@
 """Rows whose laws are evaluated: their values, and their slopes by bond variables.
 
-A row is a law of the model or the time derivative of a constraint. After equations/mode.py.
+A row is a law of the model or the time derivative of a constraint.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The equations of a mode, ready to evaluate: made when the mode is first entered.
-
-After equations/mode.py, prepare, and programs/program.py, equations.
-"""
+"""The equations of a mode, ready to evaluate: made when the mode is first entered."""
 
 from __future__ import annotations
 
@@ -278,7 +275,7 @@ def is_fieldless(e: Engine, mode: Mode) -> bool:
 
 
 def is_prior_active(m: Model, mode: Mode, k: int) -> bool:
-    """Whether a law that reads ``pre()`` acts in a mode. After model/fieldless.py."""
+    """Whether a law that reads ``pre()`` acts in a mode."""
     for i in range(m.prior_first[k], m.prior_first[k + 1]):
         if mode.on[m.prior_switch[i]] == 0:
             return False

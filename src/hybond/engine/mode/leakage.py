@@ -1,7 +1,6 @@
 """Undetermined variables: the member of the admissible set with the least leakage power.
 
-First the leaks of controlled junctions, then those of the undetermined bonds. After
-equations/leakage.py.
+First the leaks of controlled junctions, then those of the undetermined bonds.
 """
 
 from __future__ import annotations

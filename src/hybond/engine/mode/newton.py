@@ -1,6 +1,6 @@
 """Bond variables of a mode at one instant: a product with what is known, or Newton's method.
 
-Newton solves in the unknowns that elimination left free. After equations/mode.py.
+Newton solves in the unknowns that elimination left free.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The residuals are the laws, the power structure projected on its range, and the hidden constraints:
 the time derivative of what the power structure puts on co-energy variables, found by its left null
-vectors. After equations/mode.py.
+vectors.
 """
 
 from __future__ import annotations

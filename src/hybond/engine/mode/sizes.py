@@ -1,8 +1,7 @@
 """What rounding is measured by: the size of the terms that made what a guard reads.
 
 A difference that is no more than rounding of its terms counts as zero. Those of a bond variable are
-found where a guard is asked that reads it, not where it is evaluated. After equations/mode.py,
-solution, and modes/jump.py, reach_of_bonds.
+found where a guard is asked that reads it, not where it is evaluated.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Values that expressions read: of a mode, at a time, with a state. After programs/program.py."""
+"""Values that expressions read: of a mode, at a time, with a state."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """The guards that may leave a mode, and room to look for the first that holds.
 
-A block of a step is sampled, and a polynomial of degree 5 laid through the samples. After
-modes/locate.py.
+A block of a step is sampled, and a polynomial of degree 5 laid through the samples.
 """
 
 from __future__ import annotations
@@ -240,10 +239,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
 
 
 def watch_slide(e: Engine, g: Locator) -> None:
-    """Take what ends sliding: what allows it, weights, and branches in the modes combined.
-
-    After modes/sliding/view.py, View.locator.
-    """
+    """Take what ends sliding: what allows it, weights, and branches in the modes combined."""
     m = e.model
     s = e.slide
     for j in range(s.k):

@@ -1,7 +1,6 @@
 """The executive: time passes in a mode until something happens, then the mode is settled.
 
-Nothing else changes the state: a jump is made by settling alone. After modes/executive.py
-and modes/motion.py.
+Nothing else changes the state: a jump is made by settling alone.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What is asked of a mode, asked of the combination of modes while machines slide.
 
-Every bond variable is the average of an infinitely fast switching. After programs/combined.py.
+Every bond variable is the average of an infinitely fast switching.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which modes are combined while machines slide. After programs/sliding_program.py."""
+"""Which modes are combined while machines slide."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What modes with different constraints hold stored quantities to, all together.
 
 Each mode is kept to the constraints of all by vanishing impulses: the mean of infinitely many
-jumps. After programs/common_space.py and modes/sliding/meeting.py.
+jumps.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Modes with different constraints can slide along their surface where all constraints are met, since
 a jump is nothing there. Off that place, jumps that do not move the switching function bring a state
 to it at once: switching back and forth in no time ends where all constraints are met, whatever it
-began with (alternating projections, von Neumann). After modes/sliding/crossings.py.
+began with (alternating projections, von Neumann).
 """
 
 from __future__ import annotations

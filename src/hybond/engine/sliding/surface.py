@@ -1,4 +1,4 @@
-"""Switching functions: their values and how fast they move. After equations/surfaces.py, Rates.
+"""Switching functions: their values and how fast they move.
 
 Efforts of C and flows of I stand for what is stored, along the junctions that are ON in all modes
 concerned; then a function is one of state and time alone, the same in every mode.
