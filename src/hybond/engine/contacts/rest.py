@@ -6,7 +6,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.contacts.landing_records import Landings
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.instant.jump import enter_mode, impulse_directions
+from hybond.engine.instant.impulse_ways import impulse_directions
+from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import set_values

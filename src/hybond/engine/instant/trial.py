@@ -9,13 +9,7 @@ import math
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.engine import (
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    say_fault,
-)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import (
     DIVIDED_JUMPS,
@@ -35,6 +29,7 @@ from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import set_values

@@ -8,7 +8,8 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.impacts.impact_records import NEWTON
 from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
-from hybond.engine.instant.jump import JUMPS, STAYS, check_agreement
+from hybond.engine.instant.constraints import check_agreement
+from hybond.engine.instant.jump import JUMPS, STAYS
 from hybond.engine.instant.trial import (
     begin_trial,
     finish_trial,

@@ -15,18 +15,12 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
-from hybond.engine.engine import (
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    make_mode,
-    say_fault,
-)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.kept_modes import is_same
+from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values

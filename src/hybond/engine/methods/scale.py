@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import own_stiffness

@@ -8,19 +8,13 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
 from hybond.engine.algebra.products import all_finite, times_matrix
 from hybond.engine.algebra.svd import null_space, rank_above, svd
-from hybond.engine.engine import (
-    NO_MODE,
-    OK,
-    Engine,
-    Mode,
-    say_fault,
-    svd_room,
-)
+from hybond.engine.engine import NO_MODE, OK, Engine, say_fault, svd_room
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import system
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on

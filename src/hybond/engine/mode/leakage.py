@@ -11,7 +11,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import null_space, pseudo_inverse
-from hybond.engine.engine import Engine, Leakage, Mode, svd_room
+from hybond.engine.engine import Engine, svd_room
+from hybond.engine.mode.mode_records import Leakage, Mode
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

@@ -10,7 +10,8 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats

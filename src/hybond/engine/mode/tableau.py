@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
 from hybond.engine.mode.elimination import (
     USED,
     Elimination,
@@ -24,6 +24,7 @@ from hybond.engine.mode.elimination import (
     put_in,
     settle_equal,
 )
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 

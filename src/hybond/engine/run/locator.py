@@ -10,8 +10,9 @@ from typing import Final
 
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
-from hybond.engine.engine import Engine, Reads, make_reads
+from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
+from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import co_energy, stiff
 from hybond.engine.model import Model, value
 from hybond.engine.words import Floats, some
