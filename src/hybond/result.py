@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.audit import Audit, audit
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.interval import Interval
 from hybond.model.unit_words import unit_of
-from hybond.modes.audit import Audit, audit, energies_of
 from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import values_of_steps
@@ -460,11 +460,13 @@ class Result:
         >>> run.energies(run.segments[0])[-1].round(9).tolist()
         [0.0, 0.05]
         """
-        return energies_of(self.trace, segment)
+        if self.trace.signals is not None and segment.bonds is None:
+            return self.trace.signals.energies(segment)
+        return np.asarray(segment.y[:, -2:] - segment.y[0, -2:])
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""
-        return audit(self.program, self.trace)
+        return audit(self.graph, self.trace)
 
     # -- other forms
 
