@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.compiled.sources import portable_paths
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.following import followed
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
@@ -17,7 +17,7 @@ from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph
 from hybond.translate.effects import Effects, effects_of
-from hybond.translate.modules import Program, load
+from hybond.translate.modules import Program, load, load_texts
 from hybond.translate.reach import Uses
 from hybond.translate.specialise import Specialist, deciding
 from hybond.translate.tree import Block, Expr
@@ -46,6 +46,8 @@ NAMES = {
 """Given functions that name something, and the list of names in `ModelTables`."""
 GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
 """What the runtime asks of a model, and is printed here."""
+LOG_OR_REPORT = ("from hybond.engine.run.log import", "from hybond.engine.run.report import")
+"""Where the executive has from what writes down what happens: by itself, and in a program."""
 OWN = (
     *(ARRAY, "MODEL", "USAGE", "PARAMETERS", "PARAMETER", "FIXED", "FIXED_PARAMETER"),
     *("PARAMETER_START", "PARAMETER_FOLLOWS", "TOKEN", "INPUTS", "INPUT_NUMBER", "INPUT_START"),
@@ -57,11 +59,12 @@ OWN = (
 
 @lru_cache(maxsize=1)
 def runtime() -> Program:
-    """Return the runtime, read and checked."""
-    run = ENGINE / "run"
-    return load(
-        [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"], portable_paths()
-    )
+    """Return the runtime, read and checked: what logs is replaced by what prints."""
+    paths = {path.stem: path for path in portable_paths()}
+    found = load([paths["run"], paths["unit"], paths["lookup"]], paths.values())
+    texts = {m.name: paths[m.name].read_text(encoding="utf-8") for m in found.modules}
+    del texts["log"]
+    return load_texts({name: text.replace(*LOG_OR_REPORT) for name, text in texts.items()})
 
 
 @lru_cache(maxsize=1)

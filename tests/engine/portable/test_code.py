@@ -78,7 +78,7 @@ def test_expressions_of_an_example(name: str) -> None:
         begin = code.add(tree, paired=False)
         for v in rows:
             found = run_code(code.instructions, begin, code.numbers, v, [0.0] * DEEPEST)
-            assert str(found) == str(m.answers.value(k, v)), tables.values.text[k]
+            assert str(found) == str(m.answers.values[k](v)), tables.values.text[k]
     for k, tree in enumerate(tables.pairs):
         begin = code.add(tree, paired=True)
         for _ in range(3):
