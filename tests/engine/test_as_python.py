@@ -173,10 +173,16 @@ def test_limits_stop_a_run_with_what_there_is(limit: dict[str, int], code: str) 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals to a process itself")
 def test_an_interrupt_keeps_what_there_is() -> None:
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    begun: list[float] = []
+
+    def progress(t: float, events: int) -> None:
+        if not begun:
+            timer.start()
+        begun.append(t)
+
     try:
-        run = as_python(long_run(), 1e7, keep=1000, max_steps=10**9)
+        run = as_python(long_run(), 1e7, keep=1000, max_steps=10**9, progress=progress)
     finally:
         timer.cancel()
     assert run.status == "interrupted"

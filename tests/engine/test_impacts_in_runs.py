@@ -226,7 +226,7 @@ def test_dependent_contacts_whose_restitution_differs(law):
     assert isinstance(error, hb.ModelError)
     assert (error.code, error.where) == ("HB-J202", "a, b, c, d")
     assert error.hint == "give them the same restitution, or choose lzb"
-    assert hb.simulate(m, until=1e-3, impact="lzb", engine=ENGINE).status == "ok"
+    assert hb.simulate(m, until=1e-3, impact="lzb").status == "ok"
 
 
 def test_a_law_that_would_create_energy():

@@ -27,6 +27,8 @@ class Own(Exception):
 
 
 def interrupted(**options: object) -> hb.Result:
+    # imports and tables take their time: an interrupt then would be raised at once
+    hb.simulate(long_run(), until=1.0, engine=ENGINE)
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     try:

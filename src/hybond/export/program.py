@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from hybond.engine.compiled.sources import portable_paths
+from hybond.engine.compiled.sources import ENGINE, portable_paths
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.following import followed
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
@@ -17,7 +17,7 @@ from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph
 from hybond.translate.effects import Effects, effects_of
-from hybond.translate.modules import Program, load, load_texts
+from hybond.translate.modules import Program, load, text_of
 from hybond.translate.reach import Uses
 from hybond.translate.specialise import Specialist, deciding
 from hybond.translate.tree import Block, Expr
@@ -60,11 +60,9 @@ OWN = (
 @lru_cache(maxsize=1)
 def runtime() -> Program:
     """Return the runtime, read and checked: what logs is replaced by what prints."""
-    paths = {path.stem: path for path in portable_paths()}
-    found = load([paths["run"], paths["unit"], paths["lookup"]], paths.values())
-    texts = {m.name: paths[m.name].read_text(encoding="utf-8") for m in found.modules}
-    del texts["log"]
-    return load_texts({name: text.replace(*LOG_OR_REPORT) for name, text in texts.items()})
+    run = ENGINE / "run"
+    roots = [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"]
+    return load(roots, portable_paths(), lambda path: text_of(path).replace(*LOG_OR_REPORT))
 
 
 @lru_cache(maxsize=1)

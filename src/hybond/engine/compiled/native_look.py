@@ -68,6 +68,7 @@ class NativeLook(Look):
     --------
     >>> import hybond as hb
     >>> from hybond.engine.compiled.native import NativeRun
+    >>> from hybond.engine.compiled.points import Steps
     >>> from hybond.engine.tables import tables_of
     >>> m = hb.Model("rc", domain="electrical")
     >>> m.add(c=hb.C("1 F", e="2 V"), r=hb.R("1 ohm"), node=hb.Zero())
