@@ -7,10 +7,10 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from hybond.engine.tables.expressions import number_of
-from hybond.equations.calculus import gradient
+from hybond.equations.calculus import gradient, partial_time
 from hybond.equations.ports import orientation
 from hybond.errors import ModelError
-from hybond.model.expressions import Expr, Number
+from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import HEADING, SLOW
@@ -70,7 +70,12 @@ def _put_option(t: ModelTables, option: str, laws: list[JunctionLaw]) -> None:
 
 
 def _put_gaps(t: ModelTables, laws: list[JunctionLaw]) -> None:
-    """Put gaps among the pairs as well: their rounding is that of their terms."""
+    """Put how fast gaps open, and gaps among the pairs: their rounding is that of their terms."""
+    # a constant gap says that the sides touch at all times, or never
+    moving = [None if law.gap is None or not names(law.gap) else law.gap for law in laws]
+    rates = [None if e is None else t.values.entry(partial_time(e, t.graph)) for e in moving]
+    t.ints["port_gap_rate"] = [NONE if rate is None else rate[0] for rate in rates]
+    t.floats["port_gap_rate_constant"] = [0.0 if rate is None else rate[1] for rate in rates]
     pairs = []
     for law in laws:
         if law.gap is None or isinstance(law.gap, Number):

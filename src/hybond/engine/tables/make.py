@@ -42,7 +42,7 @@ from hybond.model.expressions.tree import walk
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Machine, Node, Storage
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
-from hybond.model.interval import discrete_names, interval_after
+from hybond.model.interval import discrete_names
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
 
@@ -115,9 +115,8 @@ def tables_of(
     Raises
     ------
     ModelError
-        HB-M205 a gap that is not the distance of a contact, HB-E630 an input that is a function in
-        Python or a block, without `calling`, HB-E631 an element that says too many things; those of
-        `options.options_of`.
+        HB-E630 an input that is a function in Python or a block, without `calling`, HB-E631 an
+        element that says too many things; those of `options.options_of`.
     """
     plain = plain or graph
     options = options or options_of(graph, plain, given)
@@ -135,7 +134,6 @@ def tables_of(
     _signals(t)
     _priors(t)
     put_laws(t)
-    _check_gaps(plain)
     put_surfaces(t)
     put_contacts(t)
     put_told(t, tells=tells)
@@ -171,26 +169,6 @@ def _sizes(t: ModelTables) -> None:
     )
     t.nodes = [n.path for n in g.nodes]
     t.bonds = [f'"{b.name}".{kind}' for kind in "ef" for b in g.bonds]
-
-
-def _check_gaps(g: FlatGraph) -> None:
-    """Refuse contacts whose gap is not their distance, as a run does at its start: HB-M205."""
-    laws = [law for m in g.machines if m.law is not None for law in m.law.junctions]
-    if all(law.gap is None for law in laws):
-        return
-    from hybond.modes.laws.complementarity import Instant
-    from hybond.modes.trial import Trials
-    from hybond.programs.program import Program
-    from hybond.trace import Trace
-
-    program = Program(g)
-    y = start_of(g)
-    x, s = y[: program.nx], y[program.nx : program.nx + program.ns]
-    interval = interval_after(g, 0.0)
-    trials = Trials(program, Trace())
-    pre = trials.a_priori(0.0, x, s, g.start_mode, interval)
-    at = Instant(0.0, s, g.start_mode, interval, pre)
-    trials.laws.consistent(at, x, abs(program.storage.energy(x)))
 
 
 def _first(rows: list[list[Any]]) -> list[int]:
