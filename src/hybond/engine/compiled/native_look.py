@@ -48,6 +48,7 @@ def _looking() -> ctypes.CDLL:
             *(number, number, handle, ctypes.c_double),
         ],
         "modes": [handle, handle],
+        "linear": [handle, ctypes.POINTER(number)],
         "values": [handle, points, number, handle, handle],
         "parts": [handle, points, number, handle, handle, handle],
         "powers": [handle, points, handle],
@@ -205,6 +206,21 @@ class NativeLook:
         with self._lock:
             self._library.hybond_look_modes(self._handle, address(found))
         return found
+
+    def why_not_linear(self) -> int:
+        """Return why the mode is not linear: a reason by its number; -1: it is; -2: no motion.
+
+        The tables are those for solver ``"exact"``.
+
+        Raises
+        ------
+        NumericsError, MemoryError
+        """
+        self._ready()
+        why = ctypes.c_int()
+        with self._lock:
+            self._check(self._library.hybond_look_linear(self._handle, ctypes.byref(why)))
+        return why.value
 
     def values(self, points: Points | Within, slots: ArrayLike) -> Vector:
         """Return values at points, shape (points, slots).

@@ -119,7 +119,7 @@ def tables_of(
         element that says too many things; those of `options.options_of`.
     """
     plain = plain or graph
-    options = options or options_of(graph, plain, given)
+    options = options or options_of(graph, given)
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
     t.numbers.update(options.numbers)
