@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import describe_conflict
+from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
-from hybond.equations.ports import base_mode
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode

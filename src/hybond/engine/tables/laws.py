@@ -6,9 +6,10 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING
 
+from hybond.causality.arrays import compile_arrays
+from hybond.causality.orientation import orientation
 from hybond.engine.tables.expressions import number_of
 from hybond.equations.calculus import gradient, partial_time
-from hybond.equations.ports import orientation
 from hybond.errors import ModelError
 from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph
@@ -152,10 +153,11 @@ def _put_orientation(t: ModelTables) -> None:
             where=g.name,
             hint="write the diodes and contacts as machines with rules, or split the model",
         )
+    arrays = compile_arrays(g)
     known: dict[frozenset[int], list[int]] = {}
     for mode in product(*(range(k) for k in sizes)):
         on = g.on_nodes(mode)
         if on not in known:
-            given = orientation(g, mode)
+            given = orientation(g, mode, arrays)
             known[on] = [int(v == "net") for v in given.values()]
         t.ints["orient"] += known[on]
