@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from hybond.engine.tables.make import ModelTables, tables_of
+from hybond.engine.tables.columns import ModelTables
+from hybond.engine.tables.make import tables_of
 from hybond.errors import HybondError
 from hybond.model.builder import Model
 from hybond.model.expressions import (

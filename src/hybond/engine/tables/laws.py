@@ -1,4 +1,4 @@
-"""Tables of the laws of junctions: the columns `port_*` of `portable.model.Model`."""
+"""Tables of the laws of junctions: the columns `port_*` of `hybond.engine.model.Model`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hybond.model.planar_friction import HEADING, SLOW
 from hybond.names import join
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 NONE = -2
 """What stands for an option that a law does not have."""
