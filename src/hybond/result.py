@@ -355,9 +355,7 @@ class Result:
         >>> run.energies(run.segments[0])[-1].round(9).tolist()
         [0.0, 0.05]
         """
-        from hybond.modes.audit import energies_of
-
-        return energies_of(self.trace, segment)
+        return self._signals.energies(segment)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""
