@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from hybond.blocks.runners import Runner, runners_of
-from hybond.engine.compiled.native import Unavailable, library
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import EngineChoice, choose_engine
 from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
-from hybond.engine.outcome.library_run import LibraryRun, Settings
 from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
@@ -35,7 +35,7 @@ from hybond.run_options import (
 )
 from hybond.trace import Trace
 
-ENGINE: Literal["auto", "library", "reference"] = "auto"
+ENGINE: Literal["library", "python", "reference"] | None = None
 """What makes runs that do not say what should."""
 STEPPING_IMPACT = "newton_simultaneous"
 """The law of impacts that time-stepping has built in."""
@@ -58,7 +58,7 @@ def simulate(
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool | None = None,
-    engine: Literal["auto", "library", "reference"] | None = None,
+    engine: Literal["library", "python", "reference"] | None = None,
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -113,10 +113,11 @@ def simulate(
     kernel : bool
         Of the reference, which this asks for: whether its compiled kernel takes steps, and settles
         events between them, where there is one and it was made for that.
-    engine : {"auto", "library", "reference"}
-        What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S119), or the reference. The results are the same but
-        for rounding; `Result.kernel` says which it was.
+    engine : {"library", "python", "reference"}
+        What makes the run: the engine compiled as a library, the same engine run as Python, which
+        is many times slower, or the reference. By default the library if there is one, and else
+        Python; what the engine does not do the reference does. The results are the same but for
+        rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -235,9 +236,8 @@ def simulate(
             hint='solver = "moreau-jean"',
         )
     why = chosen = ""
-    engine = engine or ("auto" if kernel is None else "reference")
-    if engine == "auto":
-        engine = ENGINE
+    engine = engine or (ENGINE if kernel is None else "reference")
+    maker = None if engine == "reference" else choose_engine(engine)
     settings = Settings(
         until=end,
         solver=name,
@@ -253,37 +253,38 @@ def simulate(
         max_writes=writes,
     )
     if name == AUTO:
-        name, reason = _fitting(graph, settings, engine)
+        name, reason = _fitting(graph, settings, maker)
         chosen = f"{name} chosen: {reason}"
     # a step written in the experiment for a fixed-step solver may stand there unused
     own_step = given_step if name in FIXED or step is not None else None
-    if engine != "reference":
+    if maker is not None:
         if name in METHODS:
             check_step(name, own_step)
         settings = replace(settings, solver=name, step=own_step)
         runners = runners_of(graph, fmus=fmus)
         try:
-            run = _by_library(
+            run = _by_engine(
                 graph,
+                maker,
                 settings,
                 progress=progress,
                 keep=keep,
                 journal=journal,
                 runners=runners,
             )
-            if isinstance(run, LibraryRun):
-                run.trace.kernel = "the library"
+            if isinstance(run, EngineRun):
+                run.trace.kernel = maker.said
                 return _finish(graph, run.trace, run.run, end, name, on_error, chosen)
             why = run
         finally:
             for runner in runners.values():
                 runner.close()
-        if engine == "library":
+        if engine is not None:
             raise UsageError(
-                f"the library cannot make this run: {why}",
+                f"the engine cannot make this run: {why}",
                 code="HB-S119",
                 where="engine",
-                hint="leave engine out: the reference takes what the library cannot",
+                hint="leave engine out: the reference takes what the engine cannot",
             )
     from hybond.kernel.marcher import Marcher, marcher
     from hybond.modes.error_scale import ErrorScale
@@ -340,14 +341,12 @@ def simulate(
             executive.journal.close()
 
 
-def _fitting(graph: FlatGraph, settings: Settings, engine: str) -> tuple[str, str]:
-    """Return the solver that fits, and why."""
-    if engine != "reference":
+def _fitting(graph: FlatGraph, settings: Settings, engine: EngineChoice | None) -> tuple[str, str]:
+    """Return the solver that fits, and why; without an engine the reference is asked."""
+    if engine is not None:
         try:
-            fit = fitting(replace(settings, solver="exact").tables(graph))
+            fit = fitting(engine.prepare(replace(settings, solver="exact").tables(graph)))
             return fit.solver, fit.reason
-        except Unavailable:
-            pass
         except HybondError as error:
             if not error.code.startswith("HB-E6"):
                 raise
@@ -360,30 +359,29 @@ def _fitting(graph: FlatGraph, settings: Settings, engine: str) -> tuple[str, st
     return found.solver, found.reason
 
 
-def _by_library(
+def _by_engine(
     graph: FlatGraph,
+    engine: EngineChoice,
     settings: Settings,
     *,
     progress: Callable[[float, int], None] | None,
     keep: int | None,
     journal: str | Path | None,
     runners: Mapping[str, Runner],
-) -> LibraryRun | str:
-    """Return a run by the library that has not begun, or why there is none."""
+) -> EngineRun | str:
+    """Return a run by an engine that has not begun, or why there is none."""
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
     try:
-        library()
         tables = settings.tables(graph)
-    except Unavailable as error:
-        return str(error)
     except HybondError as error:
         if not error.code.startswith("HB-E6"):
             raise
         return error.why
     # last of all: it replaces the file that is there
     opened = None if journal is None else _opened(journal, graph)
-    return LibraryRun(tables, progress=progress, keep=keep, journal=opened, runners=runners)
+    model = engine.prepare(tables)
+    return EngineRun(model, progress=progress, keep=keep, journal=opened, runners=runners)
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

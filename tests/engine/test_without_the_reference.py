@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import hybond as hb
-from hybond.engine.outcome.library_run import Settings
+from hybond.engine.outcome.engine_run import Settings
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ALONE = """

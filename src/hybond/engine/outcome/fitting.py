@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import NativeModel
-from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.look import Look
 from hybond.engine.compiled.points import Points
+from hybond.engine.outcome.engines import Prepared, choose_engine
 from hybond.engine.tables import ModelTables, tables_of
 from hybond.equations.calculus import rate_name
 from hybond.errors import HybondError
@@ -68,11 +68,11 @@ def fitted(graph: FlatGraph, options: Mapping[str, Any]) -> dict[str, Any]:
     found = dict(options)
     if (found.get("solver") or graph.experiment.get("solver")) == AUTO:
         tables = tables_of(graph, calling=True, **{**found, "solver": "exact"})
-        found["solver"] = fitting(tables).solver
+        found["solver"] = fitting(choose_engine().prepare(tables)).solver
     return found
 
 
-def fitting(tables: ModelTables) -> Fit:
+def fitting(model: Prepared) -> Fit:
     """Return a solver that fits a run; its tables are made for solver ``"exact"``.
 
     Linear modes are propagated exactly. Where others are stiff, ``radau`` takes all; else ``rk45``
@@ -84,16 +84,18 @@ def fitting(tables: ModelTables) -> Fit:
     >>> m = hb.Model("rc", domain="electrical")
     >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
     >>> m.bond("node -> c", "node -> r")
-    >>> fitting(tables_of(m.flatten(), until="1 s", solver="exact"))
+    >>> tables = tables_of(m.flatten(), until="1 s", solver="exact")
+    >>> fitting(choose_engine().prepare(tables))
     Fit(solver='exact', reason='the mode looked at is linear')
     """
+    tables = model.tables
     graph = tables.graph
     until = tables.numbers["until"]
     if len(graph.storages) > LARGEST:
         return Fit(
             "rk45", f"{len(graph.storages)} stored quantities are too many for full matrices"
         )
-    look = NativeLook(NativeModel(tables))
+    look = model.look()
     y = np.array(tables.floats["storage_start"] + tables.floats["integral_start"])
     linear = 0
     reasons: set[str] = set()
@@ -151,7 +153,7 @@ def _modes(graph: FlatGraph) -> Iterator[Mode]:
             yield tuple(other)
 
 
-def _speed(tables: ModelTables, look: NativeLook, mode: Mode, y: Vector) -> _Speed:
+def _speed(tables: ModelTables, look: Look, mode: Mode, y: Vector) -> _Speed:
     """Return how fast the mode that is looked into decays and oscillates near a state."""
     n = len(y)
     size = np.maximum(np.abs(y), 1e-6 * max(float(np.abs(y).max(initial=0.0)), 1e-3))
@@ -166,7 +168,7 @@ def _speed(tables: ModelTables, look: NativeLook, mode: Mode, y: Vector) -> _Spe
     return _Speed(mode, float((-values.real).max()), float(np.abs(values.imag).max()))
 
 
-def _rates(tables: ModelTables, look: NativeLook, rows: Vector) -> Vector:
+def _rates(tables: ModelTables, look: Look, rows: Vector) -> Vector:
     """Return the rates of states at t = 0, each a row of `rows`."""
     graph, index, size = tables.graph, tables.slots.index, tables.slots.size
     wanted = [rate_name(s) for s in graph.storages] + [i.rate for i in graph.integrals]
