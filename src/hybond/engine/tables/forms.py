@@ -30,7 +30,7 @@ from hybond.model.expressions.tree import walk
 from hybond.model.inputs import Called, Constant, Timetable
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 STORAGE = "nonlinear storage"
 LAWS = "laws that are not linear"
