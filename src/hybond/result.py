@@ -23,7 +23,6 @@ from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from hybond.modes.audit import Audit
     from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]

@@ -132,6 +132,23 @@ class Signals:
         """Return the energy that is stored in states, rows of `y`, J."""
         return self._look.stored(y[:, : self._states])
 
+    def own_stiffness(self) -> list[Expr]:
+        """Return the derivative of each co-energy variable by what its storage itself stores."""
+        ints = self._model.tables.ints
+        first, other, law = (ints[name] for name in ("stiff_first", "stiff_other", "stiff_value"))
+        rows = (range(first[k], first[k + 1]) for k in range(len(self.graph.storages)))
+        return [
+            self._expression(law[i], "stiff_constant", i)
+            for k, row in enumerate(rows)
+            for i in row
+            if other[i] == k
+        ]
+
+    def _expression(self, law: int, constant: str, k: int) -> Expr:
+        """Return an entry of the tables: an expression by its number, or a constant."""
+        tables = self._model.tables
+        return tables.values.all[law] if law >= 0 else Number(tables.floats[constant][k])
+
     def sources(self, segment: Segment) -> tuple[list[Expr], list[bool]] | None:
         """Return the sources of a linear mode, and which of their rates are asked for.
 
@@ -143,12 +160,8 @@ class Signals:
         if found is None:
             return None
         numbers, rated = found
-        tables = self._model.tables
-        law, constant = tables.ints["source_value"], tables.floats["source_constant"]
-        values = [
-            tables.values.all[law[k]] if law[k] >= 0 else Number(constant[k])
-            for k in numbers.tolist()
-        ]
+        law = self._model.tables.ints["source_value"]
+        values = [self._expression(law[k], "source_constant", k) for k in numbers.tolist()]
         return values, [bool(k) for k in rated.tolist()]
 
     def by_knowns(self, segment: Segment, known: Vector) -> Vector:
