@@ -74,8 +74,8 @@ class Motion:
         self.graph = run.graph
         self.segment = segment
         self.t = t
-        assert isinstance(run.trace.signals, Signals)
-        self.signals = run.trace.signals
+        assert isinstance(run.signals, Signals)
+        self.signals = run.signals
         bonds = range(len(self.graph.bonds))
         self._bonds: list[Expr] = [Name(f"{kind}:{b}") for kind in "ef" for b in bonds]
         linear = all(self._matrix(s.node) is not None for s in self.graph.storages)

@@ -287,9 +287,8 @@ def _added_up(run: Result) -> dict[tuple[str, str], float]:
         if segment.bonds is not None:
             total += h @ np.abs(segment.bonds[1:])
             continue
-        assert run.trace.signals is not None
         wanted = [Name(f"{letter}:{k}") for letter in "ef" for k in range(len(bonds))]
-        w = np.abs(np.array(run.trace.signals.of(segment, wanted, segment.t)))
+        w = np.abs(np.array(run.signals.of(segment, wanted, segment.t)))
         total += 0.5 * (w[:, 1:] + w[:, :-1]) @ h
     found: dict[tuple[str, str], float] = {}
     for k, bond in enumerate(bonds):

@@ -86,7 +86,7 @@ def simulated_phase(
     until = 4.0 / fast if fast else 1e-9
     for _ in range(LONGEST):
         run = simulate(held, until, solver=chosen, rtol=rtol, on_error="return")
-        signals = run.trace.signals
+        signals = run.signals
         assert isinstance(signals, Signals)
 
         def value_at(t: float, y: Vector, mode: Mode, *, signals: Signals = signals) -> float:
