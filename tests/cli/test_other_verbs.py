@@ -19,6 +19,16 @@ node = { junction = 0 }
 bonds = ["V -> node", "W -> node", "node -> r"]
 """
 
+SOURCES = """\
+hybond = 1
+[elements]
+one = { Sf = 1 }
+two = { Sf = -2 }
+d = { junction = 1, law = "diode" }
+[graph]
+bonds = ["one -> d", "two -> d"]
+"""
+
 PUCK = """\
 hybond = 1
 domain = "translational"
@@ -59,6 +69,15 @@ def test_check_counts_what_was_written(shell: Any) -> None:
     assert "  3 junctions, 3 of them controlled; 4 bonds\n" in done.out
     assert "  3 stored quantities and 1 integral\n" in done.out
     assert "machine x: *sticks, slips" in done.out and "machine z: *sticks" in done.out
+
+
+def test_check_enters_the_start_where_junctions_have_laws(shell: Any) -> None:
+    """One ampere into a diode and two out of it: no branch of its law has that."""
+    shell.file("two.toml", SOURCES)
+    run = shell("check", "two.toml")
+    assert run.code == 2
+    assert "HB-C101" in run.err and "differ by 1" in run.err
+    assert "fine" not in run.out
 
 
 def test_check_explains_a_conflict(shell: Any) -> None:
