@@ -23,7 +23,7 @@ SOURCES = """\
 hybond = 1
 [elements]
 one = { Sf = 1 }
-two = { Sf = -2 }
+two = { Sf = 2 }
 d = { junction = 1, law = "diode" }
 [graph]
 bonds = ["one -> d", "two -> d"]
@@ -76,7 +76,7 @@ def test_check_enters_the_start_where_junctions_have_laws(shell: Any) -> None:
     shell.file("two.toml", SOURCES)
     run = shell("check", "two.toml")
     assert run.code == 2
-    assert "HB-C101" in run.err and "differ by 1" in run.err
+    assert "HB-C101" in run.err and "differ by -1" in run.err
     assert "fine" not in run.out
 
 

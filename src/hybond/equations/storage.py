@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hybond.equations.kinks import bends
 from hybond.equations.slots import Slots
 from hybond.equations.sparse import Sparse
-from hybond.equations.tableau import stiffness, stored_names
+from hybond.equations.stored_laws import stiffness, stored_names
 from hybond.errors import ModelError
 from hybond.model.expressions import (
     Binary,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from hybond.equations.element_parts import configure, settings
 from hybond.equations.slots import Slots
-from hybond.equations.tableau import stored_names
+from hybond.equations.stored_laws import stored_names
 from hybond.model.expressions import (
     And,
     Binary,

@@ -6,7 +6,7 @@ from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
-from hybond.equations.tableau import stiffness, stored_names
+from hybond.equations.stored_laws import stiffness, stored_names
 from hybond.model.expressions import (
     Number,
     substitute,
