@@ -1,4 +1,4 @@
-"""The portable runtime in Python against the reference: events, kinds of modes, final state."""
+"""The engine as Python against the library: events, kinds of modes, final state."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from kernel.switched_models import converter, striking
+from engine.switched_models import converter, striking
 
 import hybond as hb
 from hybond.engine.engine import make_engine
@@ -32,7 +32,7 @@ def portable(graph, *, events=True, until=None):
 
 
 def transitions(run):
-    """Return the transitions of a reference run as the program prints them."""
+    """Return the transitions of a run as the program prints them."""
     found = []
     for event in run.events:
         for step in event.steps:
@@ -42,10 +42,10 @@ def transitions(run):
 
 
 def compared(name, until=None):
-    """Hold one example against the reference; return the exit code and the reference's run."""
+    """Hold one example against the library; return the exit code and the library's run."""
     graph = hb.load(f"examples/{name}.toml").flatten()
     code, lines = portable(graph, until=until)
-    run = hb.simulate(graph, until=until, kernel=False, on_error="return")
+    run = hb.simulate(graph, until=until, on_error="return")
     told, state = [], {}
     for line in lines:
         words = line.split()
@@ -60,9 +60,9 @@ def compared(name, until=None):
     for (t, *_), (s, *_) in zip(told, wanted, strict=True):
         assert math.isclose(t, s, rel_tol=TOLERANCE, abs_tol=TOLERANCE)
     for path, value in state.items():
-        reference = run[path]
-        size = max(abs(float(reference.at(t))) for t in np.linspace(0.0, run.t_end, 21))
-        assert abs(value - float(reference.at(run.t_end))) <= TOLERANCE * max(size, 1e-3), path
+        meant = run[path]
+        size = max(abs(float(meant.at(t))) for t in np.linspace(0.0, run.t_end, 21))
+        assert abs(value - float(meant.at(run.t_end))) <= TOLERANCE * max(size, 1e-3), path
     return code, run
 
 
@@ -87,7 +87,7 @@ def compared(name, until=None):
         "two_body_collision",
     ],
 )
-def test_events_and_final_state_are_those_of_the_reference(name):
+def test_events_and_final_state_are_those_of_the_library(name):
     code, run = compared(name)
     assert code == 0
     assert run.status == "ok"
@@ -105,7 +105,7 @@ def test_events_and_final_state_are_those_of_the_reference(name):
         ("weirs", "2.5"),
     ],
 )
-def test_motion_slides_along_the_surfaces_of_the_reference(name, until):
+def test_motion_slides_along_the_surfaces_of_the_library(name, until):
     code, run = compared(name, until)
     assert code == 0
     # the other two cross their surfaces again and again
@@ -117,7 +117,7 @@ def test_motion_slides_along_the_surfaces_of_the_reference(name, until):
 @pytest.mark.parametrize(
     "name", ["falling_rod_threshold", "diode_inductor_no_mode", "bouncing_ball_no_mode"]
 )
-def test_a_cycle_of_modes_ends_the_run_where_the_reference_ends_it(name):
+def test_a_cycle_of_modes_ends_the_run_where_the_library_ends_it(name):
     code, run = compared(name)
     assert code == 3
     assert run.error.code == "HB-N401"
@@ -143,7 +143,7 @@ def test_the_table_has_both_limits_of_an_event():
 def test_random_switched_models_run_alike(kind, seed):
     graph = kind(seed).flatten()
     code, lines = portable(graph, until=1.0)
-    run = hb.simulate(graph, until=1.0, kernel=False, on_error="return")
+    run = hb.simulate(graph, until=1.0, on_error="return")
     told = [
         line.split() for line in lines if line.split()[0] not in ("state", "final", "#", "impulse")
     ]
