@@ -10,8 +10,7 @@ from portable_runs import portable
 from scipy.integrate import solve_ivp
 
 import hybond as hb
-from hybond.equations.surfaces import surfaces_of
-from hybond.modes.sliding.filippov import future, futures
+from hybond.engine.tables import tables_of
 
 
 def signum(machine: str) -> str:
@@ -666,26 +665,6 @@ def test_a_switching_signal_is_shown_as_its_average() -> None:
 # -- the decision
 
 
-def test_the_way_on_is_that_of_brute_force() -> None:
-    """Random relays that win on their own surfaces: one way on, and pivoting finds it."""
-    generator = np.random.default_rng(11)
-    for _ in range(200):
-        k = int(generator.integers(1, 6))
-        b = generator.uniform(-1.0, 1.0, (k, k)) / k
-        b -= np.diag(np.abs(b).sum(axis=1) + generator.uniform(0.1, 1.0, k))
-        a = generator.uniform(-0.5, 1.5, k)
-        (only,) = futures(a, b)
-        found = future(a, b)
-        assert found is not None
-        assert found.sides == only.sides
-        # the inclusion itself
-        speed = a + b @ only.weights
-        inside = (only.weights > 0) & (only.weights < 1)
-        assert np.abs(speed[inside]).max(initial=0.0) < 1e-12
-        assert (speed[only.weights >= 1] >= -1e-12).all()
-        assert (speed[only.weights <= 0] <= 1e-12).all()
-
-
 @pytest.mark.parametrize(
     ("up", "down", "slides"),
     [
@@ -708,7 +687,7 @@ def test_what_is_a_switching_surface(up: str, down: str, slides: bool) -> None:
         start="below",
         rules=[f"below -> above when {up}", f"above -> below when {down}"],
     )
-    assert bool(surfaces_of(m.flatten())) is slides
+    assert bool(tables_of(m.flatten(), until=1.0).numbers["surfaces"]) is slides
 
 
 def test_a_blow_ends_sticking_and_the_joined_bodies_stick_again() -> None:
