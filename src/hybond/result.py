@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
+from hybond.model.interval import Interval
 from hybond.model.unit_words import unit_of
 from hybond.modes.audit import Audit, audit, energies_of
 from hybond.modes.jump import constrained, on_constraints
@@ -20,7 +21,6 @@ from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import values_of_steps
 from hybond.names import did_you_mean
 from hybond.programs.combined import Combined
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.report import EventTable
 from hybond.trace import Accumulation, Segment, Sliding, Trace
@@ -402,7 +402,7 @@ class Result:
         return events[-1].cause != "step"
 
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
-        from hybond.programs.interval import interval_after
+        from hybond.model.interval import interval_after
 
         event = self.trace.events[-1]
         mode = event.steps[-1].mode

@@ -11,28 +11,37 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.blocks.runners import runners_of
+from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.compiled.native import Unavailable, library
+from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.library_run import LibraryRun, Settings
+from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
 from hybond.kernel.marcher import ONLY, Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.model.interval import interval_after
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive
 from hybond.modes.fitting import fitting
-from hybond.modes.journal import Journal
 from hybond.modes.motion import Limits
-from hybond.modes.sampling import Runner
-from hybond.modes.sliding.bands import Choice, banded
-from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.result import Result, Status
-from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
+from hybond.run_options import (
+    AUTO,
+    FIXED,
+    STEPPING,
+    Choice,
+    check_step,
+    end_of,
+    impact_of,
+    seconds_of,
+    sliding_of,
+    tolerances_of,
+)
 from hybond.solvers import make_solver
-from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 from hybond.trace import Trace
 
 if TYPE_CHECKING:

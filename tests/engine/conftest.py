@@ -2,8 +2,8 @@
 
 import pytest
 
+from hybond.engine.compiled.compiler import compiler
 from hybond.engine.compiled.native import Unavailable, library
-from hybond.kernel.build import compiler
 
 
 @pytest.fixture(scope="session", autouse=True)

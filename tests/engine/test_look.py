@@ -24,10 +24,10 @@ from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Steps, Within
 from hybond.engine.engine import make_engine
 from hybond.engine.looking import energies, look
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.engine.tables import answered
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
-from hybond.solvers.dense import Polynomial
 from hybond.trace import Segment
 
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.model.interval import Interval
 from hybond.modes.sliding.view import equations_of
 from hybond.modes.stepping.values import created_by_steps
 from hybond.programs.combined import Combined
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Segment, Trace
 

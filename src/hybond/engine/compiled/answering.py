@@ -10,10 +10,9 @@ import ctypes
 from collections.abc import Generator, Mapping
 from typing import Any
 
-from hybond.blocks.runners import runners_of
+from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.calls import blocks_of
-from hybond.modes.sampling import Runner
 
 VALUE, RATE = 0, 1
 """What is asked; anything else is a block."""

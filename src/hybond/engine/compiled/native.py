@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
 from hybond.engine.compiled.build import NAME
 from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
-from hybond.modes.sampling import Runner
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1

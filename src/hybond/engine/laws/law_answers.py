@@ -1,7 +1,7 @@
 """One question to the laws of an instant, and the branches that answer it.
 
 Limits of friction depend on what the laws give, and hold more at rest than in motion: what breaks
-loose is asked again. As modes.laws.complementarity.
+loose is asked again.
 """
 
 from __future__ import annotations
@@ -28,8 +28,7 @@ LAW_DUST: Final = 1e-9
 def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
     """Find the limit of friction as an affine function of what the laws give.
 
-    `r.later` are the values, bond variables being those of the response. As
-    modes.laws.friction.Linearised.
+    `r.later` are the values, bond variables being those of the response.
     """
     m = e.model
     n = m.ports

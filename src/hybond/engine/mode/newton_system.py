@@ -2,7 +2,7 @@
 
 The residuals are the laws, the power structure projected on its range, and the hidden constraints:
 the time derivative of what the power structure puts on co-energy variables, found by its left null
-vectors. After equations/mode.py.
+vectors.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import least_squares, svd_of_transpose
-from hybond.engine.engine import Engine, Mode, svd_room
+from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.model import value
 from hybond.engine.words import Floats

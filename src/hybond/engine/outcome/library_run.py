@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
+from hybond.blocks.runners import Runner
 from hybond.engine.compiled.native import (
     ACCUMULATES,
     REFUSED,
@@ -19,14 +20,13 @@ from hybond.engine.compiled.native import (
 )
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.faults import Fault, error_of
+from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.tables import ModelTables, tables_of
 from hybond.engine.tables.options import IMPACTS, METHODS, Options
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
-from hybond.modes.journal import Journal
-from hybond.modes.sampling import Runner
 from hybond.trace import Accumulation, Trace
 
 LOOKED = 0.05

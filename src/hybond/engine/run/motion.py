@@ -1,7 +1,6 @@
 """The executive: time passes in a mode until something happens, then the mode is settled.
 
-Nothing else changes the state: a jump is made by settling alone. After modes/executive.py
-and modes/motion.py.
+Nothing else changes the state: a jump is made by settling alone.
 """
 
 from __future__ import annotations
@@ -9,15 +8,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.contacts.landing import (
-    before_event,
-    keep_still,
-    land_contacts,
-    observe_event,
-    stuck,
-)
+from hybond.engine.contacts.impacts_seen import before_event, observe_event
+from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after, is_due, is_timed
+from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.instant import (
     GUARD,
     INPUT,
@@ -28,7 +23,7 @@ from hybond.engine.instant.instant import (
     begin_instant,
     make_instant,
 )
-from hybond.engine.instant.jump import is_constrained, on_constraints
+from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import Settling, make_settling, settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.scale import start_scale

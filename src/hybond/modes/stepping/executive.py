@@ -25,17 +25,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import Runner
 from hybond.errors import HybondError, NumericsError
 from hybond.model.expressions import Number
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval, interval_after
 from hybond.modes.laws.limits import FrictionLimits
 from hybond.modes.motion import Limits, Progress
-from hybond.modes.sampling import Runner, Sampling
+from hybond.modes.sampling import Sampling
 from hybond.modes.settle import Settler, cause_at, event_of
 from hybond.modes.stepping.error import BAD, StepError, compare
 from hybond.modes.stepping.moreau import Advance, Point, ThetaScheme
 from hybond.modes.stepping.record import event_of_step
-from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.trace import Cause, Event, Segment, Trace
 from hybond.units import format_quantity

@@ -18,9 +18,9 @@ from hybond.equations.calculus import bent, gradient, reads_bonds
 from hybond.equations.element_parts import Dynamic
 from hybond.equations.ports import PortEquations
 from hybond.model.expressions import Expr, Number, names
+from hybond.model.interval import Interval
 from hybond.modes.stepping.coupling import Coupling, couple
 from hybond.modes.stepping.laws import Laws, Together, closed_half_way
-from hybond.programs.interval import Interval
 
 if TYPE_CHECKING:
     from hybond.modes.stepping.moreau import Point, ThetaScheme

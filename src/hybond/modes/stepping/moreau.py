@@ -37,13 +37,13 @@ from hybond.equations.ports import PortEquations, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval, discrete_names, discrete_values
 from hybond.modes.jump import enter
 from hybond.modes.laws.friction import Linearised
 from hybond.modes.laws.problem import CUT, ONE_SIDED, Answer, Friction
 from hybond.modes.stepping.coupling import Coupling
 from hybond.modes.stepping.laws import Laws, Together, read_laws
 from hybond.modes.stepping.linear_step import KEPT, LinearSteps
-from hybond.programs.interval import Interval, discrete_names, discrete_values
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]

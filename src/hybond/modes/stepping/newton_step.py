@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from hybond.equations.ports import PortEquations
 from hybond.errors import NumericsError
+from hybond.model.interval import Interval
 from hybond.modes.jump import reach_of
 from hybond.modes.laws.problem import Answer
 from hybond.modes.stepping.coupling import couple
 from hybond.modes.stepping.laws import Laws, Together, closed_half_way
-from hybond.programs.interval import Interval
 
 if TYPE_CHECKING:
     from hybond.modes.stepping.moreau import Point, ThetaScheme

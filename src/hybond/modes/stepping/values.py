@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.storage import StorageLaws
-from hybond.programs.interval import Interval
+from hybond.model.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Segment
 
