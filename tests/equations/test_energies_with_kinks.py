@@ -56,6 +56,19 @@ def test_energy_of_a_table() -> None:
     assert stored(m, 1.001) == pytest.approx(0.5 * 0.001 * 0.5, rel=1e-9)
 
 
+def test_the_energy_of_an_impact_knows_the_kink() -> None:
+    """A mass of 1 m/s catches another, while a spring with play is stretched just beyond it."""
+    m = hb.Model("caught", domain="translational")
+    m.add(spring=hb.C({"e": LAWS["play"][0]}, q=0.301), v=hb.One(), w=hb.One(), joint=hb.Zero())
+    m.add(one=hb.I("1 kg", f=1.0), other=hb.I("1 kg"))
+    m.bond("v -> spring", "v -> one", "v -> joint -> w", "w -> other")
+    rules = ["apart -> joined when time >= 0"]
+    m.machine("M", states={"apart": [], "joined": ["joint"]}, start="apart", rules=rules)
+    (event,) = hb.simulate(m, until=1e-3).events
+    energy = event.steps[-1].energy
+    assert (energy.before, energy.lost) == pytest.approx((0.5 + play(0.301), 0.25), rel=1e-12)
+
+
 def test_the_audit_of_a_spring_with_play_holds() -> None:
     """With the energy wrong, nothing that the steps do would make it."""
     m = hb.Model("play", domain="translational")
