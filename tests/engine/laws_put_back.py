@@ -13,6 +13,22 @@ from hybond.model.graph import FlatGraph, Node, Storage
 Values = Sequence[float]
 
 
+def names_of(graph: FlatGraph) -> dict[str, int]:
+    """Return a place for each canonical name."""
+    bonds = range(len(graph.bonds))
+    names = [
+        "time",
+        *(f"{kind}:{i.index}" for kind in ("u", "du") for i in graph.inputs),
+        *(f"s:{i.index}" for i in graph.integrals),
+        *(f"x:{s.index}" for s in graph.storages),
+        *(f"{kind}:{b}" for kind in "ef" for b in bonds),
+        *(f"on:{n.index}" for n in graph.nodes if n.controlled),
+        *(f"in:{m.index}:{k}" for m in graph.machines for k in range(len(m.states))),
+        *(f"at:{w.index}" for w in graph.watches),
+    ]
+    return {name: k for k, name in enumerate(names)}
+
+
 class Laws:
     """Junctions, elements, storage and integrals of a graph.
 
@@ -86,10 +102,8 @@ class Laws:
             active = not node.controlled or node.index in on
             if node.is_junction:
                 pairs = self._junction(v, node, active)
-            elif active:
-                pairs = self._element(v, node)
             else:
-                continue
+                pairs = self._element(v, node, active)
             for k, terms in enumerate(pairs):
                 found[f"{node.path} {k}"] = [sum(terms), max(abs(a) for a in terms)]
         return found
@@ -102,8 +116,9 @@ class Laws:
         net = [end.sign * read[1](v, end.bond) for end in node.ends]
         return [*([a, -common[0]] for a in common[1:]), net]
 
-    def _element(self, v: Values, node: Node) -> list[list[float]]:
-        laws = [law(v) for law in self.laws[node.index]]
+    def _element(self, v: Values, node: Node, active: bool) -> list[list[float]]:
+        # a source that is OFF gives nothing, a two-port has the modulus 0
+        laws = [law(v) if active else 0.0 for law in self.laws[node.index]]
         if node.kind in ("TF", "GY"):
             (e1, f1), (e2, f2) = self.into(v, node, 0), self.into(v, node, 1)
             m = laws[0]
