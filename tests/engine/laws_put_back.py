@@ -13,6 +13,12 @@ from hybond.model.graph import FlatGraph, Node, Storage
 Values = Sequence[float]
 
 
+def laws_of(graph: FlatGraph) -> Laws:
+    """Return the laws of a graph, on values in the order of `names_of`."""
+    index = names_of(graph)
+    return Laws(graph, index, len(index))
+
+
 def names_of(graph: FlatGraph) -> dict[str, int]:
     """Return a place for each canonical name."""
     bonds = range(len(graph.bonds))

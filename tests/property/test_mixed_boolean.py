@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 import pytest
 from dense_oracle import Net, random_net
-from engine.laws_put_back import Laws, names_of
+from engine.laws_put_back import Laws, laws_of
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import null_space
@@ -92,11 +92,6 @@ class Point:
     w: np.ndarray
     rates: np.ndarray
     moved: np.ndarray
-
-
-def laws_of(graph) -> Laws:
-    index = names_of(graph)
-    return Laws(graph, index, len(index))
 
 
 def values_in(graph, laws: Laws, mode) -> list[float]:
