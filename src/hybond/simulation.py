@@ -32,7 +32,7 @@ from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
 from hybond.solvers import make_solver
-from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
+from hybond.solvers.choose import ALIASES, AUTO, FIXED, STEPPING, check_step
 from hybond.trace import Trace
 
 if TYPE_CHECKING:
@@ -174,6 +174,7 @@ def simulate(
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     fixed = name in FIXED
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(

@@ -16,11 +16,14 @@ from hybond.modes.sliding.bands import banded
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
-from hybond.solvers.choose import AUTO, FIXED, check_step
+from hybond.solvers.choose import ALIASES, AUTO, FIXED, check_step
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4}
+METHODS = {
+    **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
+    **{"qss1": 5, "qss2": 6, "qss3": 7, "liqss1": 8, "liqss2": 9, "liqss3": 10},
+}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -53,6 +56,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     if name == AUTO:
         looking = Program(plain)
         name = fitting(looking, end, start_of(looking)).solver
