@@ -22,8 +22,6 @@ FITTED: Final = 0.1
 SAFE: Final = 0.9
 SHORTER: Final = 0.1
 LONGER: Final = 4.0
-ASIDE: Final = 1e-7
-"""Part of the size of a state by which it is moved to see what that does to its rate."""
 AHEAD: Final = 1e-6
 """Part of a time for which all states are moved along their rates."""
 ATTEMPTS: Final = 4
@@ -128,11 +126,11 @@ def ask_ahead(e: Engine, a: Quantised, span: float) -> int:
 
 
 def ask_aside(e: Engine, a: Quantised) -> None:
-    """Estimate what each state does to its own rate."""
+    """Estimate what each state does to its own rate, by a quantum of it."""
     s = e.step
     copy_floats(a.states, s.y, a.y)
     for i in range(a.states):
-        a.y[i] = s.y[i] + ASIDE * a.quantum[i] / e.model.rtol
+        a.y[i] = s.y[i] + a.quantum[i]
         moved = a.y[i] - s.y[i]
         a.diagonal[i] = 0.0
         if moved != 0.0 and field(e, e.mode, s.t, a.y, a.rate) == OK:

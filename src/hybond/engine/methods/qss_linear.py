@@ -21,7 +21,7 @@ from hybond.engine.words import Floats, float_table
 
 REFRESH: Final = 64
 """Events, at least, after which rounding of what was added to rates is wiped out."""
-DRIVEN: Final = 0.1
+DRIVEN: Final = 0.5
 """Part of its quantum that the polynomials of generators may move a state by."""
 OFF: Final = float_table(1.0, 0.5, 0.25, 0.125)
 """How far a power is from its polynomial through 0 to 3 nodes, at the most."""
