@@ -32,7 +32,7 @@ from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
 from hybond.solvers import make_solver
-from hybond.solvers.choose import ALIASES, AUTO, FIXED, STEPPING, check_step
+from hybond.solvers.choose import ALIASES, AUTO, FIXED, QUANTISED, STEPPING, check_step
 from hybond.trace import Trace
 
 if TYPE_CHECKING:
@@ -290,6 +290,13 @@ def simulate(
                 where="engine",
                 hint="leave engine out: the reference takes what the library cannot",
             )
+    if name in QUANTISED:
+        raise UsageError(
+            f"only the library has solver {name!r}: {why or 'the reference was asked for'}",
+            code="HB-S119",
+            where="solver",
+            hint='another solver, such as "rk45"',
+        )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,

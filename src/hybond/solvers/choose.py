@@ -34,6 +34,9 @@ STEPPING: dict[str, str] = {
 }
 """Methods that replace the executive as well, each with a line that says what it is."""
 
+QUANTISED = ("qss1", "qss2", "qss3", "liqss1", "liqss2", "liqss3")
+"""Those that quantise states: the library alone has them."""
+
 ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
 """Families of solvers by the member to begin with."""
 
@@ -51,11 +54,10 @@ def make_solver(
     Parameters
     ----------
     name : str
-        One of `SOLVERS` or `ALIASES`.
+        One of `SOLVERS`, but for `QUANTISED`.
     scale : callable
         ``scale(y0, y1)``: the error a step may make, per component, shape (n,); ``inf`` for a
-        component that must not influence the step size. Unused by fixed steps; the quantum of
-        quantised states.
+        component that must not influence the step size. Unused by fixed steps.
     rtol : float
         Relative tolerance behind `scale`.
     step : float or None
@@ -82,8 +84,7 @@ def make_solver(
     HB-S101: no solver 'radua'
       try: did you mean 'radau'?
     """
-    name = ALIASES.get(name, name)
-    if name not in SOLVERS:
+    if name not in SOLVERS or name in QUANTISED:
         known = (AUTO, *SOLVERS, *STEPPING)
         raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
     check_step(name, step)
@@ -110,10 +111,6 @@ def make_solver(
         from hybond.solvers.exact import Exact
 
         return Exact(scale, rtol=rtol, max_step=max_step)
-    if "qss" in name:
-        from hybond.solvers.qss import METHODS
-
-        return METHODS[name](scale, rtol=rtol, max_step=max_step)
     from hybond.solvers.dopri import DormandPrince
 
     return DormandPrince(scale, max_step=max_step)

@@ -28,12 +28,13 @@ from hybond.programs.generators import (
     of_name,
     terms_of,
 )
+from hybond.solvers.choose import QUANTISED
 
 if TYPE_CHECKING:
     from hybond.engine.tables.make import ModelTables
 
 STORAGE = "nonlinear storage"
-LINEAR = [n for name, n in METHODS.items() if name == "exact" or "qss" in name]
+LINEAR = [METHODS[name] for name in ("exact", *QUANTISED)]
 """Methods that read forms."""
 LAWS = "laws that are not linear"
 _STORED = ("x:", "s:", "e:", "f:")
