@@ -41,7 +41,7 @@ def quantise_all(e: Engine, a: Quantised) -> None:
         # nobody listens yet
         take_generators(e, a, e.exact.flow)
     elif a.order > 2:
-        known = ask_ahead(e, a, a.bound - s.t) == OK
+        known = ask_ahead(e, a) == OK
         for i in range(a.states):
             a.x[X * i + 2] = 0.5 * a.rate[i] if known else 0.0
     for k in range(a.order):

@@ -14,7 +14,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import not_finite, spacing
 from hybond.engine.methods.failed_steps import no_rate
 from hybond.engine.methods.qss_nodes import node_at, through_nodes
-from hybond.engine.methods.qss_room import Quantised, X, see_quantised
+from hybond.engine.methods.qss_room import Quantised, X, see_quantised, time_ahead
 from hybond.engine.mode.values import field
 
 FITTED: Final = 0.1
@@ -108,11 +108,11 @@ def confirm_fit(e: Engine, a: Quantised, h: float) -> int:
     return OK
 
 
-def ask_ahead(e: Engine, a: Quantised, span: float) -> int:
+def ask_ahead(e: Engine, a: Quantised) -> int:
     """Put the second derivative of all states into `rate`, their rates being those of the step."""
     s = e.step
     n = a.states
-    h = AHEAD * span
+    h = AHEAD * time_ahead(a, s.t)
     for _ in range(ATTEMPTS):
         for i in range(n):
             a.y[i] = s.y[i] + h * s.f[i]

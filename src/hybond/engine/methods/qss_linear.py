@@ -14,7 +14,7 @@ from hybond.engine.algebra.blocks import fit_places, fit_rows, row_times
 from hybond.engine.engine import Engine
 from hybond.engine.methods.flow_records import Flow
 from hybond.engine.methods.qss_nodes import node_at, through_nodes
-from hybond.engine.methods.qss_room import Q, Quantised, X, take_size
+from hybond.engine.methods.qss_room import Q, Quantised, X, take_size, time_ahead
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import value
 from hybond.engine.words import Floats, float_table
@@ -130,10 +130,7 @@ def read_generators(e: Engine, f: Flow, t: float, out: Floats, at: int, width: i
 
 def time_of_generators(a: Quantised, total: Floats) -> float:
     """Return for how long polynomials of generators will do, their values being in `term`."""
-    h = a.bound - a.t if a.bound > a.t else a.reach
-    h = min(h, GROW * a.reach)
-    if not h < math.inf:
-        h = 1.0
+    h = min(time_ahead(a, a.t), GROW * a.reach)
     for _ in range(HALVINGS):
         share = off_by_generators(a, h, total)
         if share <= 1.0:

@@ -7,6 +7,7 @@ its sources stand behind the states as if they were quantised states more.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import (
@@ -138,6 +139,12 @@ def take_size(a: Quantised, size: int) -> None:
     fit(a.change, Q * size)
     fit(a.term, size)
     fit(a.power, size)
+
+
+def time_ahead(a: Quantised, t: float) -> float:
+    """Return how long the motion from `t` on may be, 1 s if nobody says."""
+    span = a.bound - t
+    return span if span > 0.0 and span < math.inf else 1.0
 
 
 def move_origin(a: Quantised, s: float) -> None:

@@ -13,7 +13,7 @@ from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.qss_events import quantise_all
 from hybond.engine.methods.qss_fit import ask_ahead, ask_aside, rate_not_finite
 from hybond.engine.methods.qss_linear import read_generators, take_columns
-from hybond.engine.methods.qss_room import Quantised, take_size
+from hybond.engine.methods.qss_room import Quantised, take_size, time_ahead
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
@@ -70,8 +70,7 @@ def learn_field(e: Engine, a: Quantised) -> None:
         take_columns(a, e.exact.flow)
     else:
         take_size(a, a.states)
-        if a.bound > s.t:
-            a.reach = a.bound - s.t
+        a.reach = time_ahead(a, s.t)
     known = True
     for i in range(a.states):
         a.floor[i] = 0.0
@@ -97,7 +96,7 @@ def reach_by_matrix(e: Engine, a: Quantised) -> None:
     """Put there how far each state gets within the shortest time constant of a linear mode."""
     f = e.exact.flow
     n = a.states
-    span = min(f.unit, a.bound - e.step.t) if a.bound > e.step.t else f.unit
+    span = min(f.unit, time_ahead(a, e.step.t))
     read_generators(e, f, e.step.t, a.term.at, n, 1)
     for i in range(n):
         a.term.at[i] = e.step.y[i]
@@ -114,8 +113,8 @@ def reach_by_matrix(e: Engine, a: Quantised) -> None:
 def reach_by_rates(e: Engine, a: Quantised) -> None:
     """Put there how far each state gets while no rate changes by more than itself."""
     s = e.step
-    span = a.bound - s.t if a.bound > s.t else 1.0
-    changes = ask_ahead(e, a, span) == OK
+    span = time_ahead(a, s.t)
+    changes = ask_ahead(e, a) == OK
     if changes:
         for i in range(a.states):
             if math.fabs(a.rate[i]) * span > math.fabs(s.f[i]) and s.f[i] != 0.0:
