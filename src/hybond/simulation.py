@@ -30,8 +30,10 @@ from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import (
+    ALIASES,
     AUTO,
     FIXED,
+    QUANTISED,
     STEPPING,
     Choice,
     check_step,
@@ -184,6 +186,7 @@ def simulate(
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     fixed = name in FIXED
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(
@@ -299,6 +302,13 @@ def simulate(
                 where="engine",
                 hint="leave engine out: the reference takes what the engine cannot",
             )
+    if name in QUANTISED:
+        raise UsageError(
+            f"the reference has no solver {name!r}: {why or 'the reference was asked for'}",
+            code="HB-S119",
+            where="solver",
+            hint='another solver, such as "rk45"',
+        )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,
