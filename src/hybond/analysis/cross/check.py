@@ -21,7 +21,7 @@ from hybond.analysis.cross.runs import (
     watched,
 )
 from hybond.analysis.cross.verdict import Level, Verdict, agreed, hopeful, level_of, verdict_of
-from hybond.equations.ports import base_mode
+from hybond.causality.orientation import base_mode
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode

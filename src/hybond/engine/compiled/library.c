@@ -284,6 +284,7 @@ SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const i
                            int surfaces, const int *surface, int product, int rows,
                            const int *branch, double energy);
 SHOWN int hybond_look_modes(HybondLook *look, int *state);
+SHOWN int hybond_look_linear(HybondLook *look, int *why);
 SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
                              const int *slot, double *out);
 SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
@@ -347,6 +348,16 @@ SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const i
 SHOWN int hybond_look_modes(HybondLook *look, int *state)
 {
     return state == NULL ? look->e->slide->parts : parts_of(look->e, state);
+}
+
+/* Why the mode is not linear: as `why_not_linear` in look.py. */
+SHOWN int hybond_look_linear(HybondLook *look, int *why)
+{
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
+    }
+    *why = why_not_linear(look->e);
+    return OK;
 }
 
 static void take_points(HybondLook *look, const HybondPoints *p)
