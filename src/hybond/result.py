@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.audit import Audit, audit
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
@@ -22,7 +23,6 @@ from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from hybond.modes.audit import Audit
     from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
@@ -174,7 +174,7 @@ class Result:
         index = next(m.index for m in self.graph.machines if m.path == machine)
         if segment.bonds is not None:
             return float(segment.mode[index] == wanted[index])
-        return self._signals.weight(segment, t, index, wanted[index])
+        return self.signals.weight(segment, t, index, wanted[index])
 
     @property
     def names(self) -> list[str]:
@@ -241,7 +241,8 @@ class Result:
         return found
 
     @cached_property
-    def _signals(self) -> SignalSource:
+    def signals(self) -> SignalSource:
+        """What tells the signals of the run at times of its segments."""
         if self.trace.signals is not None:
             return self.trace.signals
         from hybond.modes.reading import SignalsOfModes
@@ -250,7 +251,7 @@ class Result:
 
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
         names = list(names)
-        values = self._signals.of(segment, [self.expression(name) for name in names], t)
+        values = self.signals.of(segment, [self.expression(name) for name in names], t)
         return dict(zip(names, values, strict=True))
 
     def sample(
@@ -308,7 +309,7 @@ class Result:
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
         event = self.trace.events[-1]
         expressions = [self.expression(n) for n in names]
-        found = self._signals.after(event.t, event.after, event.steps[-1].mode, expressions)
+        found = self.signals.after(event.t, event.after, event.steps[-1].mode, expressions)
         return dict(zip(names, found, strict=True))
 
     @property
@@ -356,13 +357,11 @@ class Result:
         >>> run.energies(run.segments[0])[-1].round(9).tolist()
         [0.0, 0.05]
         """
-        return self._signals.energies(segment)
+        return self.signals.energies(segment)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""
-        from hybond.modes.audit import audit
-
-        return audit(self.program, self.trace)
+        return audit(self.graph, self.trace, self.signals)
 
     # -- other forms
 

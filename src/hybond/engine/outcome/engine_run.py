@@ -6,11 +6,14 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from types import FrameType
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.native import ACCUMULATES, REFUSED
@@ -178,6 +181,33 @@ class EngineRun:
             self._note_stuck()
             return "accumulation"
         return "ok"
+
+    def begin(self) -> None:
+        """Settle the start, and go on no further than that takes.
+
+        Raises
+        ------
+        HybondError
+            What stopped it there. The run can do nothing else any more.
+        """
+        rows = next(self._run.slices(steps=1))
+        self.records.add(rows)
+        self.records.close()
+        if not self.trace.events:
+            raise self._error()
+
+    def tried(self, mode: Sequence[int]) -> NDArray[np.intc]:
+        """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.
+
+        Raises
+        ------
+        HybondError
+            If it cannot be entered, or a guard has no truth there.
+        """
+        found = self._run.tried(mode)
+        if found is None:
+            raise self._error()
+        return found
 
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
