@@ -117,7 +117,7 @@ class Motion:
         kind, _, index = name.partition(":")
         k = int(index)
         if kind == "x":
-            return self._rates(order)[k]
+            return np.asarray(sign * self._co_energies(order)[storage])
         if kind == "s":
             return self.derivative(self.graph.integrals[k].rate, order - 1)
         if self._sources is None and name in self._co_energy:
