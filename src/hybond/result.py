@@ -17,7 +17,6 @@ from hybond.model.unit_words import unit_of
 from hybond.modes.audit import Audit, audit, energies_of
 from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
-from hybond.modes.stepping.values import values_of_steps
 from hybond.names import did_you_mean
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
@@ -276,13 +275,6 @@ class Result:
             return dict(zip(names, values, strict=True))
         interval = segment.interval
         assert isinstance(interval, Interval)
-        if segment.bonds is not None:
-            columns = list(values_of_steps(self.program, segment, t))
-            found = {}
-            for name in names:
-                value = self.program.compile_arrays(self.expression(name))(columns)
-                found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
-            return found
         equations = equations_of(self.program, segment)
         y, columns = self._evaluated(segment, t)
         found = {}

@@ -15,6 +15,9 @@ from hybond.units import parse_unit, try_quantity
 RTOL = 1e-8
 """Default relative tolerance."""
 
+STEPPING_IMPACT = "newton_simultaneous"
+"""The law of impacts that time-stepping has built in."""
+
 
 def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
     """Return when a run ends, s: as asked for, or as the experiment says.
@@ -141,3 +144,56 @@ def seconds_of(value: Any, where: str) -> float | None:
             f"{value!r} is not a time", code="HB-S106", where=where, hint='write 0.2 or "200 ms"'
         )
     return quantity.value
+
+
+def stepping_step(step: float | None) -> float:
+    """Return the step of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S102 if it is missing or not positive.
+    """
+    if step is None or not 0.0 < step < math.inf:
+        raise UsageError(
+            "solver 'moreau-jean' has a fixed step and none is given"
+            if step is None
+            else f"a step of {step:g} s for solver 'moreau-jean': it must be positive and finite",
+            code="HB-S102",
+            hint='give one, such as step="1 ms"; the run then says how good it was',
+        )
+    return step
+
+
+def stepping_theta(theta: object) -> float:
+    """Return theta of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S112 if it is not between 1/2 and 1.
+    """
+    if not isinstance(theta, float | int) or not 0.5 <= theta <= 1.0:
+        raise UsageError(
+            f"theta = {theta!r}",
+            code="HB-S112",
+            where="theta",
+            hint="from 0.5 (of second order) to 1 (damps, never creates energy)",
+        )
+    return float(theta)
+
+
+def ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | None:
+    """Return what time-stepping has to say on a law of impacts that is not its own."""
+    name = impact if impact is not None else experiment.get("impact")
+    if name is None:
+        return None
+    # refuse names that are nobody's
+    impact_of(str(name), experiment)
+    if name == STEPPING_IMPACT:
+        return None
+    return (
+        f"impact = {str(name)!r} has no effect with solver 'moreau-jean': its steps are Newton's "
+        f"law for all contacts at once ({STEPPING_IMPACT!r}), and where several contacts meet at "
+        "once the result may differ; take a solver that locates events, or leave impact out"
+    )

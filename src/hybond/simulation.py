@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import runners_of
 from hybond.engine.compiled.native import Unavailable, library
 from hybond.engine.outcome.library_run import LibraryRun, Settings
+from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
-from hybond.kernel.marcher import ONLY, Marcher, marcher
+from hybond.kernel.marcher import Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
@@ -30,13 +31,19 @@ from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.result import Result, Status
-from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
+from hybond.run_options import (
+    end_of,
+    ignored_impact,
+    impact_of,
+    seconds_of,
+    sliding_of,
+    stepping_step,
+    stepping_theta,
+    tolerances_of,
+)
 from hybond.solvers import make_solver
 from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 from hybond.trace import Trace
-
-if TYPE_CHECKING:
-    from hybond.modes.stepping.executive import TimeStepping
 
 Vector = NDArray[np.float64]
 
@@ -51,8 +58,6 @@ ROUNDED = 10.0 * float(np.finfo(float).eps)
 """Part of its terms that the rate of a stored quantity may be off by."""
 SHORT = 1e-6
 """Part of the run in which what that adds up to is no error."""
-STEPPING_IMPACT = "newton_simultaneous"
-"""The law of impacts that time-stepping has built in."""
 
 
 def simulate(
@@ -199,7 +204,6 @@ def simulate(
     limits = Limits(end, float(experiment.get("event_tol", 1e-12)), int(most), int(steps))
     writes = int(experiment.get("max_writes", 1000))
     program = Program(graph)
-    executive: Executive | TimeStepping
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -215,27 +219,41 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
+    if name in STEPPING and engine == "reference":
+        raise UsageError(
+            f"solver {name!r} is none of the reference",
+            code="HB-S119",
+            where="engine",
+            hint="leave engine out",
+        )
     if name in STEPPING:
-        from hybond.modes.stepping.executive import TimeStepping
-
-        executive = TimeStepping(
-            program,
-            limits,
+        settings = Settings(
+            until=end,
+            solver=name,
             step=stepping_step(given_step),
             theta=stepping_theta(theta if theta is not None else experiment.get("theta", 0.5)),
+            event_tol=limits.event_tol,
+            max_events=limits.max_events,
             max_writes=writes,
-            progress=progress,
-            runners=runners_of(graph, fmus=fmus),
         )
-        ignored = _ignored_impact(impact, experiment)
-        if ignored is not None:
-            executive.trace.warn(ignored)
-        executive.trace.kernel = f"not used: {ONLY}"
+        runners = runners_of(graph, fmus=fmus)
         try:
-            begin = partial(executive.run, start_of(program))
-            return _finish(graph, program, executive.trace, begin, end, name, on_error)
+            stepping = StepsRun(graph, settings, progress=progress, runners=runners)
+            ignored = ignored_impact(impact, experiment)
+            if ignored is not None:
+                stepping.trace.warn(ignored)
+            stepping.trace.kernel = "the library"
+            return _finish(graph, program, stepping.trace, stepping.run, end, name, on_error)
+        except Unavailable as error:
+            raise UsageError(
+                f"the library cannot make this run: {error}",
+                code="HB-S119",
+                where="engine",
+                hint="install hybond where a C compiler is, or take a solver that locates events",
+            ) from None
         finally:
-            executive.sampling.close()
+            for runner in runners.values():
+                runner.close()
     if theta is not None:
         raise UsageError(
             f"theta is given, but solver {name!r} has none",
@@ -478,56 +496,3 @@ class ErrorScale:
         tolerance[: self.nx] = np.maximum(tolerance[: self.nx], moved)
         tolerance[self.nx : n] += self.idle
         return tolerance
-
-
-def stepping_step(step: float | None) -> float:
-    """Return the step of time-stepping.
-
-    Raises
-    ------
-    UsageError
-        HB-S102 if it is missing or not positive.
-    """
-    if step is None or not 0.0 < step < math.inf:
-        raise UsageError(
-            "solver 'moreau-jean' has a fixed step and none is given"
-            if step is None
-            else f"a step of {step:g} s for solver 'moreau-jean': it must be positive and finite",
-            code="HB-S102",
-            hint='give one, such as step="1 ms"; the run then says how good it was',
-        )
-    return step
-
-
-def stepping_theta(theta: object) -> float:
-    """Return theta of time-stepping.
-
-    Raises
-    ------
-    UsageError
-        HB-S112 if it is not between 1/2 and 1.
-    """
-    if not isinstance(theta, float | int) or not 0.5 <= theta <= 1.0:
-        raise UsageError(
-            f"theta = {theta!r}",
-            code="HB-S112",
-            where="theta",
-            hint="from 0.5 (of second order) to 1 (damps, never creates energy)",
-        )
-    return float(theta)
-
-
-def _ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | None:
-    """Return what time-stepping has to say on a law of impacts that is not its own."""
-    name = impact if impact is not None else experiment.get("impact")
-    if name is None:
-        return None
-    # refuse names that are nobody's
-    impact_of(str(name), experiment)
-    if name == STEPPING_IMPACT:
-        return None
-    return (
-        f"impact = {str(name)!r} has no effect with solver 'moreau-jean': its steps are Newton's "
-        f"law for all contacts at once ({STEPPING_IMPACT!r}), and where several contacts meet at "
-        "once the result may differ; take a solver that locates events, or leave impact out"
-    )

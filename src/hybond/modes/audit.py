@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.storage import StorageLaws
 from hybond.modes.sliding.view import equations_of
-from hybond.modes.stepping.values import created_by_steps
 from hybond.programs.combined import Combined
 from hybond.programs.interval import Interval
 from hybond.programs.program import Program
@@ -127,7 +127,7 @@ def audit(program: Program, trace: Trace) -> Audit:
             # what flows without a load feels the rounding of the largest one
             rounding = 0.1 * (e * fastest[:, None] + strongest[:, None] * f)
             sizes.append((e * f + rounding).sum(axis=0))
-            made, size_of = created_by_steps(program, storage, segment)
+            made, size_of = _created_by_steps(program, storage, segment)
             created += made
             largest = max(largest, size_of)
             continue
@@ -165,6 +165,22 @@ def audit(program: Program, trace: Trace) -> Audit:
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
     return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0))
+
+
+def _created_by_steps(
+    program: Program, storage: StorageLaws, segment: Segment
+) -> tuple[float, float]:
+    """Return what the steps of a segment created, and the largest energy in it, J.
+
+    A step loses energy in impacts, and by damping if theta is above 1/2. It should not have more at
+    its end than what it began with and was supplied. It may, where a law lets go or takes hold
+    within it, the less the shorter it is.
+    """
+    stored = np.array([storage.energy(y[: program.nx]) for y in segment.y])
+    supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
+    created = np.maximum(np.diff(stored - supplied), 0.0)
+    passed = float(np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum())
+    return float(created.sum()), max(float(np.abs(stored).max()), passed)
 
 
 def _bond_variables(program: Program, segment: Segment) -> Vector:

@@ -50,7 +50,11 @@ class Settings:
     until, rtol, max_step, event_tol : float
     atol : float or None
     solver : str
-        ``"rk45"`` or ``"radau"``.
+        One of `METHODS`.
+    step : float or None
+        Of fixed steps, s.
+    theta : float
+        Of time-stepping.
     slides : bool
     impact : tuple of str and float
         Law of impacts, and the exponent of springs.
@@ -60,15 +64,16 @@ class Settings:
     until: float
     solver: str
     step: float | None
-    rtol: float
-    atol: float | None
-    max_step: float
     event_tol: float
-    slides: bool
-    impact: tuple[str, float]
     max_events: int
-    max_steps: int
     max_writes: int
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_step: float = math.inf
+    slides: bool = False
+    impact: tuple[str, float] = ("newton", 1.0)
+    max_steps: int = LARGEST
+    theta: float = 0.5
 
     def tables(self, graph: FlatGraph) -> ModelTables:
         """Return the tables of a model for such a run.
@@ -91,6 +96,7 @@ class Settings:
             "max_steps": min(self.max_steps, LARGEST),
             "method": METHODS[self.solver],
             "step": self.step or 0.0,
+            "theta": self.theta,
             "slides": int(self.slides),
             "impact": IMPACTS[self.impact[0]],
             "impact_exponent": self.impact[1],
@@ -193,6 +199,9 @@ class LibraryRun:
             evaluations=float(native.evaluations),
             modes=float(native.modes_made),
         )
+        if self.records.in_steps:
+            del self.trace.stats["rejected"], self.trace.stats["events"]
+            self.trace.stats["energy_unbalanced"] = self.records.unbalanced
         found = native.propagated
         if found:
             self.trace.stats["propagated"] = float(found[0])

@@ -16,6 +16,7 @@ from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.options import Options, options_of
 from hybond.engine.tables.powers import put_powers
 from hybond.engine.tables.surfaces import put_surfaces
+from hybond.engine.tables.timestepping import put_steps
 from hybond.engine.tables.told import put_told
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Parts, Source
@@ -454,6 +455,7 @@ def _parts(t: ModelTables, found: list[Part]) -> None:
         source_slope_constant=_FLOATS,
     )
     put_forms(t, sources, dynamics)
+    put_steps(t, dynamics)
 
 
 def _of_time(e: Expr) -> bool:

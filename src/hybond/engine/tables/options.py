@@ -15,12 +15,20 @@ from hybond.modes.fitting import fitting
 from hybond.modes.sliding.bands import banded
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
-from hybond.run_options import end_of, impact_of, seconds_of, sliding_of, tolerances_of
-from hybond.solvers.choose import AUTO, FIXED, check_step
+from hybond.run_options import (
+    end_of,
+    impact_of,
+    seconds_of,
+    sliding_of,
+    stepping_step,
+    stepping_theta,
+    tolerances_of,
+)
+from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4}
+METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4, "moreau-jean": 5}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -65,7 +73,10 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
         )
     step = seconds_of(given.get("step", experiment.get("step")), "step")
     # a step written in the experiment for a fixed-step solver may stand there unused
-    check_step(name, step if name in FIXED or given.get("step") is not None else None)
+    if name in STEPPING:
+        step = stepping_step(step)
+    else:
+        check_step(name, step if name in FIXED or given.get("step") is not None else None)
     impact, exponent = impact_of(given.get("impact"), experiment)
     choice, band = sliding_of(None, None, experiment)
     if band is not None:
@@ -98,9 +109,11 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
         "max_events": int(experiment.get("max_events", 1_000_000)),
         "max_steps": int(experiment.get("max_steps", 4_000_000)),
         "method": METHODS[name],
-        "step": step if name in FIXED and step is not None else 0.0,
+        "step": step if name in (*FIXED, *STEPPING) and step is not None else 0.0,
+        "theta": stepping_theta(given.get("theta", experiment.get("theta", 0.5))),
         "slides": int(choice == "filippov"),
-        "impact": IMPACTS[impact],
+        # time-stepping has a law of its own, and settles instants contact after contact
+        "impact": IMPACTS["newton" if name in STEPPING else impact],
         "impact_exponent": exponent,
     }
     listed = experiment.get("outputs") or experiment.get("plot") or ()
