@@ -237,8 +237,14 @@ def report_step(e: Engine, r: Report) -> None:
 
 
 def write_bonds_of_step(e: Engine, r: Report) -> None:
-    """Write down bond variables and energies of a step; those at its beginning if they are new."""
+    """Write down bond variables and energies of a step; those at its beginning if they are new.
+
+    What happens in it has the state at its beginning before it.
+    """
     s = e.stepping
+    r.energy = e.energy
+    for k in range(e.states):
+        r.left[k] = s.begin_y[k]
     if s.begins or r.bond_rows == 0:
         write_bond_row(r, s.begin_w)
     write_bond_row(r, s.w)

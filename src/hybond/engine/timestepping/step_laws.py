@@ -141,7 +141,7 @@ def solve_step_laws(
         return no_end(e)
     for k in range(n):
         s.branch[k] = r.problem.branch[k]
-        s.l[k] = r.problem.l[k]
+        s.l[k] = r.problem.l[k] if r.problem.role[k] != CUT else 0.0
     keep_idle_branches(e, s, c)
     if c.still == NOT_LOOKED:
         find_still(e, s, c)
@@ -233,8 +233,6 @@ def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:
         own = math.fabs(c.m.at[k * n + k])
         if not math.isfinite(w):
             return False
-        if p.role[k] == CUT and s.l[k] != 0.0:
-            return False
         if p.role[k] == SHUT and math.fabs(w) > off + ROUNDED_VALUE * s.size:
             return False
         if p.role[k] == ONE_SIDED:
@@ -257,7 +255,13 @@ def keeps_friction(s: Stepping, p: LawProblem, k: int, off: float) -> bool:
     is_common = p.common[k] != 0
     force = -s.wl[k] if is_common else -s.l[k]
     speed = s.l[k] if is_common else s.wl[k]
-    loose = KEEPS * terms + (off if is_common else 0.0)
+    loose = KEEPS * terms
+    own = math.fabs(p.m[k * n + k])
+    if is_common:
+        loose += off
+    elif own > 0.0:
+        # a force that moves nothing by more than what its speed may be off
+        loose += off / own
     if math.fabs(force) > limit + loose:
         return False
     slips = math.fabs(speed) > (0.0 if is_common else off + ROUNDED_VALUE * s.size)
