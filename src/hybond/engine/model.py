@@ -344,6 +344,8 @@ class Model:
     """The speed at which slip ends, or below zero, up to which the direction counts."""
     law_planar: Ints
     """Of each machine: whether it is friction in the plane."""
+    oriented: int
+    """Whether `orient` is there; else time-stepping chooses, configuration by configuration."""
     orient: Ints
     """Whether the net variable of each port is given, for all states of the other machines, the
     last of which runs fastest."""

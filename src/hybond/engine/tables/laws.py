@@ -7,6 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from hybond.engine.tables.expressions import number_of
+from hybond.engine.tables.options import METHODS
 from hybond.equations.calculus import gradient
 from hybond.equations.ports import orientation
 from hybond.errors import ModelError
@@ -136,10 +137,14 @@ def _put_orientation(t: ModelTables) -> None:
     """Put which variable of each law is given, for all states of the other machines."""
     g = t.graph
     t.ints["orient"] = []
+    t.numbers["oriented"] = 1
     if not t.numbers["ports"]:
         return
     sizes = [1 if m.law is not None else len(m.states) for m in g.machines]
     if math.prod(sizes) > CONFIGURATIONS:
+        if t.numbers["method"] == METHODS["moreau-jean"]:
+            t.numbers["oriented"] = 0
+            return
         raise ModelError(
             f"the machines beside junction laws have {math.prod(sizes)} settings, more than an "
             f"export looks at ({CONFIGURATIONS})",

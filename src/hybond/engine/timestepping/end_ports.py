@@ -41,6 +41,31 @@ def prefer_common(e: Engine, r: Laws, p: Ports, mode: Mode) -> None:
         make_again(e, r, p, mode)
 
 
+def choose_given(e: Engine, r: Laws, p: Ports, mode: Mode) -> None:
+    """Give the other variable of a law where that costs less, one law after the other.
+
+    For models with more settings of machines than are looked at beforehand. What is dearer than it
+    had to be is right all the same: constraints that contain no `l`.
+    """
+    m = e.model
+    improved = True
+    while improved:
+        improved = False
+        for k in range(m.ports):
+            bound = mode.constraints.rows + mode.agreements.rows
+            frees = mode.finite_frees
+            before = p.given[k]
+            p.given[k] = NET if before == COMMON else COMMON
+            make_again(e, r, p, mode)
+            now = mode.constraints.rows + mode.agreements.rows
+            cheaper = now < bound or (now == bound and mode.finite_frees < frees)
+            if cheaper and not mode.too_high and not reads_port(e, mode):
+                improved = True
+                continue
+            p.given[k] = before
+            make_again(e, r, p, mode)
+
+
 def make_again(e: Engine, r: Laws, p: Ports, mode: Mode) -> None:
     """Make the equations with what is given."""
     m = e.model
