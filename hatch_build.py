@@ -11,14 +11,14 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 PACKAGE = Path(__file__).parent / "src" / "hybond"
 
 
-def _room(name):
-    """Import what builds a room, and nothing that hybond needs when it runs: not installed yet."""
+def _imported(name):
+    """Import what builds, and nothing that hybond needs when it runs: it is not installed yet."""
     packages = ("engine", "engine.compiled", "engine.expressions", "kernel", "translate")
     for package in ("hybond", *(f"hybond.{p}" for p in packages)):
         module = types.ModuleType(package)
         module.__path__ = [str(PACKAGE.joinpath(*package.split(".")[1:]))]
         sys.modules[package] = module
-    return importlib.import_module(f"hybond.{name}.build")
+    return importlib.import_module(f"hybond.{name}")
 
 
 class KernelHook(BuildHookInterface):
@@ -26,14 +26,14 @@ class KernelHook(BuildHookInterface):
 
     def dependencies(self):
         """Ask for the zig compiler where the system has none."""
-        return ["ziglang"] if _room("kernel").wants_zig() else []
+        return ["ziglang"] if _imported("engine.compiled.compiler").wants_zig() else []
 
     def initialize(self, version, build_data):
         """Compile, and mark the wheel as one for this platform."""
         if self.target_name != "wheel":
             return
         for name in ("kernel", "engine.compiled"):
-            room = _room(name)
+            room = _imported(f"{name}.build")
             target = PACKAGE.joinpath(*name.split("."), room.NAME)
             try:
                 target.unlink(missing_ok=True)

@@ -2,21 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.engine.impacts.compliant import compress
 from hybond.engine.impacts.impact_laws import exchange_impulses
-from hybond.engine.impacts.impact_records import CREATES_ENERGY, DEPENDS, EXCHANGED, make_impact
+from hybond.engine.impacts.impact_records import (
+    CANNOT_STOP,
+    CREATES_ENERGY,
+    DEPENDS,
+    EXCHANGED,
+    NEVER_ENDS,
+    make_impact,
+)
 from hybond.engine.impacts.impact_records import Impact as Record
 from hybond.engine.tables.options import IMPACTS
-from hybond.errors import ModelError, NumericsError
-from hybond.modes.impacts import laws as reference
-from hybond.modes.impacts.case import Case
-from hybond.modes.impacts.compliant import Compliant
+
+LAWS = [name for name in IMPACTS if name != "newton"]
+"""Those that see all closed contacts at once."""
+CODES = {
+    CREATES_ENERGY: "HB-J201",
+    DEPENDS: "HB-J202",
+    CANNOT_STOP: "HB-J203",
+    NEVER_ENDS: "HB-J204",
+}
+
+
+@dataclass(frozen=True)
+class Impact:
+    """What contacts exchanged; `flags` say whether impulses are shared."""
+
+    after: NDArray[np.float64]
+    impulses: NDArray[np.float64]
+    active: tuple[int, ...]
+    energy: float
+    shared: bool
+    error: float
+    pieces: int
+
+
+class Refused(Exception):
+    """An impact has no answer by its law."""
+
+    def __init__(self, code: str, contacts: list[int]) -> None:
+        super().__init__(code)
+        self.code = code
+        self.contacts = contacts
 
 
 def record(W: ArrayLike, v: ArrayLike, eps: ArrayLike, stiffness: ArrayLike, m: float) -> Record:
@@ -35,45 +69,31 @@ def impact(
     v: ArrayLike,
     *,
     eps: ArrayLike,
-    law: str = "newton",
+    law: str,
     stiffness: ArrayLike = 1.0,
     exponent: float = 1.0,
-    names: Sequence[str] = (),
-) -> reference.Impact:
-    """Return what `hybond.modes.impacts.laws.impact` does, by the engine.
-
-    Contact after contact it has no law on numbers: there, and for numbers without meaning, it is
-    the reference itself.
-    """
-    if law not in IMPACTS or law == "newton" or not np.all(np.asarray(stiffness) > 0.0):
-        return reference.impact(
-            W, v, eps=eps, law=law, stiffness=stiffness, exponent=exponent, names=names
-        )
-    case = Case.of(W, v, eps, law, names, 0.0)
-    i = record(case.W, case.v, case.eps, stiffness, exponent)
+) -> Impact:
+    """Return what contacts exchange that are closed."""
+    i = record(W, v, eps, stiffness, exponent)
     found = exchange_impulses(i, IMPACTS[law])
     if found != EXCHANGED:
-        kind = ModelError if found == DEPENDS else NumericsError
-        code = {CREATES_ENERGY: "HB-J201", DEPENDS: "HB-J202"}.get(found, f"HB-J20{found}")
-        raise kind("", code=code, where=case.called(np.flatnonzero(i.blamed)))
-    active = np.flatnonzero(np.array(i.impulses) > 0.0)
-    flags = ("shares",) * i.shared + ("restitution",) * bool((case.eps[active] > 1.0).any())
-    return reference.Impact(
-        law,
-        case.v,
+        raise Refused(CODES[found], np.flatnonzero(i.blamed).tolist())
+    active = tuple(np.flatnonzero(np.array(i.impulses) > 0.0).tolist())
+    return Impact(
         np.array(i.after),
         np.array(i.impulses),
-        tuple(active.tolist()),
+        active,
         i.energy,
-        flags,
+        i.shared,
         i.error,
         i.springs.pieces,
     )
 
 
-def compliant_impact(W: Any, v: Any, *, eps: Any, stiffness: Any, **options: Any) -> Compliant:
-    """Return what `hybond.modes.impacts.compliant.compliant_impact` does, by the engine."""
+def compliant_impact(W: Any, v: Any, *, eps: Any, stiffness: Any, **options: Any) -> Impact:
+    """Return what contacts exchange that are stiff springs."""
     i = record(W, v, eps, stiffness, options.get("exponent", 1.0))
     if not compress(i, options.get("rtol", 1e-12), options.get("max_pieces", 2000)):
-        raise NumericsError("", code="HB-J204")
-    return Compliant(np.array(i.impulses), i.error, i.springs.pieces)
+        raise Refused("HB-J204", [])
+    z = np.array(i.impulses)
+    return Impact(np.array([]), z, (), 0.0, False, i.error, i.springs.pieces)

@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from hybond.kernel.build import compiler
+from hybond.engine.compiled.compiler import compiler
 from measuring.problem import Outcome
 
 LIMIT = Path(__file__).parents[1] / "limit"

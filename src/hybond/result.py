@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
+from hybond.model.interval import Interval
 from hybond.model.unit_words import unit_of
 from hybond.modes.audit import Audit, audit, energies_of
 from hybond.modes.jump import constrained, on_constraints
 from hybond.modes.sliding.view import equations_of
 from hybond.names import did_you_mean
 from hybond.programs.combined import Combined
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.report import EventTable
 from hybond.trace import Accumulation, Segment, Sliding, Trace
@@ -85,7 +85,8 @@ class Result:
         Steps (``marched``: those that the kernel took), events (``crossed``: those that it
         settled), evaluations, modes built (``propagated``: those that solver ``"exact"`` took).
     kernel : str
-        How many of the steps and events the compiled kernel took, and why not more.
+        What made the run: the library, the engine as Python and why, or the reference, with how
+        many of the steps and events its compiled kernel took.
     method : str
         With solver ``"exact"``: how many modes were propagated exactly, and why not more.
 
@@ -394,7 +395,7 @@ class Result:
         return events[-1].cause != "step"
 
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
-        from hybond.programs.interval import interval_after
+        from hybond.model.interval import interval_after
 
         event = self.trace.events[-1]
         mode = event.steps[-1].mode

@@ -11,27 +11,31 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.blocks.runners import runners_of
-from hybond.engine.compiled.native import Unavailable, library
-from hybond.engine.outcome.library_run import LibraryRun, Settings
+from hybond.blocks.runners import Runner, runners_of
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import EngineChoice, choose_engine
+from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
+from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
 from hybond.kernel.marcher import Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.model.interval import interval_after
 from hybond.model.parts import Value
 from hybond.modes.executive import Executive
 from hybond.modes.fitting import fitting
-from hybond.modes.journal import Journal
 from hybond.modes.motion import Limits
-from hybond.modes.sampling import Runner
-from hybond.modes.sliding.bands import Choice, banded
-from hybond.programs.interval import interval_after
 from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import (
+    AUTO,
+    FIXED,
+    STEPPING,
+    Choice,
+    check_step,
     end_of,
     ignored_impact,
     impact_of,
@@ -42,12 +46,11 @@ from hybond.run_options import (
     tolerances_of,
 )
 from hybond.solvers import make_solver
-from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 
-ENGINE: Literal["auto", "library", "reference"] = "auto"
+ENGINE: Literal["library", "python", "reference"] | None = None
 """What makes runs that do not say what should."""
 NEGLIGIBLE = 1e-6
 """A stored quantity is measured against at least this part of what the system's energy would
@@ -77,7 +80,7 @@ def simulate(
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool | None = None,
-    engine: Literal["auto", "library", "reference"] | None = None,
+    engine: Literal["library", "python", "reference"] | None = None,
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -132,10 +135,11 @@ def simulate(
     kernel : bool
         Of the reference, which this asks for: whether its compiled kernel takes steps, and settles
         events between them, where there is one and it was made for that.
-    engine : {"auto", "library", "reference"}
-        What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S119), or the reference. The results are the same but
-        for rounding; `Result.kernel` says which it was.
+    engine : {"library", "python", "reference"}
+        What makes the run: the engine compiled as a library, the same engine run as Python, which
+        is many times slower, or the reference. By default the library if there is one, and else
+        Python; what the engine does not do the reference does. The results are the same but for
+        rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -219,14 +223,14 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
-    if name in STEPPING and engine == "reference":
-        raise UsageError(
-            f"solver {name!r} is none of the reference",
-            code="HB-S119",
-            where="engine",
-            hint="leave engine out",
-        )
     if name in STEPPING:
+        if engine == "reference":
+            raise UsageError(
+                f"solver {name!r} is none of the reference",
+                code="HB-S119",
+                where="engine",
+                hint="leave engine out",
+            )
         settings = Settings(
             until=end,
             solver=name,
@@ -236,21 +240,17 @@ def simulate(
             max_events=limits.max_events,
             max_writes=writes,
         )
+        steps_engine = choose_engine(engine)
         runners = runners_of(graph, fmus=fmus)
         try:
-            stepping = StepsRun(graph, settings, progress=progress, runners=runners)
+            stepping = StepsRun(
+                graph, settings, steps_engine.prepare, progress=progress, runners=runners
+            )
             ignored = ignored_impact(impact, experiment)
             if ignored is not None:
                 stepping.trace.warn(ignored)
-            stepping.trace.kernel = "the library"
+            stepping.trace.kernel = steps_engine.said
             return _finish(graph, program, stepping.trace, stepping.run, end, name, on_error)
-        except Unavailable as error:
-            raise UsageError(
-                f"the library cannot make this run: {error}",
-                code="HB-S119",
-                where="engine",
-                hint="install hybond where a C compiler is, or take a solver that locates events",
-            ) from None
         finally:
             for runner in runners.values():
                 runner.close()
@@ -262,18 +262,18 @@ def simulate(
             hint='solver = "moreau-jean"',
         )
     why = ""
-    engine = engine or ("auto" if kernel is None else "reference")
-    if engine == "auto":
-        engine = ENGINE
+    engine = engine or (ENGINE if kernel is None else "reference")
     if engine != "reference":
+        choice_of_engine = choose_engine(engine)
         # a step written in the experiment for a fixed-step solver may stand there unused
         own_step = given_step if fixed or step is not None else None
         if name in METHODS:
             check_step(name, own_step)
         runners = runners_of(graph, fmus=fmus)
         try:
-            run = _by_library(
+            run = _by_engine(
                 graph,
+                choice_of_engine,
                 Settings(
                     until=end,
                     solver=name,
@@ -293,19 +293,19 @@ def simulate(
                 journal=journal,
                 runners=runners,
             )
-            if isinstance(run, LibraryRun):
-                run.trace.kernel = "the library"
+            if isinstance(run, EngineRun):
+                run.trace.kernel = choice_of_engine.said
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
             why = run
         finally:
             for runner in runners.values():
                 runner.close()
-        if engine == "library":
+        if engine is not None:
             raise UsageError(
-                f"the library cannot make this run: {why}",
+                f"the engine cannot make this run: {why}",
                 code="HB-S119",
                 where="engine",
-                hint="leave engine out: the reference takes what the library cannot",
+                hint="leave engine out: the reference takes what the engine cannot",
             )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
@@ -346,30 +346,29 @@ def simulate(
             executive.journal.close()
 
 
-def _by_library(
+def _by_engine(
     graph: FlatGraph,
+    engine: EngineChoice,
     settings: Settings,
     *,
     progress: Callable[[float, int], None] | None,
     keep: int | None,
     journal: str | Path | None,
     runners: Mapping[str, Runner],
-) -> LibraryRun | str:
-    """Return a run by the library that has not begun, or why there is none."""
+) -> EngineRun | str:
+    """Return a run by an engine that has not begun, or why there is none."""
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
     try:
-        library()
         tables = settings.tables(graph)
-    except Unavailable as error:
-        return str(error)
     except HybondError as error:
         if not error.code.startswith("HB-E6"):
             raise
         return error.why
     # last of all: it replaces the file that is there
     opened = None if journal is None else _opened(journal, graph)
-    return LibraryRun(tables, progress=progress, keep=keep, journal=opened, runners=runners)
+    model = engine.prepare(tables)
+    return EngineRun(model, progress=progress, keep=keep, journal=opened, runners=runners)
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

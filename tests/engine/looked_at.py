@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook, EngineModel, EngineRun
 from example_runs import NAMES, RTOL, example, integrated
 
 import hybond as hb
-from hybond.engine.compiled.native import NativeModel, NativeRun, Rows
-from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.native import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
 from hybond.modes.sliding.view import equations_of
@@ -80,11 +80,11 @@ ENDS = 40
 
 
 @functools.cache
-def model_of(name: str) -> NativeModel:
+def model_of(name: str) -> EngineModel:
     if name in OWN:
         make, options = OWN[name]
-        return NativeModel(tables_of(make().flatten(), rtol=RTOL, **options))
-    return NativeModel(tables_of(example(name).flatten(), **integrated(name)))
+        return EngineModel(tables_of(make().flatten(), rtol=RTOL, **options))
+    return EngineModel(tables_of(example(name).flatten(), **integrated(name)))
 
 
 @functools.cache
@@ -97,7 +97,7 @@ def reference(name: str) -> hb.Result:
     return hb.simulate(example(name), on_error="return", engine="reference", **options)  # type: ignore[arg-type]
 
 
-def look_at(look: NativeLook, run: hb.Result, segment: Segment) -> None:
+def look_at(look: EngineLook, run: hb.Result, segment: Segment) -> None:
     """Look into a segment of a run of the reference."""
     ints = look.model.tables.ints
     surfaces = []
@@ -124,7 +124,7 @@ def stretches(rows: Rows) -> Iterator[slice]:
     return (slice(a, b) for a, b in pairwise(ends) if b > a)
 
 
-def look_at_steps(look: NativeLook, rows: Rows, which: slice, energy: float) -> None:
+def look_at_steps(look: EngineLook, rows: Rows, which: slice, energy: float) -> None:
     place = rows.step_place[which.start]
     machines = (len(place) - 2) // 2
     assert place[1] == (rows.instant_place[place[0] - 1, 2])
@@ -149,6 +149,6 @@ def slid_in(rows: Rows, which: slice) -> Combination:
 
 @functools.cache
 def rows_of(name: str) -> tuple[Rows, float]:
-    run = NativeRun(model_of(name))
+    run = EngineRun(model_of(name))
     (rows,) = run.slices(steps=-1)
     return rows, run._seen.energy

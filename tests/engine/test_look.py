@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook
 from engine.looked_at import (
     CASES,
     OWN,
@@ -20,19 +21,18 @@ from engine.looked_at import (
 
 import hybond as hb
 from hybond.engine.compiled.native import OK
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Steps, Within
 from hybond.engine.engine import make_engine
 from hybond.engine.looking import energies, look
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.engine.tables import answered
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
-from hybond.solvers.dense import Polynomial
 from hybond.trace import Segment
 
 
 def read(
-    look: NativeLook, run: hb.Result, segment: Segment, t: np.ndarray, names: list[str]
+    look: EngineLook, run: hb.Result, segment: Segment, t: np.ndarray, names: list[str]
 ) -> dict[str, np.ndarray]:
     """Return signals at times of a segment as they follow from values of the library."""
     n = run.program.nx + run.program.ns
@@ -65,7 +65,7 @@ def times_of(segment: Segment) -> np.ndarray:
 def test_values_are_those_of_the_reference(name: str) -> None:
     """At accepted points and between them: all signals by name, all bond variables."""
     run = reference(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     own = [b.name for b in run.graph.bonds if ".switch" not in b.name]
     names = [*run.names, *(f'"{b}".{kind}' for b in own for kind in "ef")]
     meant: dict[str, list[np.ndarray]] = {n: [] for n in names}
@@ -97,7 +97,7 @@ def test_the_quick_examples_have_what_can_be_looked_into() -> None:
 def test_powers_and_energies_are_those_of_the_reference(name: str) -> None:
     """Which integrates them with the state; here they are found from the state."""
     run = reference(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     n = run.program.nx + run.program.ns
     meant, found, powers = [], [], []
     for segment in segments_of(run):
@@ -153,7 +153,7 @@ BALANCED = (
 @pytest.mark.parametrize("name", BALANCED)
 def test_stored_energy_changes_by_what_is_supplied_and_dissipated(name: str) -> None:
     rows, largest = rows_of(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     program = reference(name).program
     off, passed = 0.0, 0.0
     for which in stretches(rows):
@@ -172,7 +172,7 @@ def test_stored_energy_changes_by_what_is_supplied_and_dissipated(name: str) -> 
 def test_who_asks_for_little_gets_the_same_bits(name: str) -> None:
     """And so does who asks step by step, or with the states of the same points."""
     rows, largest = rows_of(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     slots = model_of(name).tables.slots.size
     for which in list(stretches(rows))[:6]:
         steps = Steps.of(rows, which)
@@ -188,10 +188,10 @@ def test_who_asks_for_little_gets_the_same_bits(name: str) -> None:
 def test_what_was_looked_into_before_does_not_matter() -> None:
     rows, largest = rows_of("cockcroft_walton")
     slots = np.arange(model_of("cockcroft_walton").tables.slots.size)
-    one = NativeLook(model_of("cockcroft_walton"))
+    one = EngineLook(model_of("cockcroft_walton"))
     found = list(stretches(rows))[:12]
 
-    def seen(look: NativeLook, which: slice) -> np.ndarray:
+    def seen(look: EngineLook, which: slice) -> np.ndarray:
         look_at_steps(look, rows, which, largest)
         steps = Steps.of(rows, which)
         return look.values(Within(steps, steps.time[:, :2].mean(axis=1).clip(max=t_end)), slots)
@@ -199,7 +199,7 @@ def test_what_was_looked_into_before_does_not_matter() -> None:
     t_end = float(rows.step_time[-1, 2])
     forth = [seen(one, w) for w in found]
     back = [seen(one, w) for w in reversed(found)][::-1]
-    alone = [seen(NativeLook(model_of("cockcroft_walton")), w) for w in found]
+    alone = [seen(EngineLook(model_of("cockcroft_walton")), w) for w in found]
     for a, b, c in zip(forth, back, alone):
         assert np.array_equal(a, b) and np.array_equal(a, c)
 
@@ -208,7 +208,7 @@ def test_shares_and_modes_are_those_of_the_result() -> None:
     """Of a relay: the switch is on for the part of the time that holds the surface."""
     for name in ("relay_feedback", "relays", "tank_overflow_sliding"):
         run = reference(name)
-        look = NativeLook(model_of(name))
+        look = EngineLook(model_of(name))
         sliding = [s for s in run.segments if s.sliding is not None]
         assert sliding
         for segment in sliding[:3]:
@@ -231,7 +231,7 @@ def test_the_same_text_looks_in_python() -> None:
     engine = make_engine(answered(tables))
     there = look.make_look(engine)
     meter = energies.make_meter()
-    here = NativeLook(model_of(name))
+    here = EngineLook(model_of(name))
     slots = list(range(2 * tables.slots.size))
     for which in stretches(rows):
         look_at_steps(here, rows, which, largest)

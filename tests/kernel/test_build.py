@@ -10,6 +10,7 @@ import needs
 import pytest
 
 import hybond as hb
+from hybond.engine.compiled import compiler
 from hybond.kernel import build
 from hybond.kernel.library import library
 
@@ -137,14 +138,14 @@ def test_a_kernel_from_other_sources_is_not_used(kernel, tmp_path):
 def test_a_machine_without_a_compiler_builds_no_kernel(monkeypatch, tmp_path):
     monkeypatch.setenv("HYBOND_NO_COMPILER", "1")
     assert build.compile_into(tmp_path / build.NAME) == "there is no C compiler"
-    assert not build.wants_zig()
+    assert not compiler.wants_zig()
     monkeypatch.delenv("HYBOND_NO_COMPILER")
     monkeypatch.setenv("CC", "no-such-compiler")
     assert "no-such-compiler" in build.compile_into(tmp_path / build.NAME)
     monkeypatch.delenv("CC")
-    monkeypatch.setattr(build.shutil, "which", lambda name: None)
-    monkeypatch.setattr(build.importlib.util, "find_spec", lambda name: None)
-    assert build.wants_zig()
+    monkeypatch.setattr(compiler.shutil, "which", lambda name: None)
+    monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
+    assert compiler.wants_zig()
 
 
 def test_a_result_says_how_much_the_kernel_did(kernel):

@@ -11,7 +11,7 @@ import pytest
 
 import hybond as hb
 from hybond.chronicle import Chronicle
-from hybond.modes.journal import Journal
+from hybond.engine.outcome.journal import Journal
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -9,9 +9,9 @@ from scipy.optimize import brentq
 
 import hybond as hb
 from hybond.engine.compiled import native
+from hybond.engine.tables.generators import generators, of_name, terms_of
 from hybond.kernel.library import library
 from hybond.model.expressions import compile_expression, parse
-from hybond.programs.generators import generators, of_name, terms_of
 from hybond.solvers.propagation import Propagator, balanced
 
 ENDS = 1e-13

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
 
 from hybond.blocks.unit_runner import UnitRunner
 from hybond.errors import NumericsError, UsageError
 from hybond.model.graph import FlatGraph
+
+
+class Runner(Protocol):
+    """What computes the outputs of a block, instant after instant."""
+
+    def step(self, t: float, values: Sequence[float]) -> Sequence[float]:
+        """Return the outputs at `t`, in SI, from the inputs of that instant."""
+
+    def close(self) -> None:
+        """Let go of what was needed for that."""
 
 
 class FunctionRunner:

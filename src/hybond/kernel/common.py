@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.equations.calculus import gradient, partial_time
 from hybond.kernel.bytecode import Book
 from hybond.model.expressions import Expr, Neg
 from hybond.model.graph import Machine, Rule
-from hybond.modes.guards import magnitude, seen_in_motion
 from hybond.programs.program import Program
 
 

@@ -14,10 +14,10 @@ from hybond.errors import HybondError
 from hybond.kernel.structs import Atlas, Filled, Log, Schedule
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.inputs import line
+from hybond.model.interval import Interval, interval_after
 from hybond.modes.landing import accumulation, landing
 from hybond.modes.marching import Course
 from hybond.modes.sliding import crossings, motion
-from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]

@@ -20,12 +20,12 @@ from hybond.kernel.structs import Filled, Motion, Sampling, Trail
 from hybond.model.expressions import Expr
 from hybond.model.graph import Mode
 from hybond.model.inputs import line
+from hybond.model.interval import Interval
 from hybond.modes import locate
 from hybond.modes.landing.contacts import approach
 from hybond.modes.locate import Watched
 from hybond.modes.marching import Course, Marched, Passage, Scale
 from hybond.modes.settle import Settler
-from hybond.programs.interval import Interval
 from hybond.programs.linear import LinearForm
 from hybond.programs.program import Program
 from hybond.solvers.base import State, Twinned

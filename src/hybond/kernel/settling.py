@@ -19,9 +19,9 @@ from hybond.kernel.structs import Filled
 from hybond.model.expressions import Binary, Expr, Number, names
 from hybond.model.expressions.tree import prior_names
 from hybond.model.graph import FlatGraph, Mode, Rule
+from hybond.model.interval import Interval
 from hybond.modes.jump import Ways, kicks_of
 from hybond.modes.laws.complementarity import ADRIFT, Complementarity
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers.lcp import positive_semidefinite
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.storage import StorageLaws
+from hybond.model.interval import Interval
 from hybond.modes.sliding.view import equations_of
 from hybond.programs.combined import Combined
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Segment, Trace
 

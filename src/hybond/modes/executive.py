@@ -35,18 +35,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import Runner
+from hybond.engine.outcome.journal import Journal
 from hybond.equations.mode import undetermined_names
 from hybond.errors import NumericsError
-from hybond.modes.journal import Journal
+from hybond.model.interval import Interval, interval_after
 from hybond.modes.landing.landing import MOMENT, Landings
 from hybond.modes.locate import Locator, watch
-from hybond.modes.marching import Course, March
+from hybond.modes.marching import Course, March, Passage
 from hybond.modes.motion import Limits, Motion, Now, Progress
 from hybond.modes.recall import Recall
-from hybond.modes.sampling import Runner, Sampling
+from hybond.modes.sampling import Sampling
 from hybond.modes.settle import Settler, event_of
 from hybond.modes.sliding.motion import Slider
-from hybond.programs.interval import Interval, interval_after
 from hybond.programs.program import Program
 from hybond.solvers import Solver
 from hybond.trace import Cause, Trace
@@ -189,8 +190,7 @@ class Executive:
             if len(found.t):
                 self._tidy()
                 self._recall.note(found, self.trace)
-                if self.journal is not None:
-                    self.journal.passage(found, self._recall.causes(found))
+                self._write(found)
                 self._tidy()
                 self.landings.observe_many(
                     found.t[found.changed],
@@ -214,12 +214,23 @@ class Executive:
                 break
         return y, interval
 
+    def _write(self, passage: Passage) -> None:
+        """Write the events of a passage to the journal, with the cause of each segment's end."""
+        if self.journal is None:
+            return
+        causes = self._recall.causes(passage)
+        stored = passage.after[:, : passage.before.shape[1]].tolist()
+        for k, changed in enumerate(passage.changed.tolist()):
+            if changed:
+                self.journal.row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
+
     def _tidy(self) -> None:
         """Write events to the journal, and let go of what need not be kept."""
         events, segments = self.trace.events, self.trace.segments
         if self.journal is not None:
             for k in range(self.journal.written - events.forgotten, len(events)):
-                self.journal.event(events[k])
+                e = events[k]
+                self.journal.row(e.t, e.cause, e.steps[-1].mode, e.after.tolist())
             self.journal.flush()
         if self.keep is not None:
             # in large pieces: to take one from the front of a list moves all others

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Mode
-from hybond.programs.interval import Interval, interval_after
+from hybond.model.interval import Interval, interval_after
 from hybond.programs.linear import LARGEST, linear_form
 from hybond.programs.program import Program
 

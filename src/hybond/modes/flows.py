@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 
 from hybond.equations.mode import ModeEquations
-from hybond.programs.interval import Interval
+from hybond.model.interval import Interval
 from hybond.programs.linear import KEPT, LinearForm, LinearForms
 from hybond.solvers.exact import Linear
 from hybond.solvers.propagation import Propagator

@@ -10,18 +10,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.errors import ModelError
-from hybond.model.expressions import (
-    Binary,
-    Call,
-    Compare,
-    Expr,
-    Neg,
-    Pre,
-    comparisons,
-    compile_expression,
-    transform,
-)
+from hybond.model.expressions import Expr, compile_expression
 from hybond.model.graph import Rule
 from hybond.modes.dirac import DIRAC, Pairs
 from hybond.programs.program import Program
@@ -144,27 +135,3 @@ class Guards:
         if found is None:
             found = self._followed[id(rule)] = Compiled(self.program, rule)
         return found
-
-
-def seen_in_motion(rule: Rule) -> tuple[Expr, list[Expr]]:
-    """Return a guard as it is while time passes, and the differences of its comparisons."""
-    guard = transform(rule.guard, _without_pre)
-    compared = [c for c in comparisons(guard) if isinstance(c, Compare)]
-    return guard, [Binary("-", c.left, c.right) for c in compared]
-
-
-def magnitude(e: Expr) -> Expr:
-    """Return what the magnitudes of the terms of `e` add up to."""
-    match e:
-        case Binary(op="+" | "-"):
-            return Binary("+", magnitude(e.left), magnitude(e.right))
-        case Binary(op="*"):
-            return Binary("*", magnitude(e.left), magnitude(e.right))
-        case Neg():
-            return magnitude(e.arg)
-        case _:
-            return Call("abs", (e,))
-
-
-def _without_pre(e: Expr) -> Expr:
-    return e.arg if isinstance(e, Pre) else e

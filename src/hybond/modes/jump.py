@@ -25,7 +25,7 @@ from hybond.equations.leakage import least_leakage, null_space
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.equations.storage import StorageLaws
 from hybond.errors import CausalityError, NumericsError
-from hybond.programs.interval import Interval
+from hybond.model.interval import Interval
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]

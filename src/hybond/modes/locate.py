@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
+from hybond.model.interval import Interval
 from hybond.modes.dirac import ROUNDING, Pairs, steady
 from hybond.modes.guards import Followed, Guards
 from hybond.modes.settle import Settler
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers import Step
 

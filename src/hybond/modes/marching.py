@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations
 from hybond.equations.surfaces import Surface
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.landing.landing import Landings
 from hybond.modes.locate import Watched
 from hybond.modes.settle import Settler
-from hybond.programs.interval import Interval
 
 Vector = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class Marched:
     stop, end : arrays, shape (steps,) and (steps, states)
         The ends of the steps, and the states as the steps gave them.
     dense : array, shape (steps, 4, states)
-        Coefficients of ``x, ..., x^4``, as in `hybond.solvers.dense.Polynomial`.
+        Coefficients of ``x, ..., x^4``, as in `hybond.engine.outcome.polynomial.Polynomial`.
     rejected : int
     gaps : dict
         Machine to the largest distance of its contact.

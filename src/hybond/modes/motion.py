@@ -14,9 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.equations.mode import ModeEquations
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.flows import Flows
 from hybond.modes.jump import on_constraints
 from hybond.modes.landing.landing import Landings
@@ -28,10 +30,8 @@ from hybond.modes.settle import Settler, cause_at
 from hybond.modes.sliding.motion import Slider
 from hybond.modes.sliding.view import View
 from hybond.programs.combined import Combined
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers import Field, Solver, Step, StepFailure
-from hybond.solvers.dense import Polynomial
 from hybond.solvers.fixed import FixedStep
 from hybond.trace import Cause, Segment, Trace
 

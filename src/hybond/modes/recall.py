@@ -15,13 +15,13 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.marching import Marched, Passage
 from hybond.modes.settle import Settled, Settler, event_of
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
-from hybond.solvers.dense import Polynomial
 from hybond.trace import Cause, Event, Fired, Segment, Step, Trace
 
 Vector = NDArray[np.float64]

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.named_rows import NamedRows, named_rows
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
 from hybond.modes.dirac import DIRAC, Pair, Pairs
 from hybond.modes.guards import Guards
-from hybond.modes.signals import NamedRows, named_rows
 from hybond.modes.trial import Trial
 from hybond.programs.program import Program
 from hybond.trace import Energy, Fired, Step, StepKind

@@ -4,28 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import Runner
 from hybond.errors import NumericsError
 from hybond.model.graph import Mode, Sample, one_instant
+from hybond.model.interval import Interval
 from hybond.modes.trial import Trials
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
-
-
-class Runner(Protocol):
-    """What computes the outputs of a block, instant after instant."""
-
-    def step(self, t: float, values: Sequence[float]) -> Sequence[float]:
-        """Return the outputs at `t`, in SI, from the inputs of that instant."""
-
-    def close(self) -> None:
-        """Let go of what was needed for that."""
 
 
 class Sampling:

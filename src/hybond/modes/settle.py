@@ -33,10 +33,10 @@ from hybond.equations.leakage import undetermined
 from hybond.errors import DivergenceOfTime, HybondError, ModelError, NumericsError
 from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule, one_instant
+from hybond.model.interval import Interval
 from hybond.modes.dirac import Pairs
 from hybond.modes.record import Recorder
 from hybond.modes.trial import Trial, Trials
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Cause, Event, Fired, Step, Trace
 

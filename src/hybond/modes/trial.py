@@ -16,13 +16,13 @@ from hybond.equations.mode import ModeEquations, Solution, undetermined_names
 from hybond.errors import CausalityError, ModelError, NumericsError
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
+from hybond.model.interval import Interval
 from hybond.modes.dirac import DIRAC, IMPULSE_RTOL, Pair, Pairs, steady
 from hybond.modes.guards import Guards
 from hybond.modes.impacts.strike import strike
 from hybond.modes.jump import Jump, enter, reach_of, reach_of_bonds
 from hybond.modes.laws.complementarity import Complementarity, Instant
 from hybond.modes.signals import impulse_floor
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Trace
 

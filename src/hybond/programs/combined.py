@@ -23,24 +23,23 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.combinations import Kind
 from hybond.equations.mode import ModeEquations, Solution
 from hybond.equations.surfaces import Rates, Surface
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, names
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.programs.blend import Blend, averaged, margins_of, solved
 from hybond.programs.common_space import CommonSpace
-from hybond.programs.interval import Interval
 from hybond.programs.program import Field, Program
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Kind = Literal["additive", "product"]
 
 KEPT = 256
 """Points whose combination is remembered: the weights are asked for where the motion was."""

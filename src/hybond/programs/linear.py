@@ -1,7 +1,7 @@
 """Modes whose motion is linear, as one matrix: ``z' = M z``.
 
 `z` are the stored quantities and the integrated signals that move linearly, then the generators of
-all sources (`hybond.programs.generators`). Where a mode is not of that kind there is a reason.
+all sources (`hybond.engine.tables.generators`). Where a mode is not of that kind there is a reason.
 """
 
 from __future__ import annotations
@@ -14,11 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.mode import ModeEquations
-from hybond.model.expressions import Expr, Number, posterior_names
-from hybond.model.graph import Mode
-from hybond.model.inputs import Constant, Pwm, Timetable
-from hybond.programs.generators import (
+from hybond.engine.tables.generators import (
     Found,
     Generators,
     Terms,
@@ -28,7 +24,11 @@ from hybond.programs.generators import (
     of_name,
     terms_of,
 )
-from hybond.programs.interval import Interval
+from hybond.equations.mode import ModeEquations
+from hybond.model.expressions import Expr, Number, posterior_names
+from hybond.model.graph import Mode
+from hybond.model.inputs import Constant, Pwm, Timetable
+from hybond.model.interval import Interval
 from hybond.programs.solved_rows import is_open, solve_rows
 
 if TYPE_CHECKING:

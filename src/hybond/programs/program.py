@@ -19,8 +19,8 @@ from hybond.errors import NumericsError
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names
 from hybond.model.fieldless import fieldless_laws, reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.interval import Interval, discrete_names, discrete_values
 from hybond.model.resolve import prior
-from hybond.programs.interval import Interval, discrete_names, discrete_values
 from hybond.programs.linear import LinearForms
 from hybond.uncollected import uncollected
 

@@ -4,38 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields
-from itertools import product
 
 import numpy as np
 
+from hybond.engine.outcome.combinations import Kind, corners_of, flipped
 from hybond.equations.mode import ModeEquations
 from hybond.equations.surfaces import Surface, SurfaceLaws
 from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Mode
-from hybond.programs.combined import KEPT, Combined, Kind
+from hybond.model.interval import Interval
+from hybond.programs.combined import KEPT, Combined
 from hybond.programs.common_space import Meet
-from hybond.programs.interval import Interval
 from hybond.programs.program import Field, Program
 
 MOST_PRODUCT = 6
 """Most surfaces of a product combination, which takes 2^k fields."""
 ADDITIVE = 1e-9
 """Fields are additive if what they lack is below this part of them."""
-
-
-def flipped(mode: Mode, surfaces: Sequence[Surface], above: Sequence[int]) -> Mode:
-    """Return a mode with the surfaces' machines below (0) or above (1)."""
-    states = list(mode)
-    for s, up in zip(surfaces, above, strict=True):
-        states[s.machine] = s.above if up else s.below
-    return tuple(states)
-
-
-def corners_of(k: int, kind: Kind) -> list[tuple[int, ...]]:
-    """Return the corners of the cube of weights whose fields a combination takes."""
-    if kind == "product":
-        return list(product((0, 1), repeat=k))
-    return [(0,) * k, *(tuple(int(i == j) for i in range(k)) for j in range(k))]
 
 
 def combine(

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.tables.generators import Found, Terms, of_name, terms_of
 from hybond.equations.element_parts import Dynamic
 from hybond.equations.mode import ModeEquations
 from hybond.model.expressions import posterior_names
-from hybond.programs.generators import Found, Terms, of_name, terms_of
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

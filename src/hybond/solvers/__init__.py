@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from hybond.run_options import SOLVERS
 from hybond.solvers.base import Field, FloatArray, Scale, Solver, Step, StepFailure
-from hybond.solvers.choose import SOLVERS, make_solver
+from hybond.solvers.choose import make_solver
 
 __all__ = [
     "SOLVERS",

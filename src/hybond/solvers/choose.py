@@ -6,36 +6,10 @@ import math
 
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
+from hybond.run_options import ALIASES, AUTO, FIXED, SOLVERS, STEPPING, check_step
 from hybond.solvers.base import Scale, Solver
 
-SOLVERS: dict[str, str] = {
-    "rk45": "explicit Runge-Kutta 5(4) of Dormand and Prince, adaptive; the default choice",
-    "radau": "implicit Runge-Kutta of order 5 (Radau IIA), adaptive; for stiff models",
-    "exact": "exact propagation of linear modes by the exponential of a matrix; rk45 elsewhere",
-    "rk4": "classical Runge-Kutta of order 4, fixed step",
-    "euler": "forward Euler, fixed step; to reproduce published results",
-    "qss1": "quantised states of order 1: constant between their events; for coarse tolerances",
-    "qss2": "quantised states of order 2: lines between their events",
-    "qss3": "quantised states of order 3: parabolas between their events; also named qss",
-    "liqss1": "linearly implicit quantised states of order 1; stiff, for coarse tolerances",
-    "liqss2": "linearly implicit quantised states of order 2, for stiff models; also named liqss",
-    "liqss3": "linearly implicit quantised states of order 3, for stiff models",
-}
-"""Names of the solvers, each with a line that says what it is."""
-
-FIXED = ("rk4", "euler")
-"""Those with a fixed step."""
-
-AUTO = "auto"
-"""Not a solver: one is chosen for the model."""
-
-STEPPING: dict[str, str] = {
-    "moreau-jean": "time-stepping of Moreau and Jean: fixed steps, contacts and diodes within them",
-}
-"""Methods that replace the executive as well, each with a line that says what it is."""
-
-ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
-"""Families of solvers by the member to begin with."""
+__all__ = ["ALIASES", "AUTO", "FIXED", "SOLVERS", "STEPPING", "check_step", "make_solver"]
 
 
 def make_solver(
@@ -117,32 +91,3 @@ def make_solver(
     from hybond.solvers.dopri import DormandPrince
 
     return DormandPrince(scale, max_step=max_step)
-
-
-def check_step(name: str, step: float | None) -> None:
-    """Refuse a fixed step that is missing or makes no sense, or is given to who chooses his own.
-
-    Raises
-    ------
-    UsageError
-        HB-S102 or HB-S104, as `make_solver`.
-    """
-    if name not in FIXED:
-        if step is not None:
-            raise UsageError(
-                f"solver {name!r} chooses its step; a step of {step:g} s was given",
-                code="HB-S104",
-                hint='give max_step to bound it, or choose a fixed step: "rk4", "euler"',
-            )
-    elif step is None:
-        raise UsageError(
-            f"solver {name!r} has a fixed step and none is given",
-            code="HB-S102",
-            hint='give one, such as step="1 ms", or choose the adaptive solver "rk45"',
-        )
-    elif not 0.0 < step < math.inf:
-        raise UsageError(
-            f"a step of {step:g} s for solver {name!r}: it must be positive and finite",
-            code="HB-S102",
-            hint='give a duration, such as step="1 ms"',
-        )

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.solvers.base import (
     FloatArray,
     Scale,
@@ -16,7 +17,6 @@ from hybond.solvers.base import (
     first_not_finite,
 )
 from hybond.solvers.control import error_norm, first_step, worst_component
-from hybond.solvers.dense import Polynomial
 
 _C2, _C3, _C4, _C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
 

@@ -10,9 +10,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.solvers.base import FloatArray, Scale, Step
 from hybond.solvers.control import error_norm
-from hybond.solvers.dense import Polynomial
 from hybond.solvers.dopri import DormandPrince
 from hybond.solvers.propagation import PARTS, Propagator
 

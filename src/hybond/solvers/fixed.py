@@ -7,8 +7,8 @@ from abc import abstractmethod
 
 import numpy as np
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.solvers.base import FloatArray, Solver, Step, StepFailure, first_not_finite
-from hybond.solvers.dense import Polynomial
 
 _SLACK = 1e-9
 """Part of a step within which a time counts as a point of the grid."""

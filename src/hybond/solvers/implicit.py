@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.solvers.base import (
     FloatArray,
     Scale,
@@ -19,7 +20,7 @@ from hybond.solvers.base import (
 )
 from hybond.solvers.collocation import C1, C2, collocation, continued
 from hybond.solvers.control import first_step, worst_component
-from hybond.solvers.dense import Joined, Polynomial
+from hybond.solvers.dense import Joined
 from hybond.solvers.newton import ITERATIONS, Choice, Factors, Stages, norm, solve_stages
 
 Jacobian: TypeAlias = Callable[[float, FloatArray], FloatArray]

@@ -21,8 +21,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.solvers.base import FloatArray, Scale, Solver, Step, StepFailure, first_not_finite
-from hybond.solvers.dense import Polynomial
 from hybond.solvers.qss_learn import learn, reached, sizes_of
 from hybond.solvers.qss_motion import Motion
 from hybond.solvers.qss_quanta import leaves, place

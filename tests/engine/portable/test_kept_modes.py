@@ -6,8 +6,9 @@ import random
 from collections import OrderedDict
 
 import hybond as hb
-from hybond.engine.engine import KEPT, NO_MODE, make_engine
+from hybond.engine.engine import NO_MODE, make_engine
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
+from hybond.engine.mode.mode_records import KEPT
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.words import some
 

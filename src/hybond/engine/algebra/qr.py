@@ -94,7 +94,7 @@ def qr_rotate(m: int, n: int, a: Floats, scale: Floats, back: bool, c: int, b: F
 def complement(m: int, n: int, a: Floats, scale: Floats, column: Ints, basis: Floats) -> int:
     """Put an orthonormal basis of what is orthogonal to the n independent columns of `a` there.
 
-    Returns their number, m - n; `a` is lost. As modes.jump._complement.
+    Returns their number, m - n; `a` is lost.
     """
     qr_reflect(m, n, a, scale, column, False)
     free = max(m - n, 0)

@@ -25,7 +25,7 @@ def power_of_two(d: float) -> float:
 def balance(n: int, m: Floats, d: Floats, down: Floats) -> None:
     """Put ``d > 0`` there such that rows and columns of ``d_i m_ij d_j`` are near one.
 
-    Symmetric, so that `m` stays semidefinite. As solvers.pivoting.balance.
+    Symmetric, so that `m` stays semidefinite.
     """
     for j in range(n):
         d[j] = 1.0
@@ -52,10 +52,7 @@ def balance(n: int, m: Floats, d: Floats, down: Floats) -> None:
 def balance_sides(
     m: int, n: int, w: Floats, rows: Floats, columns: Floats, across: Floats, down: Floats
 ) -> None:
-    """Put factors there such that rows and columns of ``r_i w_ij c_j`` are near one.
-
-    As solvers.pivoting.balance_sides.
-    """
+    """Put factors there such that rows and columns of ``r_i w_ij c_j`` are near one."""
     for i in range(m):
         rows[i] = 1.0
     for j in range(n):

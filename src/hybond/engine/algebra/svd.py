@@ -154,8 +154,7 @@ def rank_above(d: Svd, n: int, threshold: float) -> int:
 def null_space(d: Svd, m: int, n: int, a: Floats, tolerance: float, basis: Floats) -> int:
     """Put an orthonormal basis of the null space of `a` into `basis`; return how many columns.
 
-    `a` has m rows and n columns and is kept; rows are measured by their largest entry. As
-    equations.leakage.null_space.
+    `a` has m rows and n columns and is kept; rows are measured by their largest entry.
     """
     if m == 0:
         for k in range(n * n):

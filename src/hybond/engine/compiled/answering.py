@@ -1,6 +1,6 @@
 """What a run calls in Python: inputs that are functions, and blocks.
 
-The portable engine in Python calls `Calls` itself. The library asks through a `Question` that both
+The engine in Python calls `Calls` itself. The library asks through a `Question` that both
 sides see: a callback has one number as its argument, and no result that could get lost.
 """
 
@@ -10,10 +10,9 @@ import ctypes
 from collections.abc import Generator, Mapping
 from typing import Any
 
-from hybond.blocks.runners import runners_of
+from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.calls import blocks_of
-from hybond.modes.sampling import Runner
 
 VALUE, RATE = 0, 1
 """What is asked; anything else is a block."""

@@ -1,4 +1,4 @@
-"""The compiled library: made of the printed engine, by the compiler that the kernel takes."""
+"""The compiled library: made of the printed engine, by a C compiler."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from hybond.engine.compiled.compiler import TIMEOUT, compiler
 from hybond.engine.compiled.printing import library_text
-from hybond.kernel.build import TIMEOUT, compiler
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
 NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")

@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
 from hybond.engine.compiled.build import NAME
 from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
-from hybond.modes.sampling import Runner
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
@@ -295,7 +295,7 @@ class NativeRun:
         self._library = library()
         numbers = model.tables.numbers
         self._answering: Answering | None = None
-        self._close_runners: Callable[[], object] = _do_nothing
+        self._close_runners: Callable[[], object] = do_nothing
         calls = None
         if numbers["called"] or numbers["blocks"]:
             calls = Calls(model.tables, runners, fmus=fmus)
@@ -413,10 +413,10 @@ class NativeRun:
             HB-N306 if a block fails.
         """
         if isinstance(steps, int):
-            _check_slice(steps)
+            check_slice(steps)
         while self.status == PAUSED:
             many = steps if isinstance(steps, int) else steps()
-            _check_slice(many)
+            check_slice(many)
             with self._lock:
                 self.status = self._library.hybond_run(self._handle, many)
                 self._look()
@@ -466,12 +466,18 @@ class NativeRun:
         )
 
 
-def _check_slice(steps: int) -> None:
+def check_slice(steps: int) -> None:
+    """Refuse a slice that is none.
+
+    Raises
+    ------
+    ValueError
+    """
     if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
         raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
 
 
-def _do_nothing() -> None:
+def do_nothing() -> None:
     """Do nothing: a run without blocks has none to close."""
 
 

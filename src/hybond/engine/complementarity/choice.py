@@ -55,8 +55,7 @@ def complementary_basis(c: Choice, rows: int, wide: int, pairs: int, w: Floats) 
     """Choose one column of each pair (k, pairs + k), and all later ones, that are independent.
 
     The columns are in `c.owner`; False if no such choice exists. The largest entry is the pivot and
-    takes its pair out; where nothing is left, chosen columns are exchanged for their partners. As
-    solvers.pivoting.complementary_basis.
+    takes its pair out; where nothing is left, chosen columns are exchanged for their partners.
     """
     for k in range(rows * wide):
         c.table[k] = w[k]
@@ -125,10 +124,7 @@ def take_column(c: Choice, rows: int, wide: int, pairs: int, r: int, column: int
 
 
 def augmenting_path(c: Choice, rows: int, wide: int, pairs: int) -> None:
-    """Find the pivots that free a row for a waiting column; none if there are none.
-
-    As solvers.pivoting._augmenting_path.
-    """
+    """Find the pivots that free a row for a waiting column; none if there are none."""
     count = 0
     for i in range(rows):
         c.came[i] = -2

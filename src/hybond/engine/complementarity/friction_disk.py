@@ -51,10 +51,7 @@ def make_disk() -> Disk:
 
 
 def on_disk(d: Disk) -> bool:
-    """Find the direction of the force on the edge of the disk; False if there is none.
-
-    As solvers.friction_disk.on_disk.
-    """
+    """Find the direction of the force on the edge of the disk; False if there is none."""
     size = max(math.fabs(d.f0[0]), math.fabs(d.f0[1]))
     most = max(max(math.fabs(d.a[0]), math.fabs(d.a[1])), max(math.fabs(d.a[2]), math.fabs(d.a[3])))
     size += math.fabs(d.limit) * most

@@ -1,7 +1,7 @@
 """The laws of junctions, all at once, as one mixed linear complementarity problem.
 
 Given ``w = M l + q``, each port takes part in one of the ways of law_roles.py. The limit of
-friction may be affine in `l`. As modes.laws.problem. Source: V. Acary, B. Brogliato,
+friction may be affine in `l`. Source: V. Acary, B. Brogliato,
 *Numerical Methods for Nonsmooth Dynamical Systems*, Springer 2008, chapters 10 and 12.
 """
 
@@ -34,7 +34,7 @@ LEAST_SCALE: Final = 2.2250738585072014e-308
 def solve_laws(p: LawProblem, start: Ints) -> bool:
     """Find what the laws of all ports do together; False if nothing was found.
 
-    `start` is a guess of the branches. As modes.laws.problem.solve_laws.
+    `start` is a guess of the branches.
     """
     n = p.n
     holds_any = False
@@ -56,10 +56,7 @@ def solve_laws(p: LawProblem, start: Ints) -> bool:
 
 
 def solve_without_held(p: LawProblem, start: Ints) -> bool:
-    """Put in the `l` that hold ``w = 0``, and solve for the others.
-
-    As modes.laws.problem._without_held.
-    """
+    """Put in the `l` that hold ``w = 0``, and solve for the others."""
     n = p.n
     many = 0
     free = 0
@@ -147,10 +144,7 @@ def held_scale(p: LawProblem, k: int) -> float:
 
 
 def solve_with_friction(p: LawProblem, moved: Floats, start: Ints) -> bool:
-    """Write the laws as rows ``A a + B b + C l = d`` with ``a, b >= 0`` and ``a b = 0``; solve.
-
-    As modes.laws.problem._mixed.
-    """
+    """Write the laws as rows ``A a + B b + C l = d`` with ``a, b >= 0`` and ``a b = 0``; solve."""
     n = p.n
     pairs = 0
     for k in range(n):

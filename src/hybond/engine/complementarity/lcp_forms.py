@@ -89,7 +89,7 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
     """Solve for n pairs and m free unknowns; `start` says which a are not zero, if `guessed`.
 
     One unknown of each pair is chosen such that these and the free ones can be solved for; what is
-    left is a standard problem. As solvers.lcp_forms.mixed.
+    left is a standard problem.
     """
     rows = n + m
     wide = 2 * n + m
@@ -153,8 +153,7 @@ def furthest(x: Mixed, n: int, m: int) -> float:
 def reduce_mixed(x: Mixed, n: int, m: int) -> int:
     """Solve for one unknown of each pair (a where x.is_a) and the free ones.
 
-    Column 0 is the constant, the others what each unknown of the other kind takes from it. As
-    solvers.lcp_forms._reduce.
+    Column 0 is the constant, the others what each unknown of the other kind takes from it.
     """
     rows = n + m
     wide = 2 * n + m

@@ -32,7 +32,7 @@ SMALLEST_NORMAL: Final = 2.2250738585072014e-308
 def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
     """Solve for the n pairs of `m` and `q`; `start` is a guess of the z that are not zero.
 
-    The answer is p.z, p.w, p.active and p.open. `start` is kept. As solvers.lemke.lemke.
+    The answer is p.z, p.w, p.active and p.open. `start` is kept.
     """
     scale_problem(p, n, m, q)
     limit = 2000 + 20 * n
@@ -87,7 +87,7 @@ def drop_dependent(p: Lcp, n: int) -> None:
 
 
 def scale_problem(p: Lcp, n: int, m: Floats, q: Floats) -> None:
-    """Put ``D M D`` and ``D q / size`` into the record. As solvers.lemke.scaled.
+    """Put ``D M D`` and ``D q / size`` into the record.
 
     The size is that of the largest of ``D q``, unless that leaves another number, which the caller
     thinks of as large, below all tolerances.
@@ -113,10 +113,7 @@ def scale_problem(p: Lcp, n: int, m: Floats, q: Floats) -> None:
 
 
 def confirm_point(p: Lcp, n: int) -> int:
-    """Put z, w and what is open of the active set there; NEGATIVE_POINT if one is, or SINGULAR.
-
-    As solvers.lemke._point.
-    """
+    """Put z, w and what is open of the active set there; NEGATIVE_POINT if one is, or SINGULAR."""
     count = split_pairs(p, n, p.active)
     for i in range(count):
         for j in range(count):

@@ -1,7 +1,4 @@
-"""Junction laws that are one-sided or cut: a linear complementarity problem, level by level.
-
-As modes.laws.problem.
-"""
+"""Junction laws that are one-sided or cut: a linear complementarity problem, level by level."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def solve_one_sided(
     branch: Ints,
     open: Ints,
 ) -> bool:
-    """Solve where all laws are one-sided, or cut. As modes.laws.problem._one_sided."""
+    """Solve where all laws are one-sided, or cut."""
     many = 0
     for k in range(n):
         l[k] = 0.0
@@ -67,10 +64,7 @@ def solve_one_sided(
 
 
 def as_before(p: LawProblem, n: int) -> bool:
-    """Whether the guessed active set clearly is the solution, which is p.z then.
-
-    As modes.laws.problem._as_before.
-    """
+    """Whether the guessed active set clearly is the solution, which is p.z then."""
     many = 0
     for k in range(n):
         p.z[k] = 0.0
@@ -113,7 +107,7 @@ def by_levels(p: LawProblem, n: int) -> bool:
 
     Pairs that are zero on both sides, measured by the largest of them, are decided by what is left
     of q once the others are: a current that passes through zero while others flow. The answer is
-    p.z, p.active, and what stays open at every level in p.left. As modes.laws.problem._by_levels.
+    p.z, p.active, and what stays open at every level in p.left.
     """
     if lemke(p.lcp, n, p.own, p.own_q, p.guess) != SOLVED:
         return False

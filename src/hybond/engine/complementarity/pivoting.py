@@ -32,7 +32,7 @@ def split_pairs(p: Lcp, n: int, active: Ints) -> int:
 def principal(p: Lcp, n: int, active: Ints) -> int:
     """Put M and q after z and w of the active pairs have changed places into p.pivoted, p.constant.
 
-    SINGULAR if the block of the active pairs is, or nearly so. As solvers.pivoting.principal.
+    SINGULAR if the block of the active pairs is, or nearly so.
     """
     count = split_pairs(p, n, active)
     if count == 0:
@@ -96,8 +96,7 @@ def column_norm(n: int, a: Floats) -> float:
 def independent(p: Lcp, n: int, active: Ints) -> int:
     """Leave of the active pairs those that symmetric elimination finds regular; return how many.
 
-    Pivots of one or two pairs at a time: a skew block has no diagonal to divide by. As
-    solvers.pivoting.independent.
+    Pivots of one or two pairs at a time: a skew block has no diagonal to divide by.
     """
     count = split_pairs(p, n, active)
     for i in range(count):
@@ -176,7 +175,7 @@ def lemke_path(p: Lcp, n: int, limit: int, tol: float) -> int:
     M and q are p.pivoted and p.constant. Leaves in p.path which pairs have a basic z, in p.ray the
     direction of (w, z) if it ends on a ray, and counts p.pivots. The table holds ``basic = table
     nonbasic``, its last column the constants; unknowns are numbered w, z, z0. The lexicographic
-    rule is that of ``q + (eps, eps^2, ...)``. As solvers.pivoting.lemke_path, all covering ones.
+    rule is that of ``q + (eps, eps^2, ...)``.
     """
     wide = n + 2
     z0 = 2 * n

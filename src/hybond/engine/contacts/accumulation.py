@@ -1,7 +1,7 @@
 """Accumulation (Zeno): impacts that follow each other ever faster, towards a limit in time.
 
 Intervals that shrink by a factor r have the limit ``t_n + gap r / (1 - r)``, and r is the ratio of
-the last two of them: Aitken's delta-squared. As modes.landing.accumulation.
+the last two of them: Aitken's delta-squared.
 """
 
 import math
@@ -37,10 +37,7 @@ def aitken(a: float, b: float, c: float) -> float:
 
 
 def limit_of(g: Landings, times: Floats, machine: int, n: int) -> bool:
-    """Put the limit of n instants of a machine into `g`; False if their intervals do not shrink.
-
-    As modes.landing.accumulation.limit_of.
-    """
+    """Put the limit of n instants of a machine into `g`; False if their intervals do not shrink."""
     first = LAST_TIMES * machine
     if n < 3:
         return False

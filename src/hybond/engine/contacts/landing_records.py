@@ -148,10 +148,7 @@ def make_landings(m: Model) -> Landings:
 
 
 def in_force(m: Model, g: Landings, machine: int, rule: int) -> bool:
-    """Whether a rule of a machine is in force: some are only where it has landed, some not there.
-
-    As modes.landing.contacts.at_rest.
-    """
+    """Whether a rule is in force: some are only where its machine has landed, some not there."""
     landed = g.landed[machine]
     if m.rule_landed[rule] != 0:
         here = landed >= 0 and m.contact_state[landed] == m.rule_source[rule]

@@ -1,7 +1,4 @@
-"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero.
-
-As modes.landing.rest.
-"""
+"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero."""
 
 import math
 from typing import Final
@@ -9,7 +6,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.contacts.landing_records import Landings
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.instant.jump import enter_mode, impulse_directions
+from hybond.engine.instant.impulse_ways import impulse_directions
+from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import set_values
@@ -38,7 +36,7 @@ def find_moved(e: Engine, held: Ints) -> None:
 
 
 def still_stored(e: Engine, held: Ints, x: Floats) -> None:
-    """Put rounding in storages that are held to zero. As modes.landing.rest.still."""
+    """Put rounding in storages that are held to zero."""
     m = e.model
     reach_of(e, x, e.energy, e.work.reach)
     for k in range(m.storages):

@@ -1,4 +1,4 @@
-"""Why contacts cannot rest at which impacts accumulate. As modes.landing.landing, Verdict.
+"""Why contacts cannot rest at which impacts accumulate.
 
 Only where somebody will read it: `tells` of the model.
 """

@@ -125,7 +125,7 @@ def function_of(which: int, a: float, b: float) -> float:
 
 
 def ratio(a: float, b: float) -> float:
-    """Return a/b as `modes.dirac._quotient`: the sign of a zero b does not count."""
+    """Return a/b; the sign of a zero b does not count."""
     if b != 0.0:
         return quotient(a, b)
     return math.nan if a == 0.0 else math.copysign(math.inf, a)

@@ -3,7 +3,7 @@
 At a jump a signal is ``impulse * delta + finite``. Pairs add; a pair times a factor that does not
 jump scales both parts; comparisons, abs, min, max and sign look at the impulse first. Anything else
 on an impulse has no meaning and is refused. Each value also carries the size of the terms it was
-made of, because rounding is relative to these. After modes/dirac.py.
+made of, because rounding is relative to these.
 """
 
 from __future__ import annotations

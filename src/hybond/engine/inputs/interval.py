@@ -1,7 +1,4 @@
-"""What is constant between two timed events: pieces of inputs, comparisons of time.
-
-After model/inputs.py and programs/interval.py.
-"""
+"""What is constant between two timed events: pieces of inputs, comparisons of time."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ PULSES: Final = 3
 FREE: Final = 4
 """Set from outside, and so no part of what selects equations."""
 CALLED: Final = 5
-"""A function, smooth between the breaks that are its numbers. After model/inputs.py, Called."""
+"""A function, smooth between the breaks that are its numbers."""
 
 
 def edge(m: Model, i: int, piece: int) -> float:
@@ -191,7 +188,7 @@ def level_of_piece(m: Model, i: int, piece: int) -> int:
 
 
 def next_sample(m: Model, k: int, t: float) -> float:
-    """Return the first instant after t of a sampled signal. After model/graph.py, Sample."""
+    """Return the first instant after t of a sampled signal."""
     every = m.sample_every[k]
     phase = m.sample_phase[k]
     if t < phase:
@@ -211,7 +208,7 @@ def is_due(m: Model, k: int, t: float) -> bool:
 
 
 def one_instant(a: float, b: float) -> bool:
-    """Whether two timed events are one, but for rounding. After model/graph.py."""
+    """Whether two timed events are one, but for rounding."""
     return math.fabs(a - b) <= ROUNDING * math.fabs(b)
 
 
@@ -266,7 +263,7 @@ def watch_holds(m: Model, k: int, t: float) -> bool:
 
 
 def set_time(e: Engine, v: Floats, t: float) -> None:
-    """Write time, inputs and comparisons of time. After programs/program.py, set_time."""
+    """Write time, inputs and comparisons of time."""
     m = e.model
     v[0] = t
     for i in range(m.inputs):

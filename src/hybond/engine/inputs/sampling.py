@@ -1,4 +1,4 @@
-"""Signals that are set at instants and held between them. After modes/sampling.py."""
+"""Signals that are set at instants and held between them."""
 
 from __future__ import annotations
 

@@ -5,8 +5,9 @@ Only where somebody will read it: `tells` of the model.
 
 from __future__ import annotations
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
 from hybond.engine.mode.leakage import is_undetermined
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import IMPULSIVE, LEFT_OPEN, add_about, begin_warning
 

@@ -10,8 +10,7 @@ def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
     """Whether a rule of a machine may lead away from a state.
 
     The rules between the two states of a surface that is slid on rest, those from either to a third
-    hold in both; machines that switch on the same surface rest as well. After
-    modes/sliding/view.py, resting.
+    hold in both; machines that switch on the same surface rest as well.
     """
     m = e.model
     s = e.slide

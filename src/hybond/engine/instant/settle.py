@@ -2,8 +2,8 @@
 
 A mode that is left on its a posteriori values is mythical; one that was written and then left is a
 pinnacle; the last is continuous. All machines fire together. If the same mode, state, state after
-the jump and a priori values return at one instant, time cannot advance. After modes/settle.py; the
-algorithm is Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
+the jump and a priori values return at one instant, time cannot advance. Source:
+Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Writing down, beside what happens at an instant, what explains it.
 
-Only where somebody will read it: `tells` of the model. After modes/record.py.
+Only where somebody will read it: `tells` of the model.
 """
 
 from __future__ import annotations

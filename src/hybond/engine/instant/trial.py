@@ -1,6 +1,6 @@
 """Trying a mode: its jump from the a priori state, and every signal that follows.
 
-Nothing here decides anything; settle.py does. After modes/trial.py.
+Nothing here decides anything; settle.py does.
 """
 
 from __future__ import annotations
@@ -9,13 +9,7 @@ import math
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.engine import (
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    say_fault,
-)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import (
     DIVIDED_JUMPS,
@@ -35,6 +29,7 @@ from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import set_values
@@ -211,7 +206,7 @@ def find_floor(e: Engine, x: Floats) -> None:
     """Find the size below which each bond variable's impulse counts as zero.
 
     That part of the largest stored quantity of its kind in the bond's domain, or of the largest
-    such impulse if nothing is stored there. After modes/signals.py, impulse_floor.
+    such impulse if nothing is stored there.
     """
     m = e.model
     for c in range(m.classes):

@@ -1,7 +1,7 @@
 """One question to the laws of an instant, and the branches that answer it.
 
 Limits of friction depend on what the laws give, and hold more at rest than in motion: what breaks
-loose is asked again. As modes.laws.complementarity.
+loose is asked again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
     """Find the limit of friction as an affine function of what the laws give.
 
     `r.later` are the values at which it is linearised, and bond variables without `l` are those of
-    the response. As modes.laws.friction.Linearised.
+    the response.
     """
     m = e.model
     n = m.ports

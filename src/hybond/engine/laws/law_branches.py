@@ -12,8 +12,8 @@ At an instant, in the mode that the machines are in, the graph seen from its jun
    an implicit step of vanishing length ``h``: ``0 <= l``, ``(y + h y') + (D + h C E) l >= 0``. The
    finite values decide; where both of a pair are zero, the rates do.
 
-As modes.laws.complementarity. Sources: Heemels, Schumacher and Weiland, *Linear complementarity
-systems*, SIAM J. Appl. Math. 60 (2000); Camlibel et al. on passive ones (2002).
+Sources: Heemels, Schumacher and Weiland, *Linear complementarity systems*, SIAM J. Appl.
+Math. 60 (2000); Camlibel et al. on passive ones (2002).
 """
 
 from __future__ import annotations

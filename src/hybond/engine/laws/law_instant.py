@@ -1,7 +1,4 @@
-"""Junction laws at one instant: the values there, what each law may do, what is rounding.
-
-As modes.laws.complementarity.
-"""
+"""Junction laws at one instant: the values there, what each law may do, what is rounding."""
 
 from __future__ import annotations
 

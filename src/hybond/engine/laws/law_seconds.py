@@ -1,8 +1,7 @@
 """Laws of junctions that have more than one solution, as rigid friction may (Painleve).
 
 Only where somebody will read it: `tells` of the model. A few other starts are tried, always the
-same ones: to find nothing proves nothing. After Complementarity._solve, ambiguous of
-modes.laws.problem, and solvers.lcp.second_solution.
+same ones: to find nothing proves nothing.
 """
 
 from __future__ import annotations

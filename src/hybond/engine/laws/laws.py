@@ -8,7 +8,8 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.impacts.impact_records import NEWTON
 from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
-from hybond.engine.instant.jump import JUMPS, STAYS, check_agreement
+from hybond.engine.instant.constraints import check_agreement
+from hybond.engine.instant.jump import JUMPS, STAYS
 from hybond.engine.instant.trial import (
     begin_trial,
     finish_trial,
@@ -339,7 +340,7 @@ def observe(e: Engine, v: Floats) -> None:
 def check_limits(e: Engine, t: float, v: Floats) -> int:
     """Look at limits of friction that vary: they must stay what friction can have.
 
-    HB-N407 for a limit below zero, or above that of breaking loose. As modes.laws.limits.
+    HB-N407 for a limit below zero, or above that of breaking loose.
     """
     m = e.model
     r = e.laws

@@ -15,18 +15,12 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
-from hybond.engine.engine import (
-    OK,
-    REFUSED,
-    Engine,
-    Mode,
-    make_mode,
-    say_fault,
-)
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.kept_modes import is_same
+from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values
@@ -83,7 +77,7 @@ def open_mode(e: Engine, p: Ports) -> Mode:
 
 
 def orientation(m: Model, base: Ints, given: Ints) -> None:
-    """Put which variable of each port is given into `given`. As equations.ports.orientation.
+    """Put which variable of each port is given into `given`.
 
     The choice is the reference mode of causality, which the tables hold for all states of the
     machines beside the laws.
@@ -101,7 +95,7 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
 
 
 def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
-    """Make the equations of a configuration with open laws. As equations.ports.port_equations."""
+    """Make the equations of a configuration with open laws."""
     m = e.model
     orientation(m, r.base, p.given)
     tries = 0
@@ -198,8 +192,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     """Put the derivatives of the bond variables by `l` there.
 
     Modulated two-ports and controlled sources are affine in what ports give, so that a difference
-    over a unit step is exact; through nonlinear resistors it is a chord. As
-    equations.ports.PortEquations.gains.
+    over a unit step is exact; through nonlinear resistors it is a chord.
     """
     mode = open_mode(e, p)
     m = e.model
@@ -255,7 +248,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     """Find the response of `r.now` at the values `v` and the stored state `x`.
 
     Bond variables are written into `v`. Rates are asked for if `timed`; those of a nonlinear graph
-    are differences. As equations.ports.PortEquations.response.
+    are differences.
     """
     m = e.model
     p = r.now
@@ -342,10 +335,7 @@ def couple(m: Model, p: Ports, a: Response) -> None:
 
 
 def find_constant(e: Engine, r: Laws, v: Floats) -> int:
-    """Find what is the same at every state of a linear graph.
-
-    As equations.ports.PortEquations._constant.
-    """
+    """Find what is the same at every state of a linear graph."""
     m = e.model
     p = r.now
     mode = open_mode(e, p)

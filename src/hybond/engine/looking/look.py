@@ -12,11 +12,13 @@ from __future__ import annotations
 from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
-from hybond.engine.engine import OK, REFUSED, Engine, Mode
+from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.jump import is_constrained, on_constraints
+from hybond.engine.instant.constraints import is_constrained
+from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import Model
 from hybond.engine.sliding.averages import solve_here

@@ -1,4 +1,4 @@
-"""The matrix of a motion in units in which it is balanced. After solvers/propagation.py.
+"""The matrix of a motion in units in which it is balanced.
 
 In other units the norm is often much smaller. Sources: E. E. Osborne, J. ACM 7(4), 1960; B. N.
 Parlett, C. Reinsch, Numer. Math. 13, 1969.

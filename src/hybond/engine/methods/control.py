@@ -1,7 +1,6 @@
 """Steps whose size the error controls: those of Dormand and Prince, and of what is propagated.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4, and II, IV.2.
-After solvers/dopri.py and solvers/control.py.
 """
 
 from __future__ import annotations

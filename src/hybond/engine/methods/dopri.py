@@ -2,7 +2,7 @@
 
 The norm of the error is the root mean square over the controlled components in units of their
 scale. Sources: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6(1), 1980; L. F. Shampine,
-Math. Comput. 46, 1986. After solvers/dopri.py; the size of its steps is controlled in `control`.
+Math. Comput. 46, 1986. The size of its steps is controlled in `control`.
 """
 
 from __future__ import annotations

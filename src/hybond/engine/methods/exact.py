@@ -3,7 +3,7 @@
 The ends of steps are exact but for rounding, whatever their size. What limits it is the dense
 output, a polynomial of degree 4 through the state at some parts of a step with its first
 derivative: it is compared with the state at another part. A motion that died away is no longer
-seen, however fast it was. After solvers/exact.py.
+seen, however fast it was.
 """
 
 from __future__ import annotations

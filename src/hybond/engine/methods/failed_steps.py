@@ -1,4 +1,4 @@
-"""Steps that cannot be made, with the state that is to blame. After solvers/base.py."""
+"""Steps that cannot be made, with the state that is to blame."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Steps go to the grid ``t + k step``, which is laid anew where a motion starts and computed by
 multiplication, so that it does not drift. The last step before a `t_end` is shortened to it; the
-one after goes to the next point of the grid. After solvers/fixed.py, euler.py and rk4.py. Source:
+one after goes to the next point of the grid. Source:
 Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.1 and II.6.
 """
 

@@ -1,7 +1,7 @@
 """Which modes are linear, and what their matrix is: column after column, by the rows of the mode.
 
 Stored quantities, signals and generators stand for themselves; bond variables follow from them as
-they do at any instant. After programs/linear.py.
+they do at any instant.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.engine import NOT_FINITE, OK, Engine, Mode
+from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.balance import take_matrix
 from hybond.engine.methods.flow_records import (
     MOST_FLOWS,
@@ -21,6 +21,7 @@ from hybond.engine.methods.flow_records import (
     make_flow,
 )
 from hybond.engine.methods.linear_rows import open_rows, solve_rows
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.model import Model
 from hybond.engine.words import some

@@ -2,15 +2,16 @@
 
 A controlled source, or a law written out as a formula, makes such a row. Where they have forms, the
 unknowns that they determine are solved for here; those of other rows stay open, and so do bond
-variables that depend on them. After programs/solved_rows.py.
+variables that depend on them.
 """
 
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
 from hybond.engine.methods.flow_records import Exact
 from hybond.engine.mode.leakage import project
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import newton_step, put_row, with_free
 from hybond.engine.model import Model

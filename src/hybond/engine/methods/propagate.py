@@ -3,7 +3,7 @@
 Up to a unit of time, about the inverse of the norm, a state is propagated by its Taylor series. For
 longer there are levels: the exponentials for a unit, two, four, ..., each less the identity.
 Less the identity, because slow motions beside a fast one hardly change in a unit: squared as
-``(I + D)^2 - I = 2 D + D^2``, what they do is not lost in rounding. After solvers/propagation.py.
+``(I + D)^2 - I = 2 D + D^2``, what they do is not lost in rounding.
 Source: C. Moler, C. Van Loan, SIAM Review 45(1), 2003.
 """
 

@@ -1,4 +1,4 @@
-"""Radau IIA of order 5 for stiff modes: one step, and the size of the next. As solvers.implicit.
+"""Radau IIA of order 5 for stiff modes: one step, and the size of the next.
 
 Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.8; K. Gustafsson,
 "Control-theoretic techniques for stepsize selection in implicit Runge-Kutta methods", ACM Trans.
@@ -80,7 +80,7 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
-    go there. As solvers.implicit.RadauIIA._differences.
+    go there.
     """
     n = r.n
     tolerance(e, r.y0, r.y0, r.other)
@@ -122,7 +122,7 @@ def filtered_error(r: Radau, f: Floats) -> float:
 
 
 def estimate_error(e: Engine, r: Radau) -> None:
-    """Estimate the error of the step that is tried. As solvers.implicit.RadauIIA._error."""
+    """Estimate the error of the step that is tried."""
     n = r.n
     for i in range(n):
         r.stage[i] = r.y[2 * n + i]
@@ -191,7 +191,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
 def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, longest: float) -> int:
     """Make one step of about h that satisfies the tolerance and ends at t_end or before.
 
-    From r.t0, r.y0, r.f0 to r.t1, r.y1, r.f1. As solvers.implicit.RadauIIA._advance.
+    From r.t0, r.y0, r.f0 to r.t1, r.y1, r.f1.
     """
     remaining = t_end - r.t0
     smallest = 10.0 * spacing(r.t0)
@@ -218,7 +218,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
 def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
     """Make one step from r.t0, and choose the size of the next, r.next.
 
-    As solvers.implicit.RadauIIA._advance, with what it leaves to the next step.
+    With what it leaves to the next step.
     """
     if r.slow:
         r.matrix = NO_MATRIX
@@ -294,8 +294,7 @@ def add_piece(r: Radau) -> None:
 def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
     """Repeat the last step, ending at t_end: in one step, if that is accurate enough.
 
-    Jacobian and step size of the steps to come are those of before. As
-    solvers.implicit.RadauIIA.retry.
+    Jacobian and step size of the steps to come are those of before.
     """
     n = r.n
     next_size = r.next

@@ -20,7 +20,7 @@ from hybond.engine.words import Floats
 
 
 def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
-    """Begin, or go on after an event. As solvers.implicit.RadauIIA._begin."""
+    """Begin, or go on after an event."""
     s = e.step
     n = e.states
     forget = jumped or not s.started

@@ -1,4 +1,4 @@
-"""The stages of a step of Radau IIA by Newton's iteration, as solvers.newton.
+"""The stages of a step of Radau IIA by Newton's iteration.
 
 Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.8. In the basis of
 the eigenvectors of the inverse of the method's matrix the linear system of an iteration, of three
@@ -166,10 +166,7 @@ def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
 
 
 def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
-    """Iterate until the error left is negligible, or until it is clear that it will not be.
-
-    As solvers.newton.solve_stages.
-    """
+    """Iterate until the error left is negligible, or until it is clear that it will not be."""
     n = r.n
     # below ten units of rounding of the state itself no iteration can come
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)

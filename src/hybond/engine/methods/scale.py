@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import own_stiffness
@@ -28,7 +29,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
 
     From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
     right to a part of what it adds. Where all is still and nothing pushes yet, the terms of a
-    moment later count. After modes.motion, _terms.
+    moment later count.
     """
     if not found_terms(e, mode, e.t):
         soon = SHORT * e.until
@@ -101,8 +102,7 @@ def controlled(n: int, scale: Floats) -> int:
 def error_norm(n: int, error: Floats, scale: Floats) -> float:
     """Return the root mean square of ``error/scale`` over the controlled components.
 
-    A component of scale 0 and error 0 counts as 0; scale 0 with an error gives infinity. After
-    solvers/control.py.
+    A component of scale 0 and error 0 counts as 0; scale 0 with an error gives infinity.
     """
     many = 0
     total = 0.0

@@ -50,10 +50,7 @@ def retry(e: Engine, t_end: float) -> int:
 
 
 def between(e: Engine, t: float, y: Floats) -> None:
-    """Put the state at a time within the last step into `y`, at its ends bit for bit.
-
-    After solvers/dense.py, Polynomial.
-    """
+    """Put the state at a time within the last step into `y`, at its ends bit for bit."""
     s = e.step
     n = e.states
     if e.model.method == RADAU and not e.curved:

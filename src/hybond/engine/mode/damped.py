@@ -1,4 +1,4 @@
-"""Newton with steps that are shortened until they help. After equations/damped.py.
+"""Newton with steps that are shortened until they help.
 
 Full steps jump to and fro where a law is bent like a root on both sides of rest: two orifices in a
 row. A step is taken as far as the *next* one, with the same slopes, becomes smaller.
@@ -11,7 +11,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import (
     is_zero,
     largest_of,

@@ -1,12 +1,13 @@
 """Rows whose laws are evaluated: their values, and their slopes by bond variables.
 
-A row is a law of the model or the time derivative of a constraint. After equations/mode.py.
+A row is a law of the model or the time derivative of a constraint.
 """
 
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Block, fit
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.model import value
 from hybond.engine.words import Floats, Ints

@@ -2,7 +2,7 @@
 
 Unknown columns are eliminated in the order rows arrive; known columns are only carried along. A
 row whose unknowns all cancel is not lost: it is a constraint among the knowns. Unknowns that are
-equal are one from the start. After equations/elimination.py.
+equal are one from the start.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The equations of a mode, ready to evaluate: made when the mode is first entered.
-
-After equations/mode.py, prepare, and programs/program.py, equations.
-"""
+"""The equations of a mode, ready to evaluate: made when the mode is first entered."""
 
 from __future__ import annotations
 
@@ -11,19 +8,13 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
 from hybond.engine.algebra.products import all_finite, times_matrix
 from hybond.engine.algebra.svd import null_space, rank_above, svd
-from hybond.engine.engine import (
-    NO_MODE,
-    OK,
-    Engine,
-    Mode,
-    say_fault,
-    svd_room,
-)
+from hybond.engine.engine import NO_MODE, OK, Engine, say_fault, svd_room
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import system
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on
@@ -278,7 +269,7 @@ def is_fieldless(e: Engine, mode: Mode) -> bool:
 
 
 def is_prior_active(m: Model, mode: Mode, k: int) -> bool:
-    """Whether a law that reads ``pre()`` acts in a mode. After model/fieldless.py."""
+    """Whether a law that reads ``pre()`` acts in a mode."""
     for i in range(m.prior_first[k], m.prior_first[k + 1]):
         if mode.on[m.prior_switch[i]] == 0:
             return False

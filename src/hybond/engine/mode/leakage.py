@@ -1,7 +1,6 @@
 """Undetermined variables: the member of the admissible set with the least leakage power.
 
-First the leaks of controlled junctions, then those of the undetermined bonds. After
-equations/leakage.py.
+First the leaks of controlled junctions, then those of the undetermined bonds.
 """
 
 from __future__ import annotations
@@ -12,7 +11,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import null_space, pseudo_inverse
-from hybond.engine.engine import Engine, Leakage, Mode, svd_room
+from hybond.engine.engine import Engine, svd_room
+from hybond.engine.mode.mode_records import Leakage, Mode
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

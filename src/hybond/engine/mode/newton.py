@@ -1,6 +1,6 @@
 """Bond variables of a mode at one instant: a product with what is known, or Newton's method.
 
-Newton solves in the unknowns that elimination left free. After equations/mode.py.
+Newton solves in the unknowns that elimination left free.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import null_space
-from hybond.engine.engine import NOT_FINITE, OK, Engine, Mode, say_fault, svd_room
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault, svd_room
 from hybond.engine.mode.damped import shorter_steps
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.leakage import project
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import (
     is_zero,
     largest_of,

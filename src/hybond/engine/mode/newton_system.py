@@ -2,7 +2,7 @@
 
 The residuals are the laws, the power structure projected on its range, and the hidden constraints:
 the time derivative of what the power structure puts on co-energy variables, found by its left null
-vectors. After equations/mode.py.
+vectors.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import least_squares, svd_of_transpose
-from hybond.engine.engine import Engine, Mode, svd_room
+from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.model import value
 from hybond.engine.words import Floats
@@ -99,12 +100,12 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
     fit(work.c, many * max(frees, 1))
     for i in range(many):
         for j in range(frees):
-            total = 0.0
-            for k in range(n):
-                entry = work.frozen.at[mode.structure[i] * n + k]
-                if entry != 0.0:
-                    total += entry * mode.power_free.at[k * frees + j]
-            work.c.at[i * frees + j] = total
+            work.c.at[i * frees + j] = 0.0
+        for k in range(n):
+            entry = work.frozen.at[mode.structure[i] * n + k]
+            if entry != 0.0:
+                for j in range(frees):
+                    work.c.at[i * frees + j] += entry * mode.power_free.at[k * frees + j]
     d = svd_room(e, max(many, frees), max(many, frees))
     svd_of_transpose(d, many, frees, work.c.at)
     rank = mode.rank

@@ -1,8 +1,7 @@
 """What rounding is measured by: the size of the terms that made what a guard reads.
 
 A difference that is no more than rounding of its terms counts as zero. Those of a bond variable are
-found where a guard is asked that reads it, not where it is evaluated. After equations/mode.py,
-solution, and modes/jump.py, reach_of_bonds.
+found where a guard is asked that reads it, not where it is evaluated.
 """
 
 from __future__ import annotations
@@ -11,7 +10,8 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats

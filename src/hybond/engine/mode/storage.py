@@ -1,4 +1,4 @@
-"""Laws of storage: co-energy variables, stiffness, energy. After equations/storage.py.
+"""Laws of storage: co-energy variables, stiffness, energy.
 
 What is stored is read where it stands in a vector of values.
 """
@@ -182,7 +182,7 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
 
 
 def reach_of(e: Engine, x: Floats, energy: float, reach: Floats) -> None:
-    """Put what each storage would hold with all of `energy` there. After modes/jump.py."""
+    """Put what each storage would hold with all of `energy` there."""
     m = e.model
     v = with_stored(e, x)
     for k in range(m.storages):

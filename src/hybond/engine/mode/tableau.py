@@ -3,8 +3,7 @@
 Rows with constant coefficients are eliminated in the order that tells structure from laws: power
 structure, storage with its co-energy variables given, sources with their values given, and then
 constant linear resistors. A row without unknowns is a constraint. What is left (modulated
-two-ports, nonlinear laws, sources that read bond variables) is evaluated each time. After
-equations/tableau.py.
+two-ports, nonlinear laws, sources that read bond variables) is evaluated each time.
 
 Columns: efforts and flows, co-energy variables, values of sources, rates of sources.
 """
@@ -13,7 +12,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
 from hybond.engine.mode.elimination import (
     USED,
     Elimination,
@@ -25,6 +24,7 @@ from hybond.engine.mode.elimination import (
     put_in,
     settle_equal,
 )
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 

@@ -1,9 +1,10 @@
-"""Values that expressions read: of a mode, at a time, with a state. After programs/program.py."""
+"""Values that expressions read: of a mode, at a time, with a state."""
 
 from __future__ import annotations
 
-from hybond.engine.engine import OK, Engine, Mode
+from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.model import value
 from hybond.engine.sliding.averages import blended_field, solve_here

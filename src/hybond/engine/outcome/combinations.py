@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.native import Rows
+from hybond.equations.surfaces import Surface
 from hybond.model.graph import Mode
+
+Kind = Literal["additive", "product"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +43,21 @@ class Combination:
         return set(self.surfaces) == set(other.surfaces) and self.product == other.product
 
 
+def flipped(mode: Mode, surfaces: Sequence[Surface], above: Sequence[int]) -> Mode:
+    """Return a mode with the surfaces' machines below (0) or above (1)."""
+    states = list(mode)
+    for s, up in zip(surfaces, above, strict=True):
+        states[s.machine] = s.above if up else s.below
+    return tuple(states)
+
+
+def corners_of(k: int, kind: Kind) -> list[tuple[int, ...]]:
+    """Return the corners of the cube of weights whose fields a combination takes."""
+    if kind == "product":
+        return list(product((0, 1), repeat=k))
+    return [(0,) * k, *(tuple(int(i == j) for i in range(k)) for j in range(k))]
+
+
 ALONE = Combination()
 """Nothing is slid on."""
 
@@ -51,10 +71,10 @@ def combinations(rows: Rows, machines: int) -> Iterator[tuple[float, Combination
             yield t, ALONE
             at += 1
             continue
-        product, parts = rows.slid[at + 1 : at + 3].tolist()
+        every, parts = rows.slid[at + 1 : at + 3].tolist()
         at += 3
         surfaces = tuple(rows.slid[at : at + many].tolist())
         at += many
         states = rows.slid[at : at + (1 + parts) * machines].reshape(1 + parts, machines)
         at += (1 + parts) * machines
-        yield t, Combination(surfaces, bool(product), tuple(states[0].tolist()), states[1:])
+        yield t, Combination(surfaces, bool(every), tuple(states[0].tolist()), states[1:])

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hybond.engine.outcome.named_rows import named_rows
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.contacts import rules_of
 from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
-from hybond.modes.signals import named_rows
 from hybond.trace import Energy, Fired, Step, StepKind
 
 if TYPE_CHECKING:

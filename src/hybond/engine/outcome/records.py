@@ -15,17 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.native import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
-from hybond.engine.outcome.combinations import ALONE, Combination, combinations
+from hybond.engine.outcome.combinations import (
+    ALONE,
+    Combination,
+    Kind,
+    combinations,
+    corners_of,
+    flipped,
+)
 from hybond.engine.outcome.explain import LANDS, Explaining
+from hybond.engine.outcome.polynomial import Polynomial
 from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
+from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
-from hybond.programs.combined import Kind
-from hybond.programs.interval import interval_after
-from hybond.programs.program import Program
-from hybond.programs.sliding_program import corners_of, flipped
-from hybond.programs.start import start_of
-from hybond.solvers.dense import Polynomial
+from hybond.model.interval import interval_after
 from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace
 
 Vector = NDArray[np.float64]
@@ -327,7 +331,7 @@ class Records:
         cause = CAUSES[int(rows.instant_place[k, 0])]
         if cause == "start":
             # the row begins with what was settled
-            before = start_of(Program(self.graph))[: len(after)]
+            before = start_of(self.graph)
         return Event(
             t,
             cause,

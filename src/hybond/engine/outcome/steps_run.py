@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from hybond.engine.outcome.library_run import LibraryRun, Settings
+from hybond.blocks.runners import Runner
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.step_error import BAD, StepError, compare
+from hybond.engine.tables import ModelTables
 from hybond.errors import HybondError
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph
-from hybond.modes.sampling import Runner
 from hybond.units import format_quantity
 
 FEW = 20
@@ -28,21 +30,19 @@ class StepsRun:
     ----------
     graph : FlatGraph
     settings : Settings
+    prepare : callable
+        Makes tables ready for an engine.
     progress : callable
     runners : mapping
         What runs each block, by its path: a block may run once only, so that the error of such a
         run is not estimated.
-
-    Raises
-    ------
-    Unavailable
-        If there is no library.
     """
 
     def __init__(
         self,
         graph: FlatGraph,
         settings: Settings,
+        prepare: Callable[[ModelTables], Prepared],
         *,
         progress: Callable[[float, int], None] | None = None,
         runners: Mapping[str, Runner] | None = None,
@@ -50,7 +50,8 @@ class StepsRun:
         self.graph = graph
         self.settings = settings
         self.progress = progress
-        self._fine = LibraryRun(settings.tables(graph), progress=progress, runners=runners)
+        self._prepare = prepare
+        self._fine = EngineRun(prepare(settings.tables(graph)), progress=progress, runners=runners)
         self.trace = self._fine.trace
         assert settings.step is not None
         self.step = settings.step
@@ -89,8 +90,8 @@ class StepsRun:
     def _apart(self, factor: float) -> StepError | None:
         """Return how far a run with steps longer by `factor` is from this one, if it can be."""
         longer = replace(self.settings, step=factor * self.step)
-        coarse = LibraryRun(
-            longer.tables(self.graph),
+        coarse = EngineRun(
+            self._prepare(longer.tables(self.graph)),
             # so that a run can be interrupted here as well
             progress=None if self.progress is None else self._progress_at_end,
         )

@@ -3,7 +3,7 @@
 Close to rest the speed falls to zero in a finite time, while the direction turns at a rate that
 goes with the friction over the speed. The rest of the way is done in steps that fall with the speed
 itself. Once the direction does not turn any more it is held, and what remains is motion on a
-straight line. Each step is compared with two of half its length. As modes.laws.descent.
+straight line. Each step is compared with two of half its length.
 """
 
 import math

@@ -4,7 +4,7 @@ What slips already has a direction: its force is known up to the limit. What is 
 the force that this takes lies in the disk of the breakaway limit. Otherwise slip begins, along the
 direction that the force on the edge of the disk and the acceleration agree on (friction_disk.py).
 For each disk, the slip is what the complementarity problem of all other laws makes of a given
-force; several disks take turns until none moves. As modes.laws.planar.
+force; several disks take turns until none moves.
 """
 
 import math

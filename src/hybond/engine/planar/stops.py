@@ -1,4 +1,4 @@
-"""Where slip in the plane comes to its end, and where it begins. As modes.laws.stops.
+"""Where slip in the plane comes to its end, and where it begins.
 
 The direction ``f / |f|`` has no limit that an integrator could step over. So slip is left a little
 above zero, and led to its end by steps of its own (descent.py).

@@ -1,7 +1,4 @@
-"""When a guard becomes true between two instants, and where what it compares is zero.
-
-After modes/locate.py.
-"""
+"""When a guard becomes true between two instants, and where what it compares is zero."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Instants of a block at which a guard may hold although no sample says so.
 
 An even number of crossings between two samples shows as an extremum that nearly reaches zero; a
-window between the roots of two comparisons may be narrower than the sampling. After
-modes/locate.py.
+window between the roots of two comparisons may be narrower than the sampling.
 """
 
 from __future__ import annotations

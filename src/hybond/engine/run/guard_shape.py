@@ -1,7 +1,4 @@
-"""Samples of guards in a block of a step, and what they show.
-
-After modes/locate.py, _Shape.
-"""
+"""Samples of guards in a block of a step, and what they show."""
 
 from __future__ import annotations
 

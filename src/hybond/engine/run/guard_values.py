@@ -1,7 +1,4 @@
-"""Guards and what they compare, at an instant of the last step.
-
-After modes/locate.py.
-"""
+"""Guards and what they compare, at an instant of the last step."""
 
 from __future__ import annotations
 

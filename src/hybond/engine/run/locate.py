@@ -4,7 +4,7 @@ A guard is a level: none that leaves the current state is true when a step begin
 its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
 guard itself is asked, so that an even number of crossings or a touch is not lost. The instant found
 is the first at which the guard holds, on the comparison that made it true (Illinois method),
-confirmed by the test that settling applies. After modes/locate.py.
+confirmed by the test that settling applies.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The guards that may leave a mode, and room to look for the first that holds.
 
-A block of a step is sampled, and a polynomial of degree 5 laid through the samples. After
-modes/locate.py.
+A block of a step is sampled, and a polynomial of degree 5 laid through the samples.
 """
 
 from __future__ import annotations
@@ -11,8 +10,9 @@ from typing import Final
 
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
-from hybond.engine.engine import Engine, Reads, make_reads
+from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
+from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
@@ -240,10 +240,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
 
 
 def watch_slide(e: Engine, g: Locator) -> None:
-    """Take what ends sliding: what allows it, weights, and branches in the modes combined.
-
-    After modes/sliding/view.py, View.locator.
-    """
+    """Take what ends sliding: what allows it, weights, and branches in the modes combined."""
     m = e.model
     s = e.slide
     for j in range(s.k):

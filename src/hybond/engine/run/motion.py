@@ -1,7 +1,6 @@
 """The executive: time passes in a mode until something happens, then the mode is settled.
 
-Nothing else changes the state: a jump is made by settling alone. After modes/executive.py
-and modes/motion.py.
+Nothing else changes the state: a jump is made by settling alone.
 """
 
 from __future__ import annotations
@@ -9,17 +8,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.contacts.landing import (
-    before_event,
-    keep_still,
-    land_contacts,
-    observe_event,
-    stuck,
-)
+from hybond.engine.contacts.impacts_seen import before_event, observe_event
+from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
+from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.instant import GUARD, START, begin_instant
-from hybond.engine.instant.jump import is_constrained, on_constraints
+from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.scale import start_scale
@@ -37,7 +32,7 @@ from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, watch
-from hybond.engine.run.report import (
+from hybond.engine.run.log import (
     keep_left,
     report_end,
     report_event,

@@ -9,7 +9,7 @@ from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settle import Settling, make_settling
 from hybond.engine.run.locator import Locator, make_locator
-from hybond.engine.run.report import Report
+from hybond.engine.run.log import Report
 from hybond.engine.words import Floats, floats, record
 
 IDLE: Final = 100

@@ -1,4 +1,4 @@
-"""Whether switches act independently of each other. After programs/sliding_program.py, additive."""
+"""Whether switches act independently of each other."""
 
 from __future__ import annotations
 

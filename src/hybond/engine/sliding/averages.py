@@ -1,6 +1,6 @@
 """What is asked of a mode, asked of the combination of modes while machines slide.
 
-Every bond variable is the average of an infinitely fast switching. After programs/combined.py.
+Every bond variable is the average of an infinitely fast switching.
 """
 
 from __future__ import annotations
@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 
 from hybond.engine.algebra.blocks import fit, grow_block
-from hybond.engine.engine import NOT_FINITE, OK, Engine, Mode
+from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import freedom_at, solve
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.sizes import STORED, seen_of, sizes_of

@@ -3,7 +3,7 @@
 On the surfaces the modes around give the fields ``f_c``, and the motion is their combination with
 coefficients such that no switching function moves: ``f_0 + sum_j weight_j (f_j - f_0)``, f_j having
 only machine j above its surface, where the switches act independently of each other; else that of
-all corners, with products of weights, by Newton's method. After programs/combined.py.
+all corners, with products of weights, by Newton's method.
 """
 
 from __future__ import annotations

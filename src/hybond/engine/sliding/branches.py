@@ -2,8 +2,7 @@
 
 A diode beside a relay may conduct while the relay is on one side and block while it is on the
 other. Each mode of a combination has the branches that complementarity gives it in one state; they
-are kept, by the states of all other machines, until they are chosen anew. After
-modes/sliding/branches.py.
+are kept, by the states of all other machines, until they are chosen anew.
 """
 
 from __future__ import annotations

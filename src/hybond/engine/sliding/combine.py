@@ -1,10 +1,11 @@
-"""Which modes are combined while machines slide. After programs/sliding_program.py."""
+"""Which modes are combined while machines slide."""
 
 from __future__ import annotations
 
-from hybond.engine.engine import KEPT, OK, REFUSED, Engine
+from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.kept_modes import keep_so_many
+from hybond.engine.mode.mode_records import KEPT
 from hybond.engine.sliding.branch_table import take_branches
 from hybond.engine.sliding.common_space import find_common
 from hybond.engine.sliding.corners import count_corners, put_corner

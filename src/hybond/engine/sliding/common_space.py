@@ -1,7 +1,7 @@
 """What modes with different constraints hold stored quantities to, all together.
 
 Each mode is kept to the constraints of all by vanishing impulses: the mean of infinitely many
-jumps. After programs/common_space.py and modes/sliding/meeting.py.
+jumps.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, row_size, row_times
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import pseudo_inverse, rank_above, svd
-from hybond.engine.engine import Engine, Mode, svd_room
-from hybond.engine.instant.jump import impulse_directions
+from hybond.engine.engine import Engine, svd_room
+from hybond.engine.instant.impulse_ways import impulse_directions
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.storage import stiff
 from hybond.engine.model import value

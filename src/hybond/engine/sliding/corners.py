@@ -1,8 +1,7 @@
 """The modes that a combination is made of, and how much of each its weights take.
 
 Of k machines between two states each, a combination takes either all below, then each one alone
-above (*additive*), or all corners of the cube of weights (*product*). After
-programs/sliding_program.py, corners_of, and programs/combined.py.
+above (*additive*), or all corners of the cube of weights (*product*).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Modes with different constraints can slide along their surface where all constraints are met, since
 a jump is nothing there. Off that place, jumps that do not move the switching function bring a state
 to it at once: switching back and forth in no time ends where all constraints are met, whatever it
-began with (alternating projections, von Neumann). After modes/sliding/crossings.py.
+began with (alternating projections, von Neumann).
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.jump import enter_mode, is_constrained
+from hybond.engine.instant.constraints import is_constrained
+from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import evaluate

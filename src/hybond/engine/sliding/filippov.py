@@ -1,7 +1,7 @@
 """Which way a state on switching surfaces goes on: through them, or along some of them.
 
 With weights in [0, 1] of the states above, Filippov's inclusion asks for functions that move up
-only where the weight is 1 and down only where it is 0. After modes/sliding/filippov.py.
+only where the weight is 1 and down only where it is 0.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def is_way(e: Engine) -> bool:
 def pivot(e: Engine) -> bool:
     """Find a way on for many surfaces by pivoting, into ``best``; False if there is none.
 
-    After modes/sliding/filippov.py, future (Judice and Pires 1992).
+    Source: Judice and Pires, J. Optim. Theory Appl. 74, 1992.
     """
     s = e.slide
     for j in range(s.k):

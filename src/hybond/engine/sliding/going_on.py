@@ -1,7 +1,4 @@
-"""Going on along the surfaces chosen, and what is written down of that.
-
-After modes/sliding/motion.py, Slider._go_on and Slider._write.
-"""
+"""Going on along the surfaces chosen, and what is written down of that."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The surfaces that the state is on after an event. After modes/sliding/motion.py, Slider._met."""
+"""The surfaces that the state is on after an event."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Switching functions that read what can jump: bond variables that no storage stands behind.
 
 All modes around must give them one value; how fast they move along a mode's field is found by
-differences. After programs/combined.py, Combined.outputs_agree.
+differences.
 """
 
 from __future__ import annotations

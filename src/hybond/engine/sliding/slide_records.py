@@ -13,7 +13,7 @@ class Slide:
 
     ``surface[0 .. many - 1]`` are the surfaces slid on, `many` 0 if none. In the mode taken last
     `k` of them, ``side``, have modes on both sides: ``part[0 .. parts - 1]`` are these modes by
-    number, those of corners.py. After programs/combined.py, Combined.
+    number, those of corners.py.
     """
 
     many: int
@@ -30,7 +30,7 @@ class Slide:
     room_parts: int
     of_state: Ints
     """Of each side: whether its function reads nothing that can jump."""
-    # modes with different constraints are held to all of them: programs/common_space.py
+    # modes with different constraints are held to all of them: common_space.py
     common: bool
     holders: int
     holder: Ints

@@ -8,7 +8,7 @@ motion. While machines slide,
 * their weights are watched: at 0 or 1 a machine leaves the surface on that side;
 * so is whatever else their rules ask for, and the branches of junction laws in the modes around;
 
-after each event the fields decide anew. After modes/sliding/motion.py.
+after each event the fields decide anew.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Switching functions: their values and how fast they move. After equations/surfaces.py, Rates.
+"""Switching functions: their values and how fast they move.
 
 Efforts of C and flows of I stand for what is stored, along the junctions that are ON in all modes
 concerned; then a function is one of state and time alone, the same in every mode.
@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import co_energy, stiff
 from hybond.engine.model import Model, value
 from hybond.engine.words import Floats, some

@@ -1,4 +1,4 @@
-"""How a state on switching surfaces goes on. After modes/sliding/ways.py and crossings.py."""
+"""How a state on switching surfaces goes on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is warned of where motion meets switching surfaces. After modes/sliding/ways.py.
+"""What is warned of where motion meets switching surfaces.
 
 Only where somebody will read it: `tells` of the model.
 """

@@ -1,4 +1,4 @@
-"""What an event was, to who decides whether machines slide. After modes/sliding/transitions.py."""
+"""What an event was, to who decides whether machines slide."""
 
 from __future__ import annotations
 

@@ -11,13 +11,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from hybond.engine.tables.expressions import number_of
-from hybond.engine.tables.options import METHODS
-from hybond.equations.element_parts import Dynamic, Source
-from hybond.model.expressions import Expr, Number, differentiate, names
-from hybond.model.expressions.traced import give_up
-from hybond.model.expressions.tree import walk
-from hybond.model.inputs import Called, Constant, Timetable
-from hybond.programs.generators import (
+from hybond.engine.tables.generators import (
     CONSTANT,
     Found,
     Generators,
@@ -28,6 +22,12 @@ from hybond.programs.generators import (
     of_name,
     terms_of,
 )
+from hybond.engine.tables.options import METHODS
+from hybond.equations.element_parts import Dynamic, Source
+from hybond.model.expressions import Expr, Number, differentiate, names
+from hybond.model.expressions.traced import give_up
+from hybond.model.expressions.tree import walk
+from hybond.model.inputs import Called, Constant, Timetable
 
 if TYPE_CHECKING:
     from hybond.engine.tables.make import ModelTables

@@ -12,9 +12,11 @@ from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.contacts import put_contacts, rules_of
 from hybond.engine.tables.expressions import Expressions, number_of
 from hybond.engine.tables.forms import put_forms
+from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.options import Options, options_of
 from hybond.engine.tables.powers import put_powers
+from hybond.engine.tables.start import start_of
 from hybond.engine.tables.surfaces import put_surfaces
 from hybond.engine.tables.timestepping import put_steps
 from hybond.engine.tables.told import put_told
@@ -41,12 +43,9 @@ from hybond.model.expressions.tree import walk
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph, Machine, Node, Storage
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
+from hybond.model.interval import discrete_names, interval_after
 from hybond.model.kinds import SOURCES, STORAGES
 from hybond.model.resolve import affine_in_time, prior
-from hybond.modes.guards import magnitude, seen_in_motion
-from hybond.programs.interval import discrete_names, interval_after
-from hybond.programs.program import Program
-from hybond.programs.start import start_of
 
 MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
@@ -182,10 +181,11 @@ def _check_gaps(g: FlatGraph) -> None:
         return
     from hybond.modes.laws.complementarity import Instant
     from hybond.modes.trial import Trials
+    from hybond.programs.program import Program
     from hybond.trace import Trace
 
     program = Program(g)
-    y = start_of(program)
+    y = start_of(g)
     x, s = y[: program.nx], y[program.nx : program.nx + program.ns]
     interval = interval_after(g, 0.0)
     trials = Trials(program, Trace())
@@ -524,7 +524,7 @@ def _junctions(t: ModelTables) -> None:
 
 def _storages(t: ModelTables, plain: FlatGraph) -> None:
     g = t.graph
-    start = start_of(Program(plain))
+    start = start_of(plain)
     t.stored = [s.path for s in g.storages] + [i.path for i in g.integrals]
     t.ints["storage_bond"] = [s.bond for s in g.storages]
     t.ints["storage_kind"] = [int(s.kind == "I") for s in g.storages]

@@ -7,15 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
+from hybond.engine.tables.bands import banded
+from hybond.engine.tables.start import start_of
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
-from hybond.modes.fitting import fitting
-from hybond.modes.sliding.bands import banded
-from hybond.programs.program import Program
-from hybond.programs.start import start_of
 from hybond.run_options import (
+    AUTO,
+    FIXED,
+    STEPPING,
+    check_step,
     end_of,
     impact_of,
     seconds_of,
@@ -24,7 +28,6 @@ from hybond.run_options import (
     stepping_theta,
     tolerances_of,
 )
-from hybond.solvers.choose import AUTO, FIXED, STEPPING, check_step
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
@@ -62,8 +65,10 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
     if name == AUTO:
-        looking = Program(plain)
-        name = fitting(looking, end, start_of(looking)).solver
+        from hybond.modes.fitting import fitting
+        from hybond.programs.program import Program
+
+        name = fitting(Program(plain), end, np.append(start_of(plain), [0.0, 0.0])).solver
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",

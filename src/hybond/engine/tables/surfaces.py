@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hybond.engine.tables.contacts import rules_of
+from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
 from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
-from hybond.modes.guards import magnitude, seen_in_motion
 
 if TYPE_CHECKING:
     from hybond.engine.tables.make import ModelTables

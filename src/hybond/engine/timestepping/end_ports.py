@@ -9,9 +9,10 @@ contacts open, as in the published schemes.
 
 from __future__ import annotations
 
-from hybond.engine.engine import Engine, Mode
+from hybond.engine.engine import Engine
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.mode.equations import make_equations
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 
 

@@ -17,7 +17,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
 from hybond.engine.algebra.products import times_matrix
-from hybond.engine.engine import OK, REFUSED, Engine, Mode, say_fault
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import (
     find_gains,
@@ -27,6 +27,7 @@ from hybond.engine.laws.ports import (
     rates_of_stored,
     solve_with,
 )
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.model import Model, value
 from hybond.engine.timestepping.step_records import (

@@ -36,7 +36,7 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
-from hybond.engine.run.report import keep_left, report_event, report_step
+from hybond.engine.run.log import keep_left, report_event, report_step
 from hybond.engine.run.run_records import PAUSED, STOPPED, Run, timed_cause
 from hybond.engine.timestepping.step_event import note_event
 from hybond.engine.timestepping.step_records import Stepping

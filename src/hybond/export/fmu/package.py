@@ -16,12 +16,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from hybond.engine.compiled.compiler import compiler
 from hybond.errors import UsageError
 from hybond.export.c import c_file
 from hybond.export.fmu.describing import describe
 from hybond.export.fmu.interface import Interface, Shown, free_inputs, interface_of
 from hybond.export.program import DRIVEN, Exported, exported
-from hybond.kernel.build import compiler
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.inputs import Constant, Free

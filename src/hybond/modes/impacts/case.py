@@ -11,17 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from hybond.errors import ModelError, NumericsError, UsageError
 from hybond.modes.impacts.shares import least_shares
 from hybond.names import did_you_mean
+from hybond.run_options import IMPACT_LAWS
 from hybond.solvers.lcp import lemke
 
 Array = NDArray[np.float64]
-
-IMPACT_LAWS: dict[str, str] = {
-    "newton": "approaching contacts rebound together, step by step until none approaches",
-    "newton_simultaneous": "all closed contacts rebound at once by their velocity before",
-    "poisson": "all closed contacts compress, then return a part of their impulse",
-    "lzb": "all closed contacts act as stiff springs that return a part of their energy",
-}
-"""The laws by name, each with its meaning in one line."""
 
 APPROACH = 1e-12
 """A velocity below this part of the largest one at the impact neither approaches nor separates."""

@@ -45,9 +45,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hybond.modes.impacts.case import IMPACT_LAWS, Case, Impact
+from hybond.modes.impacts.case import Case, Impact
 from hybond.modes.impacts.compliant import compliant_impact
 from hybond.modes.impacts.shares import scales, still_impulses
+from hybond.run_options import IMPACT_LAWS
 
 __all__ = ["IMPACT_LAWS", "Impact", "impact"]
 

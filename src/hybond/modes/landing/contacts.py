@@ -6,10 +6,11 @@ conjugate variable is the reaction, which the contact then carries.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial, reduce
 
+from hybond.engine.tables.contacts import Contact
 from hybond.model.expressions import (
     Binary,
     Call,
@@ -22,92 +23,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.fieldless import reads_pre
-from hybond.model.graph import FlatGraph, Machine, Mode, Node, Rule
-
-
-@dataclass(frozen=True, slots=True)
-class Reaction:
-    """One impact law and what it makes the contact carry.
-
-    Parameters
-    ----------
-    law : int
-        The source that reads ``pre()``.
-    prescribed : tuple of (str, float)
-        Canonical names and signs whose sum the law prescribes: what must vanish at rest.
-    own : float
-        Sign of the law's own value in that sum.
-    name, text : str
-        The conjugate variable, canonical and as written.
-    """
-
-    law: int
-    prescribed: tuple[tuple[str, float], ...]
-    own: float
-    name: str
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """A pinnacle state of a machine, its reactions, and the state that it rests in.
-
-    That is the same state for a machine that was written, ``closed`` for a junction with a law.
-    """
-
-    machine: Machine
-    state: int
-    reactions: tuple[Reaction, ...]
-    rest: int
-
-
-def contact_of(graph: FlatGraph, machine: Machine, state: int) -> Contact | None:
-    """Return the contact that a state of a machine closes by an impact law; None if it does not.
-
-    The law is a source beside a junction whose common variable it does not prescribe: ``Sf`` on a
-    0-junction, or ``Se`` on a 1-junction. It reads ``pre()``, unless its restitution is zero.
-    """
-    own = machine.law
-    if own is not None and own.two_sided:
-        return None  # dry friction
-    laws = [
-        node
-        for node in _beside(graph, machine.on[state])
-        if node.kind in ("Se", "Sf")
-        and (not node.implied if own is None else node.index == own.source)
-    ]
-    if machine.fieldless and machine.fieldless[state]:
-        laws = [node for node in laws if reads_pre(node)]
-    reactions = [r for r in (_reaction(graph, node) for node in laws) if r is not None]
-    if not reactions or len(reactions) < len(laws):
-        return None
-    rest = machine.states.index("closed") if own is not None else state
-    return Contact(machine, state, tuple(reactions), rest)
-
-
-def _beside(graph: FlatGraph, switched: Iterable[int]) -> list[Node]:
-    """Return some nodes and their neighbours."""
-    found = set(switched)
-    for k in switched:
-        bonds = (graph.bonds[end.bond] for end in graph.nodes[k].ends)
-        found.update(b.head if b.tail == k else b.tail for b in bonds)
-    return [graph.nodes[k] for k in sorted(found)]
-
-
-def _reaction(graph: FlatGraph, node: Node) -> Reaction | None:
-    own, other = ("f", "e") if node.kind == "Sf" else ("e", "f")
-    end = node.ends[0]
-    bond = graph.bonds[end.bond]
-    junction = graph.nodes[bond.head if bond.tail == node.index else bond.tail]
-    if junction.kind != ("0" if node.kind == "Sf" else "1"):
-        return None
-    # what the other bonds bring in; the source's own bond carries what its law says at rest
-    around = [e for e in junction.ends if e.bond != end.bond]
-    sign = next(float(e.sign) for e in junction.ends if e.bond == end.bond)
-    prescribed = tuple((f"{own}:{e.bond}", float(e.sign)) for e in around)
-    text = f"{node.path if junction.hidden else junction.path}.{other}"
-    return Reaction(node.index, prescribed, sign, f"{other}:{end.bond}", text)
+from hybond.model.graph import FlatGraph, Machine, Mode, Rule
 
 
 def approach(graph: FlatGraph, contact: Contact) -> Expr:

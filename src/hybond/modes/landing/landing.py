@@ -19,16 +19,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.tables.contacts import Contact, Reaction, contact_of
 from hybond.equations.mode import ModeEquations
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Machine, Mode
+from hybond.model.interval import Interval
 from hybond.modes.landing.accumulation import POSITION, Clock, Limit, Series, chatter
-from hybond.modes.landing.contacts import Contact, Reaction, at_rest, contact_of, with_states
+from hybond.modes.landing.contacts import at_rest, with_states
 from hybond.modes.landing.rest import moved, rest, still
 from hybond.modes.locate import Locator, watch
 from hybond.modes.settle import Settler
 from hybond.modes.trial import Trial
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Accumulation, Event, Fired, Trace
 

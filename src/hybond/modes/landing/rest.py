@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from hybond.equations.mode import ModeEquations, undetermined_names
 from hybond.equations.storage import StorageLaws
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.dirac import steady
 from hybond.modes.jump import enter, impulse_directions, reach_of
 from hybond.modes.trial import Trial
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]

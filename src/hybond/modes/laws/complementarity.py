@@ -35,6 +35,7 @@ from hybond.equations.ports import Port, PortEquations, Response, base_mode
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number, compile_expression
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.dirac import DIRAC, Pair, Pairs, steady
 from hybond.modes.jump import enter, reach_of_bonds
 from hybond.modes.laws.friction import Linearised, breaking_loose
@@ -54,7 +55,6 @@ from hybond.modes.laws.problem import (
     ambiguous,
     solve_laws,
 )
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers.lcp import positive_semidefinite
 from hybond.trace import Trace

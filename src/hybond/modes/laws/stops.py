@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from hybond.equations.mode import ModeEquations
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.model.planar_friction import TINY
 from hybond.modes.laws.descent import CLOSE, Descent, Slip, frozen
 from hybond.modes.laws.planar import Kept
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.solvers import Step
 

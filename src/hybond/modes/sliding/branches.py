@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.trial import Trials
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Trace
 

@@ -22,10 +22,10 @@ from hybond.equations.mode import ModeEquations
 from hybond.equations.surfaces import Rates, Surface, SurfaceLaws
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.jump import enter, reach_of
 from hybond.modes.sliding.meeting import held_to, meet
 from hybond.programs.common_space import CommonSpace
-from hybond.programs.interval import Interval
 from hybond.programs.program import Program
 from hybond.trace import Trace
 

@@ -24,19 +24,20 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.combinations import Kind, corners_of, flipped
+from hybond.engine.outcome.named_rows import NamedRows, named_rows
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide, surfaces_of
 from hybond.model.graph import Mode
-from hybond.modes.signals import NamedRows, named_rows
+from hybond.model.interval import Interval
 from hybond.modes.sliding.crossings import Collapse, sides_of
 from hybond.modes.sliding.filippov import ABOVE, SLIDES
 from hybond.modes.sliding.meeting import meet
 from hybond.modes.sliding.transitions import fired_machines, moved, there_and_back, transitions
 from hybond.modes.sliding.view import SlidingSettler, View, resting
 from hybond.modes.sliding.ways import WaysOn
-from hybond.programs.combined import Combined, Kind
-from hybond.programs.interval import Interval
+from hybond.programs.combined import Combined
 from hybond.programs.program import Program
-from hybond.programs.sliding_program import SlidingProgram, corners_of, flipped
+from hybond.programs.sliding_program import SlidingProgram
 from hybond.trace import Cause, Energy, Event, Fired, Sliding, Step, Trace
 
 Vector = NDArray[np.float64]

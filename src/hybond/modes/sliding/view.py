@@ -8,17 +8,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.combinations import Kind
 from hybond.equations.mode import ModeEquations
 from hybond.equations.surfaces import Surface, moves
 from hybond.errors import NumericsError
 from hybond.model.expressions import Bool, Not
 from hybond.model.graph import FlatGraph, Mode, Rule
+from hybond.model.interval import Interval
 from hybond.modes.guards import Given, Guards
 from hybond.modes.locate import Locator, Watched, watch
 from hybond.modes.settle import Settled, Settler
 from hybond.modes.sliding.branches import BranchesBeside
-from hybond.programs.combined import Combined, Kind
-from hybond.programs.interval import Interval
+from hybond.programs.combined import Combined
 from hybond.programs.program import Program
 from hybond.programs.sliding_program import SlidingProgram
 from hybond.solvers import Step

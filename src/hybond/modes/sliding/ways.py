@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.combinations import Kind, corners_of, flipped
 from hybond.equations.surfaces import Surface, SurfaceLaws, coincide
 from hybond.errors import HybondError, NumericsError
 from hybond.model.graph import Mode
+from hybond.model.interval import Interval
 from hybond.modes.sliding.branches import BranchesBeside
 from hybond.modes.sliding.crossings import Crossings, sides_of
 from hybond.modes.sliding.filippov import (
@@ -23,15 +25,12 @@ from hybond.modes.sliding.filippov import (
     futures_of,
 )
 from hybond.modes.sliding.meeting import meet
-from hybond.programs.combined import Combined, Kind
-from hybond.programs.interval import Interval
+from hybond.programs.combined import Combined
 from hybond.programs.program import Program
 from hybond.programs.sliding_program import (
     MOST_PRODUCT,
     additive,
     combine,
-    corners_of,
-    flipped,
 )
 from hybond.trace import Trace
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
 from pathlib import Path
 
 from hybond.model.graph import FlatGraph, Mode
-from hybond.modes.marching import Passage
-from hybond.trace import Cause, Event
 
 
 class Journal:
@@ -32,17 +29,6 @@ class Journal:
         self._writer = csv.writer(self._file, lineterminator="\n")
         stored = [s.path for s in graph.storages] + [i.path for i in graph.integrals]
         self._writer.writerow(["t", "cause", *(m.path for m in graph.machines), *stored])
-
-    def event(self, event: Event) -> None:
-        """Write an event."""
-        self.row(event.t, event.cause, event.steps[-1].mode, event.after.tolist())
-
-    def passage(self, passage: Passage, causes: Sequence[Cause]) -> None:
-        """Write the events of a passage, with the cause of each segment's end."""
-        stored = passage.after[:, : passage.before.shape[1]].tolist()
-        for k, changed in enumerate(passage.changed.tolist()):
-            if changed:
-                self.row(float(passage.t[k]), causes[k], passage.mode[k], stored[k])
 
     def flush(self) -> None:
         """Let others see what there is."""

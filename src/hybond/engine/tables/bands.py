@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from hybond.equations.surfaces import surfaces_of, with_hysteresis
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Rule
-
-Choice = Literal["filippov", "hysteresis", "refuse"]
-CHOICES: tuple[Choice, ...] = ("filippov", "hysteresis", "refuse")
-"""What to do on a surface into which both sides push."""
 
 
 def banded(graph: FlatGraph, band: float) -> FlatGraph:

@@ -1,0 +1,154 @@
+"""What is seen of impacts as they happen: when, how fast, and with which sign contacts react."""
+
+import math
+
+from hybond.engine.contacts.accumulation import note_impact, push_time, restart
+from hybond.engine.contacts.landing_records import CROWD, Landings
+from hybond.engine.engine import OK, Engine
+from hybond.engine.instant.entering import enter
+from hybond.engine.instant.instant import PINNACLE, Instant
+from hybond.engine.instant.trial import a_priori
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.values import evaluate
+from hybond.engine.model import Model, value
+from hybond.engine.sliding.combine import combine_here
+from hybond.engine.words import Floats
+
+
+def before_event(e: Engine) -> None:
+    """Keep what there is before an instant is settled."""
+    m = e.model
+    g = e.landings
+    for k in range(e.states):
+        g.before[k] = e.y[k]
+    for k in range(m.machines):
+        g.before_state[k] = e.state[k]
+    for k in range(m.inputs):
+        g.before_piece[k] = e.piece[k]
+    for k in range(m.watches):
+        g.before_at[k] = e.at[k]
+
+
+def exchange_interval(e: Engine) -> None:
+    """Exchange the interval after the instant with the one before it."""
+    m = e.model
+    g = e.landings
+    for k in range(m.inputs):
+        piece = e.piece[k]
+        e.piece[k] = g.before_piece[k]
+        g.before_piece[k] = piece
+    for k in range(m.watches):
+        at = e.at[k]
+        e.at[k] = g.before_at[k]
+        g.before_at[k] = at
+
+
+def observe_event(e: Engine, i: Instant) -> None:
+    """Learn from an event, just settled, which impacts it was. As Landings.observe."""
+    m = e.model
+    g = e.landings
+    g.event_times[g.events % CROWD] = e.t
+    g.events += 1
+    forget_left(e)
+    g.touches = 0
+    for k in range(m.machines):
+        g.state[k] = g.before_state[k]
+        g.struck[k] = -1
+        g.fired[k] = 0
+    for step in range(i.steps):
+        for f in range(i.first.at[step], i.first.at[step + 1]):
+            g.state[i.machine.at[f]] = i.target.at[f]
+            g.fired[i.machine.at[f]] = 1
+        if i.kind.at[step] == PINNACLE:
+            note_struck(m, g)
+    exchange_interval(e)
+    for k in range(m.machines):
+        if g.struck[k] >= 0:
+            touch(e, g, k)
+        elif g.fired[k] != 0:
+            g.other_kept[k] = push_time(g.others, g.other_kept[k], k, e.t)
+    exchange_interval(e)
+
+
+def note_struck(m: Model, g: Landings) -> None:
+    """Note the contacts that are struck in a pinnacle, and its mode."""
+    for k in range(m.machines):
+        contact = m.contact_at[m.state_first[k] + g.state[k]]
+        if contact >= 0 and g.landed[k] < 0:
+            g.struck[k] = contact
+            for j in range(m.machines):
+                g.struck_state[k * m.machines + j] = g.state[j]
+
+
+def touch(e: Engine, g: Landings, machine: int) -> None:
+    """Note how fast a contact was approached and is left. As Landings._touch."""
+    m = e.model
+    contact = g.struck[machine]
+    approach = contact_speed(e, g, contact, g.before)
+    rebound = contact_speed(e, g, contact, e.y)
+    g.touch_contact[g.touches] = contact
+    g.touch_gap[g.touches] = e.t - g.since[machine]
+    g.touch_approach[g.touches] = approach
+    g.touch_rebound[g.touches] = rebound
+    g.touches += 1
+    note_impact(g, machine, e.t, approach)
+    known = True
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        known = known and g.sign[r] != 0
+    if not known:
+        learn_signs(e, g, machine, contact)
+
+
+def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
+    """Return how far a state is from what the impact laws prescribe at rest."""
+    m = e.model
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return 0.0
+    evaluate(e, e.mode, g.v, e.t, y)
+    for k in range(m.slots):
+        g.v[m.slots + k] = 0.0
+    worst = 0.0
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        total = 0.0
+        for p in range(m.prescribed_first[r], m.prescribed_first[r + 1]):
+            total += m.prescribed_sign[p] * g.v[m.bond_slot + m.prescribed_column[p]]
+        law = m.reaction_law[r]
+        own = m.reaction_law_constant[r] if law < 0 else value(m, law, g.v)
+        total += m.reaction_own[r] * own
+        worst = max(worst, math.fabs(total))
+    return worst
+
+
+def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
+    """Learn the sign of each reaction's impulse in the impact. As Landings._signs."""
+    m = e.model
+    for k in range(m.storages):
+        g.x[k] = g.before[k]
+    for k in range(m.integrals):
+        g.s[k] = g.before[m.storages + k]
+    for k in range(m.machines):
+        g.state[k] = g.struck_state[machine * m.machines + k]
+    if a_priori(e, e.t, g.x, g.s, g.before_state) != OK:
+        return
+    if enter(e, e.t, g.x, g.s, g.state, True, False) != OK:
+        return
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        area = e.impulses[m.reaction_column[r]] if e.trial.jumps else 0.0
+        if area != 0.0:
+            g.sign[r] = 1 if area > 0.0 else -1
+
+
+def forget_left(e: Engine) -> None:
+    """Forget landings that were left. As Landings._sync."""
+    m = e.model
+    g = e.landings
+    g.any_landed = False
+    for k in range(m.machines):
+        if g.landed[k] < 0:
+            continue
+        if e.state[k] != m.contact_state[g.landed[k]]:
+            g.landed[k] = -1
+            e.landed[k] = 0
+            restart(g, k, e.t)
+        else:
+            g.any_landed = True

@@ -1,0 +1,162 @@
+"""What entering a mode asks of what is stored: constraints, and how far the state is from them."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit, row_size, row_times
+from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton import knowns_of
+from hybond.engine.mode.newton_system import split
+from hybond.engine.mode.storage import coupled, own_stiffness, reach_of
+from hybond.engine.model import node_name, value
+from hybond.engine.reasons.facts import disagree
+from hybond.engine.words import Floats
+
+TINY: Final = 2.2250738585072014e-296
+"""A term is not smaller than this: the last bit of what is denormal is no small part of it."""
+AGREE: Final = 1e-9
+"""Contradicting sources agree if they differ by less than this part of their values."""
+
+
+def check_agreement(e: Engine, mode: Mode, v: Floats) -> int:
+    """Refuse sources that prescribe one variable differently."""
+    m = e.model
+    knowns_of(e, mode, v, False)
+    for r in range(mode.agreements.rows):
+        total = 0.0
+        size = 0.0
+        place = -1
+        for i in range(mode.agreements.first.at[r], mode.agreements.first.at[r + 1]):
+            at = mode.agreements.column.at[i]
+            term = mode.agreements.value.at[i] * e.work.xi[at]
+            total += term
+            size += math.fabs(term)
+            source = mode.source[at - m.storages]
+            if source >= 0:
+                place = m.source_node[source]
+        if math.fabs(total) <= AGREE * size:
+            continue
+        why = "sources prescribe the same variable and differ"
+        if m.tells != 0:
+            return disagree(e, mode, r, total, why)
+        return say_fault(e, "HB-C101", why, node_name(m, place) if place >= 0 else "")
+    return OK
+
+
+def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
+    """Make ready ``G z(x) - c``, the constraints as a function of the state, at a priori values."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    w.lefts = 0
+    for k in range(n):
+        w.kept[k] = v[m.bond_slot + k]
+    if mode.structures > 0:
+        # frozen rows stay in `frozen`, left null vectors in `left`
+        frozen_at(e, mode, v, w.frozen)
+        split(e, mode, v)
+        w.lefts = mode.structures - mode.rank
+    w.constraints = mode.constraints.rows + w.lefts
+    fit(w.gap, w.constraints)
+    fit(w.gap_size, w.constraints)
+    fit(w.base_gap, w.constraints)
+    fit(w.two_port, 2 * mode.structures + 1)
+    reach_of(e, x, e.energy, w.reach)
+    values = w.values
+    for k in range(m.storages):
+        w.reach[k] *= math.fabs(own_stiffness(m, k, values))
+
+
+def restore_bonds(e: Engine, v: Floats) -> None:
+    """Write the a priori bond variables back."""
+    m = e.model
+    for k in range(2 * m.bonds):
+        v[m.bond_slot + k] = e.work.kept[k]
+
+
+def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
+    """Put the residuals at the state `x` and the sizes of their terms into `e.work`."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    for k in range(m.storages):
+        v[m.stored_slot + k] = x[k]
+    restore_bonds(e, v)
+    knowns_of(e, mode, v, False)
+    for k in range(mode.knowns):
+        w.known_size[k] = math.fabs(w.xi[k]) + TINY
+        if k < m.storages:
+            w.known_size[k] += w.reach[k] + coupled(m, k, v)
+    rows = mode.constraints.rows
+    for i in range(rows):
+        w.gap.at[i] = row_times(mode.constraints, i, w.xi)
+        w.gap_size.at[i] = row_size(mode.constraints, i, w.known_size)
+    if w.lefts == 0:
+        return
+    for k in range(n):
+        same = mode.same[k]
+        w.base[k] = w.base[same] if same < k else row_times(mode.power, k, w.xi)
+        w.base_size[k] = w.base_size[same] if same < k else row_size(mode.power, k, w.known_size)
+    for i in range(mode.structures):
+        total = 0.0
+        size = 0.0
+        row = mode.structure[i] * n
+        for k in range(n):
+            total += w.frozen.at[row + k] * w.base[k]
+            size += math.fabs(w.frozen.at[row + k]) * w.base_size[k]
+        w.two_port.at[2 * i] = total
+        w.two_port.at[2 * i + 1] = size
+    # a controlled source is read at the state tried; two-ports keep their moduli
+    for k in range(n):
+        v[m.bond_slot + k] = w.base[k]
+    for i in range(mode.structures):
+        d = mode.dynamic[mode.structure[i]]
+        if m.dynamic_source[d] != 0:
+            f = value(m, m.dynamic_value[d], v)
+            w.two_port.at[2 * i] = f
+            w.two_port.at[2 * i + 1] += math.fabs(f)
+    for j in range(w.lefts):
+        total = 0.0
+        size = 0.0
+        for i in range(mode.structures):
+            share = w.left.at[i * w.lefts + j]
+            total += share * w.two_port.at[2 * i]
+            size += math.fabs(share) * w.two_port.at[2 * i + 1]
+        w.gap.at[rows + j] = total
+        w.gap_size.at[rows + j] = size
+
+
+def constraint_by_co_energy(e: Engine, mode: Mode, i: int, n: int) -> None:
+    """Put a constraint's coefficients of co-energy variables into `e.work.by_stored`."""
+    m = e.model
+    w = e.work
+    for k in range(m.storages):
+        w.by_stored.at[k] = 0.0
+    rows = mode.constraints.rows
+    if i < rows:
+        for p in range(mode.constraints.first.at[i], mode.constraints.first.at[i + 1]):
+            k = mode.constraints.column.at[p]
+            if k < m.storages:
+                w.by_stored.at[k] = mode.constraints.value.at[p]
+        return
+    j = i - rows
+    for s in range(mode.structures):
+        share = w.left.at[s * w.lefts + j]
+        for k in range(n):
+            entry = w.frozen.at[mode.structure[s] * n + k]
+            if entry == 0.0:
+                continue
+            row = mode.same[k]
+            for p in range(mode.power.first.at[row], mode.power.first.at[row + 1]):
+                column = mode.power.column.at[p]
+                if column < m.storages:
+                    w.by_stored.at[column] += share * entry * mode.power.value.at[p]
+
+
+def is_constrained(mode: Mode) -> bool:
+    """Whether a mode has constraints on what is stored, off which a motion may drift."""
+    return mode.constraints.rows > 0 or mode.structures > 0 or mode.agreements.rows > 0

@@ -1,0 +1,251 @@
+"""The impulses that a mode allows, what they move, and how constraints answer to that."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.products import largest, times_matrix
+from hybond.engine.algebra.qr import complement
+from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
+from hybond.engine.engine import Engine, svd_room
+from hybond.engine.instant.constraints import constraint_by_co_energy, residual
+from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.mode_records import Mode, Ways
+from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
+from hybond.engine.words import Floats
+
+NOTICED: Final = 1e-9
+"""Part of the largest share that a storage has in a way below which it does not count."""
+
+
+def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
+    """Find all impulses that the power structure allows."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    frees = mode.power_frees
+    rows = 0
+    if mode.dynamics > 0:
+        frozen_at(e, mode, v, w.frozen)
+    most = 0
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d >= 0:
+            most += max(1, m.dynamic_free[d + 1] - m.dynamic_free[d])
+    fit(w.row, most * frees)
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d < 0:
+            continue
+        for p in range(m.dynamic_free[d], m.dynamic_free[d + 1]):
+            for j in range(frees):
+                w.row.at[rows * frees + j] = mode.power_free.at[m.free_column[p] * frees + j]
+            rows += 1
+        if m.dynamic_free[d] == m.dynamic_free[d + 1]:
+            for j in range(frees):
+                total = 0.0
+                for k in range(n):
+                    total += w.frozen.at[i * n + k] * mode.power_free.at[k * frees + j]
+                w.row.at[rows * frees + j] = total
+            rows += 1
+    if rows == 0:
+        ways.many = frees
+        fit(ways.directions, n * frees)
+        for i in range(n * frees):
+            ways.directions.at[i] = mode.power_free.at[i]
+        return
+    room = svd_room(e, max(rows, frees), max(rows, frees))
+    fit(w.c, frees * frees)
+    ways.many = null_space(room, rows, frees, w.row.at, 1e-10, w.c.at)
+    fit(ways.directions, n * ways.many)
+    times_matrix(n, frees, ways.many, mode.power_free.at, w.c.at, ways.directions.at)
+
+
+def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
+    """Find the impulses of a mode and what they move; in a linear mode once."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    ways = mode.ways
+    if ways.known:
+        return
+    impulse_directions(e, mode, v, ways)
+    many = ways.many
+    fit(w.rate_part, m.storages * many)
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        for j in range(many):
+            w.rate_part.at[k * many + j] = sign * ways.directions.at[at * many + j]
+    # the combinations of impulses that move the state
+    ways.areas = 0
+    fit(ways.moving, many * many)
+    if many > 0:
+        d = svd_room(e, max(m.storages, many), max(m.storages, many))
+        svd(d, m.storages, many, w.rate_part.at)
+        ways.areas = min(rank_above(d, many, 1e-10 * max(d.s[0], 1e-300)), m.storages)
+        first_of_v(many, ways.areas, d.v, ways.moving.at)
+    fit(ways.d, m.storages * ways.areas)
+    times_matrix(m.storages, many, ways.areas, w.rate_part.at, ways.moving.at, ways.d.at)
+    find_shares(e, ways, n)
+    fit(w.nu, ways.areas)
+    fit(w.step, ways.areas)
+    fit(w.combined, many)
+    if mode.dynamics > 0 or m.groups > 0:
+        return
+    count = w.constraints
+    slope_of(e, mode, v, x, ways)
+    fit(ways.inverse, ways.areas * count)
+    ways.rank = rank_of(e, count, ways.areas, ways.slope.at)
+    invert_slope(e, ways, count)
+    ways.known = True
+
+
+def invert_slope(e: Engine, ways: Ways, count: int) -> None:
+    """Put the pseudo-inverse of the slope into `ways.inverse`."""
+    w = e.work
+    areas = ways.areas
+    d = svd_room(e, max(count, areas), max(count, areas))
+    if ways.rank < areas and count > 0:
+        fit(w.row_size, count)
+        for i in range(count):
+            most = 0.0
+            for a in range(areas):
+                most = max(most, math.fabs(ways.slope.at[i * areas + a]))
+            w.row_size.at[i] = most if most > 0.0 else 1.0
+        if scale_slope(e, ways, count, w.row_size.at) == areas:
+            pseudo_inverse(d, count, areas, w.scaled.at, 1e-12, ways.inverse.at)
+            for a in range(areas):
+                for i in range(count):
+                    own = ways.inverse.at[a * count + i]
+                    ways.inverse.at[a * count + i] = own / w.column_size.at[a] / w.row_size.at[i]
+            ways.rank = areas
+            return
+    pseudo_inverse(d, count, areas, ways.slope.at, 1e-12, ways.inverse.at)
+
+
+def scale_slope(e: Engine, ways: Ways, count: int, size: Floats) -> int:
+    """Measure rows of the slope by `size` and columns by their largest entries; return its rank.
+
+    It goes into `e.work.scaled`, the sizes of columns into `e.work.column_size`.
+    """
+    w = e.work
+    areas = ways.areas
+    fit(w.scaled, count * areas)
+    fit(w.column_size, areas)
+    for a in range(areas):
+        most = 0.0
+        for i in range(count):
+            here = ways.slope.at[i * areas + a] / (size[i] if size[i] > 0.0 else 1.0)
+            w.scaled.at[i * areas + a] = here
+            most = max(most, math.fabs(here))
+        w.column_size.at[a] = most if most > 0.0 else 1.0
+        for i in range(count):
+            w.scaled.at[i * areas + a] = w.scaled.at[i * areas + a] / w.column_size.at[a]
+    return rank_of(e, count, areas, w.scaled.at)
+
+
+def first_of_v(n: int, many: int, v: Floats, basis: Floats) -> None:
+    """Put the first columns of V into the columns of `basis`."""
+    for j in range(many):
+        for i in range(n):
+            basis[i * many + j] = v[j * n + i]
+
+
+def find_shares(e: Engine, ways: Ways, n: int) -> None:
+    """Find the impulses that move nothing: what is left to least leakage."""
+    w = e.work
+    many = ways.many
+    ways.shares = 0
+    if many == ways.areas:
+        return
+    fit(w.a, many * many)
+    fit(w.b, many * many)
+    fit(w.c, many)
+    fit_columns(e, many)
+    for i in range(many * ways.areas):
+        w.a.at[i] = ways.moving.at[i]
+    ways.shares = complement(many, ways.areas, w.a.at, w.c.at, w.column.at, w.b.at)
+    fit(ways.share, n * ways.shares)
+    times_matrix(n, many, ways.shares, ways.directions.at, w.b.at, ways.share.at)
+
+
+def fit_columns(e: Engine, n: int) -> None:
+    """Make room for the columns of a factorisation."""
+    fit_places(e.work.column, n)
+
+
+def rank_of(e: Engine, rows: int, columns: int, a: Floats) -> int:
+    """Return the rank of a matrix, measured by its largest entry."""
+    if rows == 0 or columns == 0:
+        return 0
+    d = svd_room(e, max(rows, columns), max(rows, columns))
+    svd(d, rows, columns, a)
+    return min(rank_above(d, columns, 1e-10 * largest(rows * columns, a)), rows)
+
+
+def slope_of(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
+    """Put the derivative of the residuals by the areas into `ways.slope`."""
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    count = w.constraints
+    areas = ways.areas
+    fit(ways.slope, count * areas)
+    sourced = False
+    for i in range(mode.structures):
+        sourced = sourced or m.dynamic_source[mode.dynamic[mode.structure[i]]] != 0
+    varies = False
+    for k in range(mode.sources):
+        varies = varies or (mode.source[k] >= 0 and m.source_value[mode.source[k]] >= 0)
+    values = with_stored(e, x)
+    if not varies and not (w.lefts > 0 and sourced):
+        # rows by co-energy variables, then by what is stored
+        fit(w.by_stored, m.storages)
+        for i in range(count):
+            constraint_by_co_energy(e, mode, i, n)
+            for a in range(areas):
+                total = 0.0
+                for k in range(m.storages):
+                    factor = w.by_stored.at[k]
+                    if factor == 0.0:
+                        continue
+                    for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
+                        s = m.stiff_other[p]
+                        total += factor * stiff(m, p, values) * ways.d.at[s * areas + a]
+                ways.slope.at[i * areas + a] = total
+        return
+    # controlled sources: a difference quotient is a good enough slope, because the residual
+    # decides when Newton ends
+    residual(e, mode, v, x)
+    for i in range(count):
+        w.base_gap.at[i] = w.gap.at[i]
+    for a in range(areas):
+        step = 1e-7 * far(e, x, ways, a)
+        for k in range(m.storages):
+            w.ahead[k] = x[k] + step * ways.d.at[k * areas + a]
+        residual(e, mode, v, w.ahead)
+        for i in range(count):
+            ways.slope.at[i * areas + a] = (w.gap.at[i] - w.base_gap.at[i]) / step
+
+
+def far(e: Engine, x: Floats, ways: Ways, a: int) -> float:
+    """Return how far along a way the storage goes that it fills first."""
+    m = e.model
+    w = e.work
+    values = with_stored(e, x)
+    most = 0.0
+    for k in range(m.storages):
+        most = max(most, math.fabs(ways.d.at[k * ways.areas + a]))
+    least = math.inf
+    for k in range(m.storages):
+        share = math.fabs(ways.d.at[k * ways.areas + a])
+        own = math.fabs(own_stiffness(m, k, values))
+        held = math.fabs(x[k])
+        if own > 0.0 and math.isfinite(own):
+            held += w.reach[k] / own
+        if share > NOTICED * most and held > 0.0:
+            least = min(least, held / share)
+    return least if least < math.inf else 1e-6 / most

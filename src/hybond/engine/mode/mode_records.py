@@ -1,0 +1,201 @@
+"""The equations of a mode made ready, and what belongs to them: impulses, leakage, what is read."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Rows, make_block, make_rows
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+KEPT: Final = 64
+"""Modes kept; the least recently used is made anew when it is entered again."""
+
+
+@record
+class Leakage:
+    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`."""
+
+    stages: int
+    first: int
+    second: int
+    basis: Block
+    taken: Block
+    basis2: Block
+    taken2: Block
+    amount: Block
+
+
+@record
+class Ways:
+    """The impulses that a mode allows, and what they do to what is stored.
+
+    `directions` are bond variables by `many`; `moving`, many by areas; `d`,
+    storages by areas; `slope`, constraints by areas, its inverse and its rank.
+    """
+
+    known: bool
+    many: int
+    areas: int
+    directions: Block
+    moving: Block
+    d: Block
+    slope: Block
+    inverse: Block
+    rank: int
+    shares: int
+    share: Block
+
+
+@record
+class Reads:
+    """Bond variables that are evaluated in a step, and the sources that these are made of.
+
+    The first `many` of `bond`; `chosen` says of each bond variable whether it is one of them,
+    `valued` and `rated` of each source whether a row of one reads its value, or its rate.
+    """
+
+    many: int
+    bond: Ints
+    chosen: Ints
+    valued: Ints
+    rated: Ints
+
+
+@record
+class Mode:
+    """The equations of one configuration.
+
+    Bond variables are ``free r + known xi``, twice: before the hidden constraints (`power`, where
+    impulses live) and after (`finite`, for finite values). `xi` are co-energy variables, values of
+    sources, their rates.
+    """
+
+    used: int
+    behind: int
+    """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
+    state: Ints
+    """Of each machine, then of what else selects equations."""
+    flags: Floats
+    """Booleans: what is ON, then the states of machines."""
+    on: Ints
+    prior_acts: Ints
+    """Whether each law that reads ``pre()`` acts."""
+    too_high: bool
+    knowns: int
+    sources: int
+    source: Ints
+    rated: Ints
+    """Whether the rate of a source is asked for."""
+    source_level: Floats
+    """Values of sources that are constant, or given from outside."""
+    same: Ints
+    power: Rows
+    finite: Rows
+    direct: Rows
+    """Those of `finite` with least leakage taken off, where nothing is left to Newton."""
+    shared: Rows
+    """Room for them if least leakage takes anything off."""
+    power_free: Block
+    finite_free: Block
+    power_frees: int
+    finite_frees: int
+    free_column: Ints
+    own_power: Rows
+    own_power_free: Block
+    constraints: Rows
+    constraint_hidden: Ints
+    """Of each constraint: the dynamic row that is its derivative, or -1."""
+    agreements: Rows
+    dynamics: int
+    dynamic: Ints
+    """Rows that are evaluated anew: of the model, or ``-1 - k`` of constraint k."""
+    structures: int
+    structure: Ints
+    other: Ints
+    rank: int
+    affine: bool
+    leakage: Leakage
+    loose: int
+    freedom: Block
+    guessed: bool
+    guess: Block
+    ways: Ways
+    saw: bool
+    seen: Floats
+    rates: Reads
+    """What the rates of the state read."""
+    flow_known: bool
+    """Whether it was looked whether the mode is linear."""
+    flow_why: int
+    """The number of the reason why it is not, or -1."""
+    flow: int
+    """Where its flow is kept, or -1."""
+    opened: bool
+    """Whether the laws of junctions are left open: the last sources are their ports."""
+
+
+def make_leakage() -> Leakage:
+    """Return a projection that takes nothing off."""
+    p = Leakage()
+    p.basis = make_block(1)
+    p.taken = make_block(1)
+    p.basis2 = make_block(1)
+    p.taken2 = make_block(1)
+    p.amount = make_block(1)
+    return p
+
+
+def make_ways() -> Ways:
+    """Return room for the impulses of a mode."""
+    w = Ways()
+    w.directions = make_block(1)
+    w.moving = make_block(1)
+    w.d = make_block(1)
+    w.slope = make_block(1)
+    w.inverse = make_block(1)
+    w.share = make_block(1)
+    return w
+
+
+def make_reads(m: Model) -> Reads:
+    """Return room for what a mode of a model is read of; nothing is."""
+    r = Reads()
+    r.bond = ints(2 * m.bonds)
+    r.chosen = ints(2 * m.bonds)
+    r.valued = ints(m.most_sources)
+    r.rated = ints(m.most_sources)
+    return r
+
+
+def make_mode(m: Model) -> Mode:
+    """Return room for the equations of a mode."""
+    mode = Mode()
+    n = 2 * m.bonds
+    mode.state = ints(m.machines + m.discrete)
+    mode.flags = floats(m.switches + m.state_first[m.machines])
+    mode.on = ints(m.switches)
+    mode.prior_acts = ints(m.priors)
+    mode.source = ints(m.most_sources)
+    mode.rated = ints(m.most_sources)
+    mode.source_level = floats(m.most_sources)
+    mode.same = ints(n)
+    mode.finite = make_rows()
+    mode.shared = make_rows()
+    mode.own_power = make_rows()
+    mode.finite_free = make_block(1)
+    mode.own_power_free = make_block(1)
+    mode.free_column = ints(n)
+    mode.constraints = make_rows()
+    mode.constraint_hidden = ints(m.storages)
+    mode.agreements = make_rows()
+    mode.dynamic = ints(m.most_dynamic + m.storages)
+    mode.structure = ints(m.most_dynamic + m.storages)
+    mode.other = ints(m.most_dynamic + m.storages)
+    mode.leakage = make_leakage()
+    mode.freedom = make_block(1)
+    mode.guess = make_block(1)
+    mode.ways = make_ways()
+    mode.seen = floats(n)
+    mode.rates = make_reads(m)
+    return mode

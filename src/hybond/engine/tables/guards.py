@@ -1,0 +1,30 @@
+"""Guards as they are while time passes: what a locator follows."""
+
+from __future__ import annotations
+
+from hybond.model.expressions import Binary, Call, Compare, Expr, Neg, Pre, comparisons, transform
+from hybond.model.graph import Rule
+
+
+def seen_in_motion(rule: Rule) -> tuple[Expr, list[Expr]]:
+    """Return a guard as it is while time passes, and the differences of its comparisons."""
+    guard = transform(rule.guard, _without_pre)
+    compared = [c for c in comparisons(guard) if isinstance(c, Compare)]
+    return guard, [Binary("-", c.left, c.right) for c in compared]
+
+
+def magnitude(e: Expr) -> Expr:
+    """Return what the magnitudes of the terms of `e` add up to."""
+    match e:
+        case Binary(op="+" | "-"):
+            return Binary("+", magnitude(e.left), magnitude(e.right))
+        case Binary(op="*"):
+            return Binary("*", magnitude(e.left), magnitude(e.right))
+        case Neg():
+            return magnitude(e.arg)
+        case _:
+            return Call("abs", (e,))
+
+
+def _without_pre(e: Expr) -> Expr:
+    return e.arg if isinstance(e, Pre) else e
