@@ -117,13 +117,13 @@ class Motion:
         kind, _, index = name.partition(":")
         k = int(index)
         if kind == "x":
-            return np.asarray(sign * self._co_energies(order)[storage])
+            return np.asarray(self._rates(order)[k])
         if kind == "s":
             return self.derivative(self.graph.integrals[k].rate, order - 1)
         if self._sources is None and name in self._co_energy:
             # exact where a difference would not be
             sign, storage = self._co_energy[name]
-            return sign * self._co_energies(order)[storage]
+            return np.asarray(sign * self._co_energies(order)[storage])
         return np.asarray(self.bonds(order)[k + (len(self.graph.bonds) if kind == "f" else 0)])
 
     def _matrix(self, node: int) -> tuple[tuple[float, ...], ...] | None:

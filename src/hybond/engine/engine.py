@@ -20,6 +20,7 @@ from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
 from hybond.engine.sliding.slide_records import Slide, make_slide
+from hybond.engine.timestepping.step_records import MOREAU, Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
 
 OK: Final = 0
@@ -270,6 +271,7 @@ class Engine:
     quantised: Quantised
     landings: Landings
     planar: Planar
+    stepping: Stepping
     curved: bool
     """Whether the last step is one of a descent: a cubic, whatever the method."""
 
@@ -437,8 +439,10 @@ def make_engine(m: Model) -> Engine:
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
-    if m.laws > 0:
+    if m.laws > 0 or m.method == MOREAU:
         e.laws = make_laws(m)
+    if m.method == MOREAU:
+        e.stepping = make_stepping(m)
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     if m.method == 1:
