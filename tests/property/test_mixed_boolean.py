@@ -171,6 +171,7 @@ def point_of(graph, mode, rng) -> Point:
     basis = null_space(rows / np.where(scale > 0.0, scale, 1.0), rcond=1e-10)
     point = basis @ (basis.T @ rng.normal(size=rows.shape[1]))
     loose = null_space(np.vstack([A[:, :nw], L @ Y]), rcond=1e-10)
+    point[w] -= loose @ (loose.T @ point[w])  # of what is not determined, the least
     return Point(
         x=point[x],
         z=Z @ point[x],
