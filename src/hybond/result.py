@@ -86,7 +86,8 @@ class Result:
         Steps (``marched``: those that the kernel took), events (``crossed``: those that it
         settled), evaluations, modes built (``propagated``: those that solver ``"exact"`` took).
     kernel : str
-        How many of the steps and events the compiled kernel took, and why not more.
+        What made the run: the library, the engine as Python and why, or the reference, with how
+        many of the steps and events its compiled kernel took.
     method : str
         With solver ``"exact"``: how many modes were propagated exactly, and why not more.
 

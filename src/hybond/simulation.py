@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner, runners_of
-from hybond.engine.compiled.native import Unavailable, library
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import EngineChoice, choose_engine
 from hybond.engine.outcome.journal import Journal
-from hybond.engine.outcome.library_run import LibraryRun, Settings
 from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
@@ -30,8 +30,10 @@ from hybond.programs.program import Program
 from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import (
+    ALIASES,
     AUTO,
     FIXED,
+    QUANTISED,
     STEPPING,
     Choice,
     check_step,
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 
-ENGINE: Literal["auto", "library", "reference"] = "auto"
+ENGINE: Literal["library", "python", "reference"] | None = None
 """What makes runs that do not say what should."""
 NEGLIGIBLE = 1e-6
 """A stored quantity is measured against at least this part of what the system's energy would
@@ -81,7 +83,7 @@ def simulate(
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     kernel: bool | None = None,
-    engine: Literal["auto", "library", "reference"] | None = None,
+    engine: Literal["library", "python", "reference"] | None = None,
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -136,10 +138,11 @@ def simulate(
     kernel : bool
         Of the reference, which this asks for: whether its compiled kernel takes steps, and settles
         events between them, where there is one and it was made for that.
-    engine : {"auto", "library", "reference"}
-        What makes the run: the compiled library wherever it can (default), the library or a
-        refusal that says what it cannot (HB-S119), or the reference. The results are the same but
-        for rounding; `Result.kernel` says which it was.
+    engine : {"library", "python", "reference"}
+        What makes the run: the engine compiled as a library, the same engine run as Python, which
+        is many times slower, or the reference. By default the library if there is one, and else
+        Python; what the engine does not do the reference does. The results are the same but for
+        rounding; `Result.kernel` says which it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -183,6 +186,7 @@ def simulate(
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     fixed = name in FIXED
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(
@@ -253,18 +257,18 @@ def simulate(
             hint='solver = "moreau-jean"',
         )
     why = ""
-    engine = engine or ("auto" if kernel is None else "reference")
-    if engine == "auto":
-        engine = ENGINE
+    engine = engine or (ENGINE if kernel is None else "reference")
     if engine != "reference":
+        choice_of_engine = choose_engine(engine)
         # a step written in the experiment for a fixed-step solver may stand there unused
         own_step = given_step if fixed or step is not None else None
         if name in METHODS:
             check_step(name, own_step)
         runners = runners_of(graph, fmus=fmus)
         try:
-            run = _by_library(
+            run = _by_engine(
                 graph,
+                choice_of_engine,
                 Settings(
                     until=end,
                     solver=name,
@@ -284,20 +288,27 @@ def simulate(
                 journal=journal,
                 runners=runners,
             )
-            if isinstance(run, LibraryRun):
-                run.trace.kernel = "the library"
+            if isinstance(run, EngineRun):
+                run.trace.kernel = choice_of_engine.said
                 return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
             why = run
         finally:
             for runner in runners.values():
                 runner.close()
-        if engine == "library":
+        if engine is not None:
             raise UsageError(
-                f"the library cannot make this run: {why}",
+                f"the engine cannot make this run: {why}",
                 code="HB-S119",
                 where="engine",
-                hint="leave engine out: the reference takes what the library cannot",
+                hint="leave engine out: the reference takes what the engine cannot",
             )
+    if name in QUANTISED:
+        raise UsageError(
+            f"the reference has no solver {name!r}: {why or 'the reference was asked for'}",
+            code="HB-S119",
+            where="solver",
+            hint='another solver, such as "rk45"',
+        )
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,
@@ -337,30 +348,29 @@ def simulate(
             executive.journal.close()
 
 
-def _by_library(
+def _by_engine(
     graph: FlatGraph,
+    engine: EngineChoice,
     settings: Settings,
     *,
     progress: Callable[[float, int], None] | None,
     keep: int | None,
     journal: str | Path | None,
     runners: Mapping[str, Runner],
-) -> LibraryRun | str:
-    """Return a run by the library that has not begun, or why there is none."""
+) -> EngineRun | str:
+    """Return a run by an engine that has not begun, or why there is none."""
     if settings.solver not in METHODS:
         return f"solver {settings.solver!r}"
     try:
-        library()
         tables = settings.tables(graph)
-    except Unavailable as error:
-        return str(error)
     except HybondError as error:
         if not error.code.startswith("HB-E6"):
             raise
         return error.why
     # last of all: it replaces the file that is there
     opened = None if journal is None else _opened(journal, graph)
-    return LibraryRun(tables, progress=progress, keep=keep, journal=opened, runners=runners)
+    model = engine.prepare(tables)
+    return EngineRun(model, progress=progress, keep=keep, journal=opened, runners=runners)
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

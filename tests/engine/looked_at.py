@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook, EngineModel, EngineRun
 from engine.laws_put_back import Laws
 from example_runs import NAMES, RTOL, example, integrated
 
 import hybond as hb
-from hybond.engine.compiled.native import NativeModel, NativeRun, Rows
-from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.native import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
 from hybond.model.graph import FlatGraph
@@ -76,11 +76,11 @@ CASES = [*OWN, *(n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) fo
 
 
 @functools.cache
-def model_of(name: str) -> NativeModel:
+def model_of(name: str) -> EngineModel:
     if name in OWN:
         make, options = OWN[name]
-        return NativeModel(tables_of(make().flatten(), rtol=RTOL, **options))
-    return NativeModel(tables_of(example(name).flatten(), **integrated(name)))
+        return EngineModel(tables_of(make().flatten(), rtol=RTOL, **options))
+    return EngineModel(tables_of(example(name).flatten(), **integrated(name)))
 
 
 @functools.cache
@@ -108,7 +108,7 @@ def in_intervals(graph: FlatGraph, rows: Rows) -> Iterator[slice]:
             first = last
 
 
-def look_at_steps(look: NativeLook, rows: Rows, which: slice, energy: float) -> None:
+def look_at_steps(look: EngineLook, rows: Rows, which: slice, energy: float) -> None:
     place = rows.step_place[which.start]
     machines = (len(place) - 2) // 2
     assert place[1] == (rows.instant_place[place[0] - 1, 2])
@@ -133,6 +133,6 @@ def slid_in(rows: Rows, which: slice) -> Combination:
 
 @functools.cache
 def rows_of(name: str) -> tuple[Rows, float]:
-    run = NativeRun(model_of(name))
+    run = EngineRun(model_of(name))
     (rows,) = run.slices(steps=-1)
     return rows, run._seen.energy

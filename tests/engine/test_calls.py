@@ -13,21 +13,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineModel, EngineRun
 from engine.test_native_runs import said_by
 from export.programs import check, expected
 
 import hybond as hb
 from hybond.engine.compiled import answering as of_a_run
-from hybond.engine.compiled.native import OK, RAISED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.compiled.native import OK, RAISED, REFUSED, Rows
 from hybond.engine.tables import tables_of
 from hybond.export.c import to_c
 
 
-def native(model: hb.Model, until: float, **options: Any) -> NativeModel:
-    return NativeModel(tables_of(model.flatten(), calling=True, until=until, **options))
+def native(model: hb.Model, until: float, **options: Any) -> EngineModel:
+    return EngineModel(tables_of(model.flatten(), calling=True, until=until, **options))
 
 
-def done(run: NativeRun) -> NativeRun:
+def done(run: EngineRun) -> EngineRun:
     list(run.slices(steps=40))
     return run
 
@@ -56,7 +57,7 @@ def integrated(u: Callable[[float], float], breaks: Sequence[float] = ()) -> hb.
 
 def same_as_by_simulate(make: Callable[[], hb.Model], until: float, **options: Any) -> hb.Result:
     """Run a model that may remember something by the library and by `simulate`."""
-    run = NativeRun(native(make(), until, **options))
+    run = EngineRun(native(make(), until, **options))
     rows = list(run.slices(steps=40))
     meant = hb.simulate(make(), until=until, **options)
     assert run.status == OK
@@ -69,11 +70,11 @@ def same_as_by_simulate(make: Callable[[], hb.Model], until: float, **options: A
 
 def test_a_sine_is_what_the_closed_form_says() -> None:
     w, until = 3.0, 4.0
-    run = done(NativeRun(native(driven(lambda t: math.sin(w * t)), until, rtol=1e-11)))
+    run = done(EngineRun(native(driven(lambda t: math.sin(w * t)), until, rtol=1e-11)))
     decay = w * math.exp(-until)
     meant = (math.sin(w * until) - w * math.cos(w * until) + decay) / (1.0 + w * w)
     assert run.y == pytest.approx([meant], rel=1e-9)
-    signal_itself = done(NativeRun(native(circuit("sin(3*time)"), until, rtol=1e-11)))
+    signal_itself = done(EngineRun(native(circuit("sin(3*time)"), until, rtol=1e-11)))
     assert run.y == pytest.approx(signal_itself.y, rel=1e-9)
 
 
@@ -84,7 +85,7 @@ def test_the_rate_of_a_function_reaches_a_hidden_constraint() -> None:
     m.bond("V -> n -> C")
     m.input(u=lambda t: math.sin(t))
     m.signal(charge=hb.Integral("C.f"))
-    run = done(NativeRun(native(m, 2.0, rtol=1e-10)))
+    run = done(EngineRun(native(m, 2.0, rtol=1e-10)))
     assert run.y == pytest.approx([2.0 * math.sin(2.0)] * 2, rel=1e-7)
 
 
@@ -100,7 +101,7 @@ def test_pieces_are_joined_at_breaks_exactly() -> None:
         m.machine("w", states={"low": [], "high": ["tap"]}, start="low", rules=rules)
         return m
 
-    run = NativeRun(native(make(), 4.0))
+    run = EngineRun(native(make(), 4.0))
     instants = [t for rows in run.slices() for t, _ in rows.instant_time]
     assert instants == [0.0, 1.0, 2.5]
     assert run.y[1] == pytest.approx(0.5 + 7.5 - (16.0 - 6.25) / 2.0, rel=1e-12)
@@ -117,7 +118,7 @@ def test_a_function_is_not_asked_twice_for_an_instant() -> None:
 
     model = native(integrated(u, breaks=[1.5]), 3.0, rtol=1e-10)
     asked.clear()  # making tables looks at the start
-    run = done(NativeRun(model))
+    run = done(EngineRun(model))
     assert run.y[1] == pytest.approx(math.sin(3.0), rel=1e-8)
     assert len(asked) > 20
     assert all(a != b for a, b in pairwise(asked))
@@ -153,7 +154,7 @@ def test_a_function_makes_a_guard_true() -> None:
     meant = same_as_by_simulate(make, 10.0)
     times = [math.pi / 6, 7 * math.pi / 6, 13 * math.pi / 6, 19 * math.pi / 6]
     assert [e.t for e in meant.events[1:]] == pytest.approx([t for t in times if t < 10.0])
-    run = NativeRun(native(make(), 10.0))
+    run = EngineRun(native(make(), 10.0))
     instants = [t for rows in run.slices() for t, _ in rows.instant_time]
     assert instants[1:] == pytest.approx([t for t in times if t < 10.0], rel=1e-12)
 
@@ -217,7 +218,7 @@ def test_a_block_is_called_once_an_instant_and_not_at_the_end() -> None:
 
     m = flywheel()
     m.block(ctl=hb.Block(seen, inputs={"now": "time"}, outputs=["u"], every=0.25))
-    run = done(NativeRun(native(m, 1.0)))
+    run = done(EngineRun(native(m, 1.0)))
     assert run.status == OK
     assert calls == [(t, t) for t in (0.0, 0.25, 0.5, 0.75)]
 
@@ -240,7 +241,7 @@ def test_what_an_input_raises_ends_the_run_which_keeps_its_rows(
             raise error
         return 1.0
 
-    run = NativeRun(native(driven(u), 9.0))
+    run = EngineRun(native(driven(u), 9.0))
     kept: list[Rows] = []
     with pytest.raises(type(error)) as caught:
         for rows in run.slices(steps=7):
@@ -259,7 +260,7 @@ def test_simulate_raises_the_same() -> None:
     with pytest.raises(ValueError, match="no input beyond"):
         hb.simulate(driven(until_two), until=9.0)
     with pytest.raises(ValueError, match="no input beyond"):
-        done(NativeRun(native(driven(until_two), 9.0)))
+        done(EngineRun(native(driven(until_two), 9.0)))
 
 
 def failing(t: float, u: dict[str, float]) -> dict[str, float]:
@@ -270,7 +271,7 @@ def test_a_block_that_fails_is_told_as_by_simulate() -> None:
     m = flywheel()
     m.block(ctl=hb.Block(failing, inputs={}, outputs=["u"], every=0.25))
     said = []
-    for run in (lambda: hb.simulate(m, until=1.0), lambda: done(NativeRun(native(m, 1.0)))):
+    for run in (lambda: hb.simulate(m, until=1.0), lambda: done(EngineRun(native(m, 1.0)))):
         with pytest.raises(hb.NumericsError) as caught:
             run()
         said.append((caught.value.code, str(caught.value)))
@@ -282,7 +283,7 @@ def test_a_block_that_fails_is_told_as_by_simulate() -> None:
 def test_a_block_without_a_value_stops_the_run(value: float) -> None:
     m = flywheel()
     m.block(ctl=hb.Block(lambda t, u: {"u": value}, inputs={}, outputs=["u"], every=0.25))
-    run = done(NativeRun(native(m, 1.0)))
+    run = done(EngineRun(native(m, 1.0)))
     assert (run.status, run.fault.code, run.fault.place) == (REFUSED, "HB-N305", "ctl.u")
     assert hb.simulate(m, until=1.0, on_error="return").error.code == "HB-N305"
 
@@ -297,7 +298,7 @@ def test_an_interrupt_between_two_calls_is_not_lost(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    run = NativeRun(native(driven(math.sin), 1e7))
+    run = EngineRun(native(driven(math.sin), 1e7))
     # what is raised while others' remains are collected is lost wherever it comes from
     gc.collect()
     gc.disable()
@@ -338,10 +339,10 @@ def test_runs_on_one_model_in_threads_keep_their_own_runners() -> None:
     m.input(wind=hb.Input(function=lambda t: 0.1 * math.sin(9.0 * t)))
     m.signal(path=hb.Integral("wind"))
     model = native(m, 1.0)
-    alone = [done(NativeRun(model, runners={"ctl": Gain(g)})).y for g in (1.0, 2.0)]
+    alone = [done(EngineRun(model, runners={"ctl": Gain(g)})).y for g in (1.0, 2.0)]
     assert not np.array_equal(alone[0], alone[1])
     gains = [Gain(g) for g in (1.0, 2.0)]
-    runs = [NativeRun(model, runners={"ctl": gain}) for gain in gains]
+    runs = [EngineRun(model, runners={"ctl": gain}) for gain in gains]
     threads = [threading.Thread(target=done, args=(run,)) for run in runs]
     for thread in threads:
         thread.start()
@@ -366,10 +367,10 @@ def test_a_run_closes_what_it_made_where_it_ends_or_is_dropped(
     m = flywheel()
     m.block(ctl=hb.Block(failing, inputs={"speed": "w.f"}, outputs=["u"], every="1 ms"))
     model = native(m, 1.0)
-    ended = done(NativeRun(model))
+    ended = done(EngineRun(model))
     assert gains[0].closed == 1
     del ended
-    left = NativeRun(model)
+    left = EngineRun(model)
     next(left.slices(steps=5))
     assert gains[1].closed == 0
     del left

@@ -8,6 +8,7 @@ import sys
 import threading
 
 import pytest
+from engine.by_engine import ENGINE
 
 import hybond as hb
 
@@ -26,10 +27,12 @@ class Own(Exception):
 
 
 def interrupted(**options: object) -> hb.Result:
+    # imports and tables take their time: an interrupt then would be raised at once
+    hb.simulate(long_run(), until=1.0, engine=ENGINE)
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     try:
-        return hb.simulate(long_run(), until=1e7, keep=1000, engine="library", **options)  # type: ignore[arg-type]
+        return hb.simulate(long_run(), until=1e7, keep=1000, engine=ENGINE, **options)  # type: ignore[arg-type]
     finally:
         timer.cancel()
 

@@ -13,6 +13,8 @@ import pytest
 from hybond.engine.compiled.build import NAME, compile_into
 from hybond.engine.compiled.native import columns, library
 
+pytestmark = pytest.mark.usefixtures("native")
+
 STRICT = ("-O0", "-Wall", "-Wextra", "-pedantic", "-Werror")
 RUN = """
 import hybond as hb

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook
 from engine.laws_put_back import Laws
 from engine.looked_at import (
     CASES,
@@ -21,7 +22,6 @@ from engine.looked_at import (
 )
 
 from hybond.engine.compiled.native import OK, Rows
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Steps, Within
 from hybond.engine.engine import make_engine
 from hybond.engine.looking import energies, look
@@ -51,7 +51,7 @@ def points_of(steps: Steps) -> Within:
 def test_values_are_what_all_elements_say(name: str) -> None:
     """Junctions, laws of elements and of storage, in each of the modes that are combined."""
     rows, largest = rows_of(name)
-    look, laws = NativeLook(model_of(name)), laws_of(name)
+    look, laws = EngineLook(model_of(name)), laws_of(name)
     slots = np.arange(2 * laws.size)
     wrong: dict[str, float] = {}
     size: dict[str, float] = {}
@@ -77,7 +77,7 @@ def test_values_are_what_all_elements_say(name: str) -> None:
 def test_what_flows_in_is_stored_and_powers_are_what_elements_take(name: str) -> None:
     """The state moves by what storage takes, and by the rates of integrals; powers add up."""
     rows, largest = rows_of(name)
-    look, laws = NativeLook(model_of(name)), laws_of(name)
+    look, laws = EngineLook(model_of(name)), laws_of(name)
     slots = np.arange(2 * laws.size)
     # by radau, and where a slip in the plane ends, polynomials have other slopes at their ends
     explicit = model_of(name).tables.numbers["method"] != RADAU and name != "planar_puck"
@@ -120,7 +120,7 @@ BALANCED = (
 @pytest.mark.parametrize("name", BALANCED)
 def test_stored_energy_changes_by_what_is_supplied_and_dissipated(name: str) -> None:
     rows, largest = rows_of(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     laws = laws_of(name)
     off, passed = 0.0, 0.0
     for which in stretches(rows):
@@ -139,7 +139,7 @@ def test_stored_energy_changes_by_what_is_supplied_and_dissipated(name: str) -> 
 def test_who_asks_for_little_gets_the_same_bits(name: str) -> None:
     """And so does who asks step by step, or with the states of the same points."""
     rows, largest = rows_of(name)
-    look = NativeLook(model_of(name))
+    look = EngineLook(model_of(name))
     slots = model_of(name).tables.slots.size
     for which in list(stretches(rows))[:6]:
         steps = Steps.of(rows, which)
@@ -155,10 +155,10 @@ def test_who_asks_for_little_gets_the_same_bits(name: str) -> None:
 def test_what_was_looked_into_before_does_not_matter() -> None:
     rows, largest = rows_of("cockcroft_walton")
     slots = np.arange(model_of("cockcroft_walton").tables.slots.size)
-    one = NativeLook(model_of("cockcroft_walton"))
+    one = EngineLook(model_of("cockcroft_walton"))
     found = list(stretches(rows))[:12]
 
-    def seen(look: NativeLook, which: slice) -> np.ndarray:
+    def seen(look: EngineLook, which: slice) -> np.ndarray:
         look_at_steps(look, rows, which, largest)
         steps = Steps.of(rows, which)
         return look.values(Within(steps, steps.time[:, :2].mean(axis=1).clip(max=t_end)), slots)
@@ -166,7 +166,7 @@ def test_what_was_looked_into_before_does_not_matter() -> None:
     t_end = float(rows.step_time[-1, 2])
     forth = [seen(one, w) for w in found]
     back = [seen(one, w) for w in reversed(found)][::-1]
-    alone = [seen(NativeLook(model_of("cockcroft_walton")), w) for w in found]
+    alone = [seen(EngineLook(model_of("cockcroft_walton")), w) for w in found]
     for a, b, c in zip(forth, back, alone):
         assert np.array_equal(a, b) and np.array_equal(a, c)
 
@@ -175,7 +175,7 @@ def test_what_was_looked_into_before_does_not_matter() -> None:
 def test_shares_hold_the_surface(name: str) -> None:
     """Of relays: each is on for the part of the time in which its function stays zero."""
     rows, largest = rows_of(name)
-    look, laws = NativeLook(model_of(name)), laws_of(name)
+    look, laws = EngineLook(model_of(name)), laws_of(name)
     tables = model_of(name).tables
     slid = [w for w in stretches(rows) if slid_in(rows, w).surfaces]
     assert slid
@@ -198,7 +198,7 @@ def test_the_same_text_looks_in_python() -> None:
     engine = make_engine(answered(tables))
     there = look.make_look(engine)
     meter = energies.make_meter()
-    here = NativeLook(model_of(name))
+    here = EngineLook(model_of(name))
     slots = list(range(2 * tables.slots.size))
     for which in stretches(rows):
         look_at_steps(here, rows, which, largest)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook, EngineModel, EngineRun
 from engine.looked_at import (
     model_of,
 )
 
 import hybond as hb
-from hybond.engine.compiled.native import NativeModel, NativeRun
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Steps
 from hybond.engine.tables import tables_of
 
@@ -37,7 +36,7 @@ STEP = Steps([[0.0, 1.0, 1.0]], np.zeros((1, 3, 1)), np.zeros((1, 4, 1)))
 def test_a_kink_of_a_law_does_not_fool_energies(kink: float) -> None:
     """A resistor that takes force one way only: the energy is the integral of (kink - t)^2."""
     graph = source_into("max(f, 0 [A])*1 [ohm]").flatten(parameters={"kink": kink})
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
+    look = EngineLook(EngineModel(tables_of(graph, until=1.0)))
     look.into(0.0, [])
     ((supplied, dissipated, wrong),) = look.energies(STEP)
     assert dissipated == pytest.approx(kink**3 / 3.0, rel=1e-9, abs=1e-12)
@@ -49,7 +48,7 @@ def test_a_kink_of_a_law_does_not_fool_energies(kink: float) -> None:
 def test_nor_does_a_jump(kink: float) -> None:
     """A resistor that turns into its opposite: the energy is the integral of (kink - t)^2."""
     graph = source_into("sign(f + 0.25 [A])*f*1 [ohm]").flatten(parameters={"kink": kink})
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
+    look = EngineLook(EngineModel(tables_of(graph, until=1.0)))
     look.into(0.0, [])
     ((_, dissipated, wrong),) = look.energies(STEP)
     there = min(kink + 0.25, 1.0)
@@ -60,7 +59,7 @@ def test_nor_does_a_jump(kink: float) -> None:
 
 def test_a_law_that_has_many_kinks_ends_with_what_it_may_be_wrong_by() -> None:
     graph = source_into("f*abs(sin(4000 [1/A]*f))*1 [ohm]").flatten()
-    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
+    look = EngineLook(EngineModel(tables_of(graph, until=1.0)))
     look.into(0.0, [])
     ((_, dissipated, wrong),) = look.energies(STEP)
     # the mean of abs(sin) is 2/pi; the integral of f^2 is 1/12
@@ -73,9 +72,9 @@ def test_energies_of_a_capacitor_that_empties() -> None:
     m = hb.Model("rc", domain="electrical")
     m.add(c=hb.C("1 F", e="2 V"), r=hb.R("1 ohm"), node=hb.Zero())
     m.bond("node -> c", "node -> r")
-    model = NativeModel(tables_of(m.flatten(), until="1 s", rtol=1e-11, atol=1e-14))
-    (rows,) = NativeRun(model).slices(steps=-1)
-    look = NativeLook(model)
+    model = EngineModel(tables_of(m.flatten(), until="1 s", rtol=1e-11, atol=1e-14))
+    (rows,) = EngineRun(model).slices(steps=-1)
+    look = EngineLook(model)
     look.into(0.0, [], energy=2.0)
     steps = Steps.of(rows)
     whole = look.energies(steps)
@@ -94,7 +93,7 @@ def test_a_state_beside_its_constraint_is_put_back_unless_it_was_accepted() -> N
     m.add(a=hb.C(1), b=hb.C(3), z=hb.Zero(), r=hb.R(1))
     m.bond("z -> a", "z -> b", "z -> r")
     tables = tables_of(m.flatten(), until=1.0)
-    look = NativeLook(NativeModel(tables))
+    look = EngineLook(EngineModel(tables))
     look.into(0.0, [], energy=2.0)
     slots = [tables.slots.index[n] for n in ("x:0", "x:1", "e:0", "e:1")]
     points = Points([0.0, 0.0], [[1.2, 2.8]] * 2, accepted=[False, True])
@@ -105,7 +104,7 @@ def test_a_state_beside_its_constraint_is_put_back_unless_it_was_accepted() -> N
 
 def test_a_state_beside_the_surfaces_is_put_back_on_them() -> None:
     model = model_of("relays")
-    look = NativeLook(model)
+    look = EngineLook(model)
     look.into(3.0, [0, 0], surfaces=[0, 1], energy=1.0)
     x = [model.tables.slots.index[n] for n in ("x:0", "x:1")]
     points = Points([3.5, 3.5], [[1e-6, -1e-6]] * 2, accepted=[False, True])

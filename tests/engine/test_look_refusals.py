@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineLook, EngineModel
 from engine.looked_at import (
     model_of,
 )
 
 import hybond as hb
-from hybond.engine.compiled.native import NativeModel
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Steps, Within
 from hybond.engine.tables import tables_of
 
 
 def test_what_is_out_of_range_is_refused() -> None:
     model = model_of("relay_feedback")
-    look = NativeLook(model)
+    look = EngineLook(model)
     n = model.record.storages + model.record.integrals
     machines, slots = model.record.machines, model.record.slots
     point = Points([0.0], np.zeros((1, n)))
@@ -76,7 +75,7 @@ def test_a_law_without_a_value_is_named() -> None:
     m = hb.Model("root", domain="electrical")
     m.add(l=hb.I(1, f=1), i=hb.One(), r=hb.R({"e": "sqrt(f/1 [A])*1 [V]"}))
     m.bond("i -> l", "i -> r")
-    look = NativeLook(NativeModel(tables_of(m.flatten(), until=1.0)))
+    look = EngineLook(EngineModel(tables_of(m.flatten(), until=1.0)))
     look.into(0.0, [])
     assert look.powers(Points([0.0], [[4.0]])).tolist() == [[0.0, 8.0]]
     with pytest.raises(hb.NumericsError) as caught:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from engine.by_engine import ENGINE
 from engines import assert_same_events, assert_same_states
 from export.programs import ask, compile_quickly, expected, needs_c, read_events
 from scipy.linalg import expm
@@ -22,7 +23,7 @@ def load(name: str) -> hb.Model:
 
 
 def by_library(model: hb.Model, until: float | str | None = None, **options: Any) -> hb.Result:
-    return hb.simulate(model, until, engine="library", **options)
+    return hb.simulate(model, until, engine=ENGINE, **options)
 
 
 def coil(source: str, r: float = 2.0, l: float = 0.5) -> hb.Model:

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from engine.by_engine import EngineModel, EngineRun
 from example_runs import NAMES, STOPPED, example, integrated
 from export.programs import LABELS, Said, check, read_events
 
 import hybond as hb
-from hybond.engine.compiled.native import OK, PAUSED, REFUSED, NativeModel, NativeRun, Rows
+from hybond.engine.compiled.native import OK, PAUSED, REFUSED, Rows
 from hybond.engine.expressions.pairs import DEPTH
 from hybond.engine.outcome.records import BROKEN
 from hybond.engine.tables import ModelTables, tables_of
@@ -35,7 +36,7 @@ def written(name: str) -> Said:
     return read_events((EVENTS / f"{name}.txt").read_text(encoding="utf-8"))
 
 
-def said_by(run: NativeRun, rows: list[Rows]) -> Said:
+def said_by(run: EngineRun, rows: list[Rows]) -> Said:
     """Return what a run wrote down in the words of an exported program."""
     t = run.model.tables
     first = t.ints["state_first"]
@@ -71,7 +72,7 @@ def said_by(run: NativeRun, rows: list[Rows]) -> Said:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_does_what_is_written_of_it(name: str) -> None:
-    run = NativeRun(NativeModel(tables(name)))
+    run = EngineRun(EngineModel(tables(name)))
     rows = list(run.slices(steps=97))
     assert run.status == (REFUSED if name in STOPPED else OK)
     check(name, said_by(run, rows), written(name))
@@ -79,8 +80,8 @@ def test_an_example_does_what_is_written_of_it(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["bouncing_ball", "boost", "cam_follower", "planar_puck"])
 def test_slices_change_nothing(name: str) -> None:
-    model = NativeModel(tables(name))
-    whole, sliced = NativeRun(model), NativeRun(model)
+    model = EngineModel(tables(name))
+    whole, sliced = EngineRun(model), EngineRun(model)
     (rows,) = whole.slices(steps=-1)
     parts = list(sliced.slices(steps=1))
     assert len(parts) > 10
@@ -96,7 +97,7 @@ def test_slices_change_nothing(name: str) -> None:
 @pytest.mark.parametrize("name", ["bouncing_ball", "boost", "stick_slip", "planar_puck", "weirs"])
 def test_steps_join_and_their_polynomials_end_where_they_should(name: str) -> None:
     """By either method; what is put back on constraints moves by rounding only."""
-    (rows,) = NativeRun(NativeModel(tables(name))).slices(steps=-1)
+    (rows,) = EngineRun(EngineModel(tables(name))).slices(steps=-1)
     t0, t1, t = rows.step_time.T
     y0, y1, y = (rows.step_state[:, k] for k in range(3))
     size = np.abs(y).max(axis=0) + 1e-300
@@ -116,13 +117,13 @@ def test_steps_join_and_their_polynomials_end_where_they_should(name: str) -> No
 
 def test_runs_beside_each_other_are_those_alone() -> None:
     """In threads, on the same tables and on others."""
-    models = [NativeModel(tables(n)) for n in ("cam_follower", "boost", "cam_follower", "weirs")]
+    models = [EngineModel(tables(n)) for n in ("cam_follower", "boost", "cam_follower", "weirs")]
     alone = []
     for model in models:
-        run = NativeRun(model)
+        run = EngineRun(model)
         list(run.slices())
         alone.append(run.y)
-    runs = [NativeRun(model) for model in models]
+    runs = [EngineRun(model) for model in models]
     threads = [threading.Thread(target=lambda r=r: list(r.slices(steps=50))) for r in runs]
     for thread in threads:
         thread.start()
@@ -133,9 +134,9 @@ def test_runs_beside_each_other_are_those_alone() -> None:
 
 
 def test_a_run_that_is_left_and_taken_up_again_writes_nothing_twice() -> None:
-    model = NativeModel(tables("boost"))
-    (whole,) = NativeRun(model).slices(steps=-1)
-    run, steps, instants = NativeRun(model), 0, 0
+    model = EngineModel(tables("boost"))
+    (whole,) = EngineRun(model).slices(steps=-1)
+    run, steps, instants = EngineRun(model), 0, 0
     while run.status == PAUSED:
         for rows in run.slices(steps=40):
             steps, instants = steps + len(rows.step_time), instants + len(rows.instant_time)
@@ -146,7 +147,7 @@ def test_a_run_that_is_left_and_taken_up_again_writes_nothing_twice() -> None:
 @pytest.mark.parametrize("steps", [0, -2, 2**31, 2**32])
 def test_a_slice_of_no_steps_is_refused(steps: int) -> None:
     with pytest.raises(ValueError, match="slice"):
-        next(NativeRun(NativeModel(tables("boost"))).slices(steps=steps))
+        next(EngineRun(EngineModel(tables("boost"))).slices(steps=steps))
 
 
 @pytest.mark.parametrize("n", [DEPTH - 1, DEPTH, DEPTH + 1])
@@ -166,13 +167,13 @@ def test_a_guard_as_deep_as_the_stack_runs_and_a_deeper_one_is_refused(n: int) -
             tables_of(m.flatten(), until=2.0)
         assert caught.value.code == "HB-E636"
         return
-    run = NativeRun(NativeModel(tables_of(m.flatten(), until=2.0)))
+    run = EngineRun(EngineModel(tables_of(m.flatten(), until=2.0)))
     instants = [t for rows in run.slices() for t, _ in rows.instant_time]
     assert instants == [0.0, pytest.approx(np.log(2.0), rel=1e-8)]
 
 
 def test_a_run_can_be_left_between_two_slices() -> None:
-    run = NativeRun(NativeModel(tables("boost")))
+    run = EngineRun(EngineModel(tables("boost")))
     seen = []
 
     def stop(t: float) -> None:
@@ -185,13 +186,13 @@ def test_a_run_can_be_left_between_two_slices() -> None:
     assert run.status == PAUSED
     assert seen == sorted(seen) and 0.0 < run.t < 0.004
     list(run.slices())
-    whole = NativeRun(NativeModel(tables("boost")))
+    whole = EngineRun(EngineModel(tables("boost")))
     list(whole.slices())
     assert np.array_equal(run.y, whole.y)
 
 
 def test_why_a_run_stopped_is_told() -> None:
-    run = NativeRun(NativeModel(tables("diode_inductor_no_mode")))
+    run = EngineRun(EngineModel(tables("diode_inductor_no_mode")))
     list(run.slices())
     code, why = run.fault.code, run.fault.why
     assert (run.status, code) == (REFUSED, "HB-N401")
@@ -202,13 +203,13 @@ def test_why_a_run_stopped_is_told() -> None:
 def test_memory_is_given_back() -> None:
     """Such a run takes about a third of a megabyte, and more when it is kept than when it ends."""
     options = {**integrated("planar_puck"), "until": 0.1}
-    model = NativeModel(tables_of(example("planar_puck").flatten(), **options))
+    model = EngineModel(tables_of(example("planar_puck").flatten(), **options))
 
     def resident() -> float:
         return 4096e-6 * int(Path("/proc/self/statm").read_text().split()[1])
 
-    def made() -> NativeRun:
-        run = NativeRun(model)
+    def made() -> EngineRun:
+        run = EngineRun(model)
         list(run.slices())
         return run
 
@@ -228,7 +229,7 @@ def test_memory_is_given_back() -> None:
 def test_an_example_does_the_same_at_its_own_tolerance(name: str) -> None:
     """Steps are long there: touches are decided between few points."""
     own = {k: v for k, v in integrated(name).items() if k != "rtol"}
-    run = NativeRun(NativeModel(tables_of(example(name).flatten(), **own)))
+    run = EngineRun(EngineModel(tables_of(example(name).flatten(), **own)))
     said, meant = said_by(run, list(run.slices())), written(name)
     assert said.transitions == meant.transitions
     assert said.times == pytest.approx(meant.times, abs=1e-6 * meant.end)
@@ -239,7 +240,7 @@ def test_an_example_does_the_same_at_its_own_tolerance(name: str) -> None:
 def test_impacts_come_when_the_closed_form_says() -> None:
     """A ball falls from h0; each flight takes eps times the one before."""
     graph = example("bouncing_ball_newton").flatten(parameters={"eps": 0.8})
-    run = NativeRun(NativeModel(tables_of(graph, until="4 s")))
+    run = EngineRun(EngineModel(tables_of(graph, until="4 s")))
     impacts = [t for rows in run.slices() for t, _ in rows.instant_time[1:]]
     fall = np.sqrt(2.0 * 3.0 / 9.81)
     meant = [fall * (1.0 + 2.0 * sum(0.8**j for j in range(1, k + 1))) for k in range(len(impacts))]

@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+from engine.by_engine import ENGINE
 
 import hybond as hb
 
@@ -36,7 +37,7 @@ def ball() -> hb.Model:
 
 
 def test_between_the_last_impact_and_its_limit_a_run_has_values() -> None:
-    run = hb.simulate(ball(), until=3, engine="library")
+    run = hb.simulate(ball(), until=3, engine=ENGINE)
     (rest,) = run.accumulations
     landing = run.events[-1]
     last = run.events[-2].t
@@ -68,11 +69,11 @@ def test_the_start_knows_what_the_model_gave() -> None:
 @pytest.mark.parametrize("many", [2**31, 2**32 + 1, 10**12])
 def test_a_limit_may_be_as_large_as_one_likes(name: str, many: int) -> None:
     limits = {name: many}
-    assert hb.simulate(ball(), until=1, engine="library", **limits).status == "ok"  # type: ignore[arg-type]
+    assert hb.simulate(ball(), until=1, engine=ENGINE, **limits).status == "ok"  # type: ignore[arg-type]
 
 
 def test_many_threads_read_one_run() -> None:
-    run = hb.simulate(ball(), until=1.7, engine="library")
+    run = hb.simulate(ball(), until=1.7, engine=ENGINE)
     times = np.linspace(0.0, run.t_end, 40)
     names = ["floor.e", "height", "ball.f"]
     wanted = {name: run.sample(times.tolist(), [name])[name] for name in names}
@@ -96,7 +97,7 @@ def test_many_threads_read_one_run() -> None:
 
 
 def test_a_run_can_be_copied() -> None:
-    run = hb.simulate(ball(), until=1, engine="library")
+    run = hb.simulate(ball(), until=1, engine=ENGINE)
     other = copy.deepcopy(run)
     times = [0.0, 0.3, 0.7, 1.0]
     names = ["height", "floor.e"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from engine.by_engine import ENGINE
 from library.bench import every_way
 from library.test_electrical_bridges import LINES, PEAK, three_phases
 
@@ -21,7 +22,7 @@ def test_a_bridge_with_drops_begins_to_charge_from_nothing(method: str) -> None:
     m.bond("p -> c.plus", "c.minus -> n", "zero.pin -> n")
     lines = ("s.plus - b.a", "s.minus - b.b", "b.plus - p", "n - b.minus")
     for way in every_way(m, *lines)[::5]:
-        run = hb.simulate(way, until="4 ms", solver=method, engine="library")
+        run = hb.simulate(way, until="4 ms", solver=method, engine=ENGINE)
         assert run.events[1].t == pytest.approx(math.asin(1.4 / 17) / (100 * math.pi), rel=1e-9)
         for t in (1e-3, 4e-3):
             expected = 17 * math.sin(100 * math.pi * t) - 1.4
@@ -38,6 +39,6 @@ def test_a_thyristor_bridge_commutates_where_voltages_cross() -> None:
     m.add(loss=hb.Submodel("electrical.resistor", R=PEAK * 10))
     m.bond("p -> load.plus", "load.minus -> r -> loss.plus", "loss.minus -> n")
     for way in every_way(m, *LINES)[::16]:
-        run = hb.simulate(way, until="60 ms", rtol=1e-9, engine="library")
+        run = hb.simulate(way, until="60 ms", rtol=1e-9, engine=ENGINE)
         mean = (run["area"].at(0.06) - run["area"].at(0.04)) / 0.02
         assert mean == pytest.approx(PEAK * 100, rel=1e-6), way.name

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from engine.by_engine import ENGINE
 from engine.sliding_models import (
     KINDS,
     allowed,
@@ -27,7 +28,7 @@ RTOL = 1e-10
 
 
 def by_library(m: hb.Model, until: float, **options: object) -> hb.Result:
-    return hb.simulate(m, until=until, rtol=RTOL, engine="library", **options)  # type: ignore[arg-type]
+    return hb.simulate(m, until=until, rtol=RTOL, engine=ENGINE, **options)  # type: ignore[arg-type]
 
 
 def test_what_else_a_rule_asks_for_ends_the_sliding() -> None:

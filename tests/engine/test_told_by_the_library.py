@@ -14,7 +14,7 @@ from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.warned import NO_SIGN, NO_SOLUTION, NO_WAY_ON, OPEN, Warnings
 from hybond.engine.run import motion
-from hybond.engine.run.report import make_report
+from hybond.engine.run.log import make_report
 from hybond.engine.tables import answered, tables_of
 
 LIMITS = {"max_writes": 1000.0, "max_events": 1e6, "max_steps": 4e6}
@@ -339,9 +339,7 @@ def test_guards_that_ask_in_vain_are_named(monkeypatch: pytest.MonkeyPatch) -> N
     graph = m.flatten()
     tables = tables_of(graph, until=1e-3, tells=True)
     engine = make_engine(answered(tables))
-    report = make_report(engine)
-    run = motion.make_run(engine, report)
-    monkeypatch.setattr(motion, "report_event", lambda e, r, i: None)
+    run = motion.make_run(engine, make_report(engine))
     assert motion.run_to_end(engine, run) == REFUSED
     fault = engine.fault
     refusal = Refusal(

@@ -1,9 +1,10 @@
 """What a run does, written once, in Python that is printed as C and as Java.
 
 What the modules of most rooms here may say is in `hybond.translate`; they are ordinary Python too,
-and are run as such by the tests. Three rooms are ordinary Python alone: `tables` makes the arrays
-of a model from its flat graph, `compiled` prints, builds and calls the library, `outcome` makes of
-what that writes down the records of a run.
+and run as such where there is no library. Four rooms are ordinary Python alone: `tables` makes the
+arrays of a model from its flat graph, `compiled` prints, builds and calls the library,
+`interpreted` calls the modules themselves, `outcome` makes of what is written down the records of
+a run.
 
 `model.Model` is what a model brings along: tables (`tables/` makes them) and functions
 of its expressions. `engine.Engine` is one run; it holds the state, the modes known so far, and all
@@ -23,6 +24,9 @@ room to work in. Data flows so::
                               propagated: flow (which modes are linear, and their matrix, by
                               linear_rows and balance), propagate (its exponential)
     fixed                     forward Euler and the classical Runge-Kutta method
+    qss, qss_start            quantised states: steps from one quantum event to the next, qss_events
+                              (qss_band: when; qss_place: where linearly implicit ones are put);
+                              rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket
     sampling, calls           signals set at instants; inputs and blocks that are asked for
@@ -41,6 +45,7 @@ room to work in. Data flows so::
     met, ways_on, filippov    the surfaces met, how the state goes on from them: additive, crossings
     combine, corners, branches      the modes around surfaces; the branches of laws in each of them
     blend, averages, onto     their combination, as a mode is asked for; back onto the surfaces
+    log                       what is written down; in its place a program has
     report, run               what is printed; options; the program
 
 What junction laws and implicit steps ask of it, and give to it:

@@ -444,7 +444,7 @@ class Model:
 @given
 def value(m: Model, k: int, v: Floats) -> float:
     """Return expression k of the model at the values `v`."""
-    return float(m.answers.value(k, v))
+    return float(m.answers.values[k](v))
 
 
 @given

@@ -17,7 +17,7 @@ from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
 from hybond.model.graph import FlatGraph
 from hybond.translate.effects import Effects, effects_of
-from hybond.translate.modules import Program, load
+from hybond.translate.modules import Program, load, text_of
 from hybond.translate.reach import Uses
 from hybond.translate.specialise import Specialist, deciding
 from hybond.translate.tree import Block, Expr
@@ -46,6 +46,8 @@ NAMES = {
 """Given functions that name something, and the list of names in `ModelTables`."""
 GIVEN = frozenset((*NAMES, "value", "evaluate_pair"))
 """What the runtime asks of a model, and is printed here."""
+LOG_OR_REPORT = ("from hybond.engine.run.log import", "from hybond.engine.run.report import")
+"""Where the executive has from what writes down what happens: by itself, and in a program."""
 OWN = (
     *(ARRAY, "MODEL", "USAGE", "PARAMETERS", "PARAMETER", "FIXED", "FIXED_PARAMETER"),
     *("PARAMETER_START", "PARAMETER_FOLLOWS", "TOKEN", "INPUTS", "INPUT_NUMBER", "INPUT_START"),
@@ -57,11 +59,10 @@ OWN = (
 
 @lru_cache(maxsize=1)
 def runtime() -> Program:
-    """Return the runtime, read and checked."""
+    """Return the runtime, read and checked: what logs is replaced by what prints."""
     run = ENGINE / "run"
-    return load(
-        [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"], portable_paths()
-    )
+    roots = [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"]
+    return load(roots, portable_paths(), lambda path: text_of(path).replace(*LOG_OR_REPORT))
 
 
 @lru_cache(maxsize=1)

@@ -73,10 +73,19 @@ class Program:
         return {v.name: v for m in self.modules for v in m.functions.values()}
 
 
-def load(paths: Iterable[Path], among: Iterable[Path] = ()) -> Program:
+def text_of(path: Path) -> str:
+    """Return the text of a module."""
+    return path.read_text(encoding="utf-8")
+
+
+def load(
+    paths: Iterable[Path],
+    among: Iterable[Path] = (),
+    read: Callable[[Path], str] = text_of,
+) -> Program:
     """Read portable modules, and those that they import: `among` others, or of the same folder.
 
-    The last part of a module's name tells it from all others.
+    The last part of a module's name tells it from all others. `read` returns the text of each.
 
     Raises
     ------
@@ -91,7 +100,7 @@ def load(paths: Iterable[Path], among: Iterable[Path] = ()) -> Program:
         path = waiting.pop()
         if path.stem in texts:
             continue
-        texts[path.stem] = path.read_text(encoding="utf-8")
+        texts[path.stem] = read(path)
         files[path.stem] = path.name
         for name in _imported_modules(ast.parse(texts[path.stem], str(path))):
             waiting.append(known.get(name, path.with_name(f"{name}.py")))

@@ -10,6 +10,7 @@ from example_runs import NAMES, example
 
 from hybond.engine.expressions.code import DEEPEST, run_code, run_pair_code
 from hybond.engine.expressions.pairs import Stack, clear, make_stack
+from hybond.engine.model import value
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.tables.code import Code
 from hybond.errors import ModelError
@@ -78,7 +79,7 @@ def test_expressions_of_an_example(name: str) -> None:
         begin = code.add(tree, paired=False)
         for v in rows:
             found = run_code(code.instructions, begin, code.numbers, v, [0.0] * DEEPEST)
-            assert str(found) == str(m.answers.value(k, v)), tables.values.text[k]
+            assert str(found) == str(value(m, k, v)), tables.values.text[k]
     for k, tree in enumerate(tables.pairs):
         begin = code.add(tree, paired=True)
         for _ in range(3):

@@ -1,6 +1,6 @@
 """What a run calls in Python: inputs that are functions, and blocks.
 
-The portable engine in Python calls `Calls` itself. The library asks through a `Question` that both
+The engine in Python calls `Calls` itself. The library asks through a `Question` that both
 sides see: a callback has one number as its argument, and no result that could get lost.
 """
 

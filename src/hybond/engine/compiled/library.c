@@ -186,7 +186,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
-    seen->propagated = e->exact == NULL ? NULL : e->exact->found;
+    seen->propagated = e->exact == NULL || e->quantised != NULL ? NULL : e->exact->found;
     seen->steps = log->steps;
     seen->instants = log->instants;
     seen->visits = log->visits;

@@ -285,7 +285,7 @@ class NativeRun:
         self._library = library()
         numbers = model.tables.numbers
         self._answering: Answering | None = None
-        self._close_runners: Callable[[], object] = _do_nothing
+        self._close_runners: Callable[[], object] = do_nothing
         calls = None
         if numbers["called"] or numbers["blocks"]:
             calls = Calls(model.tables, runners, fmus=fmus)
@@ -403,10 +403,10 @@ class NativeRun:
             HB-N306 if a block fails.
         """
         if isinstance(steps, int):
-            _check_slice(steps)
+            check_slice(steps)
         while self.status == PAUSED:
             many = steps if isinstance(steps, int) else steps()
-            _check_slice(many)
+            check_slice(many)
             with self._lock:
                 self.status = self._library.hybond_run(self._handle, many)
                 self._look()
@@ -453,12 +453,18 @@ class NativeRun:
         )
 
 
-def _check_slice(steps: int) -> None:
+def check_slice(steps: int) -> None:
+    """Refuse a slice that is none.
+
+    Raises
+    ------
+    ValueError
+    """
     if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
         raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
 
 
-def _do_nothing() -> None:
+def do_nothing() -> None:
     """Do nothing: a run without blocks has none to close."""
 
 

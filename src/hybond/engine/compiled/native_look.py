@@ -8,31 +8,16 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import threading
 import weakref
-from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from hybond.engine.compiled.answering import Answering, Calls
+from hybond.engine.compiled.look import Look, Motion
 from hybond.engine.compiled.native import OK, RAISED, SPENT, NativeModel, library
-from hybond.engine.compiled.points import (
-    Numbers,
-    Points,
-    PointsRecord,
-    Steps,
-    Vector,
-    Within,
-    address,
-    floats,
-    whole,
-)
+from hybond.engine.compiled.points import Numbers, Points, PointsRecord, Vector, Within, address
 from hybond.errors import NumericsError
-
-AT_ONCE = 4096
-"""Points between two looks at the world outside: a call of the library cannot be interrupted."""
 
 
 @functools.cache
@@ -63,11 +48,8 @@ def _looking() -> ctypes.CDLL:
     return found
 
 
-class NativeLook:
-    """Looks into the motion of finished runs of a model: by one thread at a time.
-
-    First `into` says what the motion is, from its mode to what it slides on; what is asked next
-    lies there. It does not matter what was looked into before.
+class NativeLook(Look):
+    """Looks into the motion of finished runs of a model, by the library.
 
     Parameters
     ----------
@@ -83,6 +65,7 @@ class NativeLook:
     --------
     >>> import hybond as hb
     >>> from hybond.engine.compiled.native import NativeRun
+    >>> from hybond.engine.compiled.points import Steps
     >>> from hybond.engine.tables import tables_of
     >>> m = hb.Model("rc", domain="electrical")
     >>> m.add(c=hb.C("1 F", e="2 V"), r=hb.R("1 ohm"), node=hb.Zero())
@@ -97,6 +80,7 @@ class NativeLook:
     """
 
     def __init__(self, model: NativeModel) -> None:
+        super().__init__(model.tables)
         self.model = model
         self._library = _looking()
         handle = self._library.hybond_look_begin(ctypes.byref(model.record))
@@ -108,235 +92,41 @@ class NativeLook:
             self._answering = Answering(Calls(model.tables, looking=True))
             question = ctypes.byref(self._answering.question)
             self._library.hybond_ask(self._handle, question, self._answering.callback)
-        self._lock = threading.Lock()
         self._close = weakref.finalize(self, self._library.hybond_look_end, self._handle)
-        self._parts = 0
-        record = model.record
-        self._states = record.storages + record.integrals
-        first = np.array(model.tables.ints["state_first"])
-        self._state_first = first[:-1]
-        self._states_of = np.diff(first)
-        self._contact_at = np.array(model.tables.ints["contact_at"], dtype=int)
 
-    def into(
-        self,
-        t: float,
-        state: ArrayLike,
-        *,
-        landed: ArrayLike = False,
-        surfaces: Sequence[int] = (),
-        product: bool = False,
-        modes: ArrayLike | None = None,
-        energy: float = 0.0,
-    ) -> None:
-        """Look into a motion.
-
-        Parameters
-        ----------
-        t : float
-            When it begins, s: inputs and comparisons of time are those of the interval that begins
-            then or that contains it.
-        state : array of int, shape (machines,)
-            The state of each machine.
-        landed : bool or array of bool, shape (machines,)
-            Which of them have landed.
-        surfaces : sequence of int
-            The switching surfaces that are slid on, by their number in the tables.
-        product : bool
-            Whether all corners of the cube of their weights are combined.
-        modes : array of int, shape (parts, machines), optional
-            The states of machines in the modes that are combined: of them the branches of junction
-            laws are taken, which are those of `state` if it is not given.
-        energy : float
-            The largest energy that the run has seen, J: what rounding is measured by.
-
-        Raises
-        ------
-        ValueError
-            For a time outside the run, or a machine, state or surface that there is not.
-        NumericsError
-            If the motion cannot be looked into.
-        MemoryError
-        """
-        m = self.model.record
-        if not 0.0 <= t <= m.until:
-            raise ValueError(f"a run from 0 to {m.until} s does not have {t} s")
-        if not 0.0 <= energy < np.inf:
-            raise ValueError(f"energy = {energy}")
-        mode = whole(state, "state")
-        if mode.shape != (m.machines,):
-            raise ValueError(f"the states of {m.machines} machines, not shape {mode.shape}")
-        if not ((mode >= 0) & (mode < self._states_of)).all():
-            raise ValueError("a machine does not have that state")
-        on = np.ascontiguousarray(
-            np.broadcast_to(np.asarray(landed, dtype=bool), mode.shape), dtype=np.intc
-        )
-        if (self._contact_at[(self._state_first + mode)[on != 0]] < 0).any():
-            raise ValueError("a machine has landed in a state that closes no contact")
-        found = whole(surfaces, "surfaces")
-        if len(set(found.tolist())) != len(found):
-            raise ValueError("surfaces: each once")
-        if not ((found >= 0) & (found < m.surfaces)).all():
-            raise ValueError("a surface that there is not")
-        rows = np.zeros((0, m.machines), dtype=np.intc)
-        if modes is not None:
-            rows = np.ascontiguousarray(modes, dtype=np.intc)
-            if rows.ndim != 2 or rows.shape[1] != m.machines:
-                raise ValueError(f"modes of {m.machines} machines, not shape {rows.shape}")
-            if not ((rows >= 0) & (rows < self._states_of)).all():
-                raise ValueError("a machine does not have that state")
-        with self._lock:
-            self._parts = 0
-            self._check(
-                self._library.hybond_look_into(
-                    *(self._handle, t, address(mode), address(on), len(found), address(found)),
-                    *(int(product), len(rows), address(rows), energy),
-                )
+    def _enter(self, motion: Motion) -> int:
+        m = motion
+        self._check(
+            self._library.hybond_look_into(
+                *(self._handle, m.t, address(m.state), address(m.landed)),
+                *(len(m.surfaces), address(m.surfaces), int(m.product)),
+                *(len(m.modes), address(m.modes), m.energy),
             )
-            self._parts = self._library.hybond_look_modes(self._handle, None)
+        )
+        return int(self._library.hybond_look_modes(self._handle, None))
 
-    def modes(self) -> Numbers:
-        """Return the states of machines in each mode that is combined, shape (parts, machines).
-
-        Where nothing is slid on there is one.
-        """
-        self._ready()
+    def _modes(self) -> Numbers:
         found = np.zeros((self._parts, self.model.record.machines), dtype=np.intc)
-        with self._lock:
-            self._library.hybond_look_modes(self._handle, address(found))
+        self._library.hybond_look_modes(self._handle, address(found))
         return found
 
-    def values(self, points: Points | Within, slots: ArrayLike) -> Vector:
-        """Return values at points, shape (points, slots).
-
-        Parameters
-        ----------
-        points : Points or Within
-        slots : array of int
-            Which: slots of the vector of values, those of stored quantities and integrated signals
-            with the state put back on its constraints; a second copy follows, a priori values.
-            While machines slide it is the average of bond variables.
-
-        Raises
-        ------
-        ValueError
-            For points of another model, or a slot that there is not.
-        NumericsError
-            If a law has no value at one of the points.
-        MemoryError
-        """
-        chosen = self._slots(slots)
-        out = np.zeros((len(points.t), len(chosen)))
-        for some, begin, end in self._chunks(points):
-            with self._lock:
-                place = address(out[begin:end])
-                self._check(
-                    self._library.hybond_look_values(
-                        self._handle, some, len(chosen), address(chosen), place
-                    )
-                )
-        return out
-
-    def parts(self, points: Points | Within, slots: ArrayLike) -> tuple[Vector, Vector]:
-        """Return the share of each mode that is combined, and values in that mode.
-
-        Parameters
-        ----------
-        points : Points or Within
-        slots : array of int
-            As for `values`.
-
-        Returns
-        -------
-        shares : array, shape (points, parts)
-            They add up to one.
-        values : array, shape (points, parts, slots)
-
-        Raises
-        ------
-        ValueError, NumericsError, MemoryError
-            As `values`.
-        """
-        chosen = self._slots(slots)
-        shares = np.zeros((len(points.t), self._parts))
-        out = np.zeros((len(points.t), self._parts, len(chosen)))
-        for some, begin, end in self._chunks(points):
-            with self._lock:
-                places = address(shares[begin:end]), address(out[begin:end])
-                self._check(
-                    self._library.hybond_look_parts(
-                        self._handle, some, len(chosen), address(chosen), *places
-                    )
-                )
-        return shares, out
-
-    def powers(self, points: Points | Within) -> Vector:
-        """Return power supplied by sources and dissipated by resistors, W, shape (points, 2).
-
-        Bonds on which effort times flow is no power are left out.
-
-        Raises
-        ------
-        ValueError, NumericsError, MemoryError
-            As `values`.
-        """
-        out = np.zeros((len(points.t), 2))
-        for some, begin, end in self._chunks(points):
-            with self._lock:
-                place = address(out[begin:end])
-                self._check(self._library.hybond_look_powers(self._handle, some, place))
-        return out
-
-    def energies(
-        self, steps: Steps, begin: ArrayLike | None = None, end: ArrayLike | None = None
-    ) -> Vector:
-        """Return energies between pairs of instants, each pair in one step, J, shape (pairs, 3).
-
-        Energy supplied, energy dissipated, and an estimate of the error of either: below a part of
-        1e-11 of all that passes but where the powers jump or have many kinks within a step.
-
-        Parameters
-        ----------
-        steps : Steps
-        begin, end : array, shape (pairs,), optional
-            s; from the begin of each step to where it was ended if they are not given.
-
-        Raises
-        ------
-        ValueError
-            For instants that are not in one step, or an end before its begin, or another model.
-        NumericsError, MemoryError
-            As `values`.
-        """
-        first = steps.time[:, 0] if begin is None else floats(begin, 1, "begin")
-        last = floats(steps.time[:, 2] if end is None else end, 1, "end")
-        if first.shape != last.shape or (last < first).any():
-            raise ValueError("each interval has an end behind its begin")
-        points = Within(steps, first, Within(steps, last).step)
-        out = np.zeros((len(first), 3))
-        for some, low, high in self._chunks(points):
-            with self._lock:
-                places = address(last[low:high]), address(out[low:high])
-                self._check(self._library.hybond_look_energies(self._handle, some, *places))
-        return out
-
-    def _chunks(self, points: Points | Within) -> Iterator[tuple[Any, int, int]]:
-        self._ready()
-        if points.states != self._states:
-            raise ValueError(f"points with {points.states} states, the model has {self._states}")
-        for begin in range(0, len(points.t), AT_ONCE):
-            end = min(begin + AT_ONCE, len(points.t))
-            yield ctypes.byref(points.record(begin, end)), begin, end
-
-    def _ready(self) -> None:
-        if not self._parts:
-            raise ValueError("nothing is looked into yet")
-
-    def _slots(self, slots: ArrayLike) -> Numbers:
-        found = whole(slots, "slots")
-        if not ((found >= 0) & (found < 2 * self.model.record.slots)).all():
-            raise ValueError(f"slots from 0 to {2 * self.model.record.slots - 1}")
-        return found
+    def _ask(
+        self,
+        what: str,
+        points: Points | Within,
+        first: int,
+        last: int,
+        outs: tuple[Vector, ...],
+        slots: Numbers | None,
+        end: Vector | None,
+    ) -> None:
+        asked: list[Any] = [ctypes.byref(points.record(first, last))]
+        if slots is not None:
+            asked += [len(slots), address(slots)]
+        if end is not None:
+            asked.append(address(end))
+        places = (address(out) for out in outs)
+        self._check(getattr(self._library, f"hybond_look_{what}")(self._handle, *asked, *places))
 
     def _check(self, status: int) -> None:
         if status == OK:

@@ -12,7 +12,7 @@ from hybond.translate.c_printer import CPrinter, c_text
 from hybond.translate.c_words import HEADERS, c_words
 from hybond.translate.effects import effects_of
 from hybond.translate.lines import block_comment, prose, wrapped
-from hybond.translate.modules import Program, load, load_texts
+from hybond.translate.modules import Program, load
 
 HERE = Path(__file__).parent
 ROOTS = (
@@ -74,7 +74,7 @@ static void call_block(Calls *c, int block, double t)
 """,
 }
 LOOKING = ("asked", "look", "energies")
-"""Modules that exports do not have; `log` stands in for `report`."""
+"""Modules that exports do not have; they have `report` instead of `log`."""
 NAMES = {
     "machine_name": "machine_names",
     "state_name": "state_names",
@@ -87,15 +87,10 @@ NAMES = {
 
 
 def program() -> Program:
-    """Return the engine as a program: what prints is replaced by what logs."""
+    """Return the engine as a program, which logs what it does."""
     looking = [ENGINE / "looking" / f"{name}.py" for name in LOOKING]
     roots = [ENGINE / "run" / "motion.py", ENGINE / "expressions" / "code.py", *looking]
-    found = load(roots, portable_paths())
-    paths = {path.stem: path for path in portable_paths()}
-    names = [m.name for m in found.modules if m.name != "report"]
-    texts = {name: paths[name].read_text(encoding="utf-8") for name in names}
-    texts["report"] = paths["log"].read_text(encoding="utf-8")
-    return load_texts(texts)
+    return load(roots, portable_paths())
 
 
 @lru_cache(maxsize=1)

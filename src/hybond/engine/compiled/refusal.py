@@ -1,4 +1,4 @@
-"""A refusal of the library as it says it: code, reason, place, and numbers."""
+"""A refusal of the engine as it says it: code, reason, place, and numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class FaultSeen(ctypes.Structure):
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Why a run was refused, as the library says it.
+    """Why a run was refused, as the engine says it.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 ENGINE = Path(__file__).parents[1]
-ORDINARY = ("tables", "compiled", "outcome")
+ORDINARY = ("tables", "compiled", "interpreted", "outcome")
 """Rooms of the engine that are not printed."""
 
 

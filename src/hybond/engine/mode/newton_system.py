@@ -100,12 +100,12 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
     fit(work.c, many * max(frees, 1))
     for i in range(many):
         for j in range(frees):
-            total = 0.0
-            for k in range(n):
-                entry = work.frozen.at[mode.structure[i] * n + k]
-                if entry != 0.0:
-                    total += entry * mode.power_free.at[k * frees + j]
-            work.c.at[i * frees + j] = total
+            work.c.at[i * frees + j] = 0.0
+        for k in range(n):
+            entry = work.frozen.at[mode.structure[i] * n + k]
+            if entry != 0.0:
+                for j in range(frees):
+                    work.c.at[i * frees + j] += entry * mode.power_free.at[k * frees + j]
     d = svd_room(e, max(many, frees), max(many, frees))
     svd_of_transpose(d, many, frees, work.c.at)
     rank = mode.rank

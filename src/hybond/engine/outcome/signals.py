@@ -1,4 +1,4 @@
-"""Signals of a finished run, segment by segment, read in the library."""
+"""Signals of a finished run, segment by segment, read in the engine."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import NativeModel
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.outcome.combinations import ALONE, Combination
+from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Interpolants
 from hybond.model.expressions import ARRAYS, Expr, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -30,23 +29,24 @@ class Signals:
 
     Parameters
     ----------
-    model : NativeModel
-        The tables that the run was made with.
+    model : Prepared
+        That the run was made with.
     trace : Trace
     """
 
-    def __init__(self, model: NativeModel, trace: Trace) -> None:
+    def __init__(self, model: Prepared, trace: Trace) -> None:
         self.graph: FlatGraph = model.tables.graph
         self._slots = model.tables.slots
         self._trace = trace
-        self._look = NativeLook(model)
+        self._model = model
+        self._look = model.look()
         self._lock = threading.RLock()
         """Who asks has first to say into what: nobody else may come between."""
         self._into: object = None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Signals:
         """Return signals of a copied run, with a look of their own."""
-        return Signals(self._look.model, copy.deepcopy(self._trace, memo))
+        return Signals(self._model, copy.deepcopy(self._trace, memo))
 
     def of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         """Return expressions in canonical names at times of a segment, each of shape (times,)."""

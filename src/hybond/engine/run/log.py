@@ -1,9 +1,9 @@
 """What a run writes down as it goes on, for who reads it from outside: steps and instants.
 
-Stands in a library where `report` stands in a printed program, and has the same names. A step is a
-polynomial from ``(t0, y0)`` to ``(t1, y1)``, and the point ``(t, y)`` of it at which it was ended,
-put back on its constraints. An instant is written once, when it is settled. Who reads the rows
-takes them away (`forget_rows`): the log is as long as a slice of the run.
+Runs by hybond itself have it; a printed program has `report` in its place, which has the same
+names. A step is a polynomial from ``(t0, y0)`` to ``(t1, y1)``, and the point ``(t, y)`` of it at
+which it was ended, put back on its constraints. An instant is written once, when it is settled. Who
+reads the rows takes them away (`forget_rows`): the log is as long as a slice of the run.
 """
 
 from __future__ import annotations

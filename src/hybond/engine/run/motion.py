@@ -41,7 +41,7 @@ from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, make_locator, watch
-from hybond.engine.run.report import (
+from hybond.engine.run.log import (
     Report,
     keep_left,
     report_end,

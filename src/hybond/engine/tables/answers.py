@@ -54,13 +54,9 @@ class Answers:
         self.machines, self.states = tables.machines, tables.states
         self.stored, self.outputs = tables.stored, tables.outputs
         self.nodes, self.bonds, self.rules = tables.nodes, tables.bonds, tables.rules
-        self._values: list[Callable[[Sequence[float]], float]] = [
+        self.values: list[Callable[[Sequence[float]], float]] = [
             compile_expression(e, self.index, pre_offset=self.size) for e in tables.values.all
         ]
-
-    def value(self, k: int, v: Sequence[float]) -> float:
-        """Return expression k at the values `v`."""
-        return float(self._values[k](v))
 
     def pair(self, k: int, s: pairs.Stack) -> None:
         """Leave pair k on top of the stack."""

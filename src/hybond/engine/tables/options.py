@@ -16,6 +16,7 @@ from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.run_options import (
+    ALIASES,
     AUTO,
     FIXED,
     check_step,
@@ -28,7 +29,10 @@ from hybond.run_options import (
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4}
+METHODS = {
+    **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
+    **{"qss1": 5, "qss2": 6, "qss3": 7, "liqss1": 8, "liqss2": 9, "liqss3": 10},
+}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -61,6 +65,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     if name == AUTO:
         from hybond.modes.fitting import fitting
         from hybond.programs.program import Program

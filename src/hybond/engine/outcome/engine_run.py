@@ -1,4 +1,4 @@
-"""A run by the library, from tables to a trace; what was computed is kept whatever happens."""
+"""A run by an engine, from tables to a trace; what was computed is kept whatever happens."""
 
 from __future__ import annotations
 
@@ -12,13 +12,9 @@ from dataclasses import dataclass
 from types import FrameType
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.native import (
-    ACCUMULATES,
-    REFUSED,
-    NativeModel,
-    NativeRun,
-)
+from hybond.engine.compiled.native import ACCUMULATES, REFUSED
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
@@ -98,12 +94,12 @@ class Settings:
         return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
 
 
-class LibraryRun:
-    """One run by the library; `trace` holds what it did.
+class EngineRun:
+    """One run by an engine; `trace` holds what it did.
 
     Parameters
     ----------
-    tables : ModelTables
+    model : Prepared
     progress : callable
     keep : int or None
     journal : Journal or None
@@ -113,22 +109,21 @@ class LibraryRun:
 
     def __init__(
         self,
-        tables: ModelTables,
+        model: Prepared,
         *,
         progress: Callable[[float, int], None] | None = None,
         keep: int | None = None,
         journal: Journal | None = None,
         runners: Mapping[str, Runner] | None = None,
     ) -> None:
-        self.tables = tables
+        self.tables = model.tables
         self.trace = Trace()
-        self.records = Records(tables, self.trace)
+        self.records = Records(model.tables, self.trace)
         self.progress = progress
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
-        model = NativeModel(tables)
-        self._native = NativeRun(model, runners=runners)
+        self._run = model.run(runners)
         self.trace.signals = Signals(model, self.trace)
 
     def run(self) -> str:
@@ -150,9 +145,9 @@ class LibraryRun:
             self._count()
             if self.journal is not None:
                 self.journal.close()
-        if self._native.status == REFUSED:
+        if self._run.status == REFUSED:
             raise self._error()
-        if self._native.status == ACCUMULATES:
+        if self._run.status == ACCUMULATES:
             self._note_stuck()
             return "accumulation"
         return "ok"
@@ -160,7 +155,7 @@ class LibraryRun:
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
         begin = time.perf_counter()
-        for rows in self._native.slices(steps=lambda: self._slice):
+        for rows in self._run.slices(steps=lambda: self._slice):
             took = time.perf_counter() - begin
             fits = self._slice * LOOKED / max(took, 1e-6)
             self._slice = int(min(max(fits, 0.25 * self._slice, 1.0), GROWS * self._slice, MOST))
@@ -169,7 +164,7 @@ class LibraryRun:
                 _write(self.journal, instants)
             self._tidy()
             if self.progress is not None:
-                self.progress(self._native.t, self.trace.events.total)
+                self.progress(self._run.t, self.trace.events.total)
             answer()
             begin = time.perf_counter()
 
@@ -184,16 +179,16 @@ class LibraryRun:
                 record.forget(len(record) - self.keep)
 
     def _count(self) -> None:
-        native = self._native
-        self.trace.energy = max(self.trace.energy, native.energy)
+        run = self._run
+        self.trace.energy = max(self.trace.energy, run.energy)
         self.trace.stats.update(
             steps=float(self.records.steps),
-            rejected=float(native.rejected),
+            rejected=float(run.rejected),
             events=float(self.trace.events.total),
-            evaluations=float(native.evaluations),
-            modes=float(native.modes_made),
+            evaluations=float(run.evaluations),
+            modes=float(run.modes_made),
         )
-        found = native.propagated
+        found = run.propagated
         if found:
             self.trace.stats["propagated"] = float(found[0])
             self.trace.method = _method([*zip(self._why, found[1:], strict=True)], found[0])
@@ -203,7 +198,7 @@ class LibraryRun:
         return [*self.tables.reasons, "motion along a surface"]
 
     def _note_stuck(self) -> None:
-        number, count, why, t, ratio = self._native.stuck
+        number, count, why, t, ratio = self._run.stuck
         graph = self.tables.graph
         if number >= 0:
             machine = graph.machines[number].path
@@ -214,7 +209,7 @@ class LibraryRun:
             Accumulation(t, None if math.isnan(ratio) else ratio, count, machine)
         )
         shrinking = "" if math.isnan(ratio) else f", intervals shrinking by {ratio:.6g}"
-        unrest = self._native.unrest
+        unrest = self._run.unrest
         no_solution = self._refused(unrest).why if unrest.code else ""
         rest = f"{machine} cannot rest: {self.records.warnings.why_no_rest(no_solution)}"
         reason = STUCK[why] or rest
@@ -224,13 +219,13 @@ class LibraryRun:
         )
 
     def _error(self) -> HybondError:
-        refusal = self._native.fault
+        refusal = self._run.fault
         return self._refused(refusal)
 
     def _refused(self, refusal: Refusal) -> HybondError:
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
-        fault = Fault(refusal, self._native.mode, limits)
+        fault = Fault(refusal, self._run.mode, limits)
         return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
 
 
