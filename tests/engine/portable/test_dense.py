@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import null_space as scipy_null_space
 
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_invert, lu_solve
-from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
+from hybond.engine.algebra.lu_pair import Complex, lu_factor_pair, lu_solve_pair
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.qr import complement, qr_rank, qr_reflect, qr_rotate
 from hybond.engine.algebra.svd import (
@@ -62,7 +62,7 @@ def test_complex_systems_are_solved(n):
     # no pivot stands where it is needed, and half of the rest is zero
     a[np.arange(n), np.arange(n)] = 0.0 if n > 1 else 3.0 - 1.0j
     a *= (rng.random((n, n)) < 0.5) | (np.roll(np.eye(n), 1, axis=0) > 0.0)
-    re, im, row, number = flat(a.real), flat(a.imag), ints(n), floats(2)
+    re, im, row, number = flat(a.real), flat(a.imag), ints(n), Complex()
     x, y = flat(b.real), flat(b.imag)
     assert lu_factor_pair(n, re, im, row, number) == REGULAR
     lu_solve_pair(n, re, im, row, number, x, y)
