@@ -306,6 +306,9 @@ class Model:
     port_breakaway_constant: Floats
     port_gap: Ints
     port_gap_constant: Floats
+    port_gap_rate: Ints
+    """How fast it opens: an expression; -1: the constant; -2: it is none, or does not change."""
+    port_gap_rate_constant: Floats
     port_gap_pair: Ints
     """The gap among the pairs; -1 if it is constant."""
     port_gate: Ints

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hybond.equations.ports import PortEquations, base_mode, port_equations
+from hybond.causality.orientation import Given, base_mode
+from hybond.equations.ports import PortEquations, port_equations
 from hybond.equations.slots import Slots
-from hybond.equations.tableau import Given, Sheet, Tableau
+from hybond.equations.tableau import Sheet, Tableau
 from hybond.model.graph import FlatGraph, Mode
 
 

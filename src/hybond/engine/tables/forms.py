@@ -31,7 +31,7 @@ from hybond.model.inputs import Called, Constant, Timetable
 from hybond.run_options import QUANTISED
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 STORAGE = "nonlinear storage"
 LINEAR = [METHODS[name] for name in ("exact", *QUANTISED)]

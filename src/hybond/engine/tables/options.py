@@ -7,17 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.start import start_of
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.run_options import (
     ALIASES,
-    AUTO,
     FIXED,
     check_step,
     end_of,
@@ -50,10 +46,8 @@ class Options:
     outputs: list[tuple[str, Expr]]
 
 
-def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> Options:
+def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     """Return the options of a run: those given, else the experiment's, else defaults.
-
-    `plain` is the same graph with numbers that are nothing but numbers.
 
     Raises
     ------
@@ -66,11 +60,6 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
     name = ALIASES.get(name, name)
-    if name == AUTO:
-        from hybond.modes.fitting import fitting
-        from hybond.programs.program import Program
-
-        name = fitting(Program(plain), end, np.append(start_of(plain), [0.0, 0.0])).solver
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",

@@ -32,8 +32,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.orientation import base_mode
 from hybond.equations.end_of_step import end_of_step_ports
-from hybond.equations.ports import PortEquations, base_mode
+from hybond.equations.ports import PortEquations
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number
 from hybond.model.graph import Mode
