@@ -219,8 +219,9 @@ def test_memory_is_given_back() -> None:
     for _ in range(200):
         made()
     ended = resident() - before
-    kept = [made() for _ in range(200)]
-    assert len(kept) == 200
+    # many, for some fit into what tests before have left free
+    kept = [made() for _ in range(1000)]
+    assert len(kept) == 1000
     assert resident() - before > 20.0  # MB: what is measured can be seen
     assert ended < 4.0
 
