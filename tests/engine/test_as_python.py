@@ -17,7 +17,7 @@ from engine.test_calls import controlled, driven
 from engine.test_interrupts import long_run
 from engines import assert_same_states
 from example_runs import NAMES, STOPPED, example
-from kernel.switched_models import converter, striking
+from engine.switched_models import converter, striking
 
 import hybond as hb
 from hybond.engine.compiled import native
