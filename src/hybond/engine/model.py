@@ -210,6 +210,9 @@ class Model:
     """Of each group: points of Gauss's formula for its energy; none: found with error control."""
     point_at: Floats
     point_weight: Floats
+    bend_first: Ints
+    """Of each group: values that change their sign where a law of it has a kink or a jump."""
+    bend_value: Ints
 
     # where power enters and leaves, over bonds on which effort times flow is power
     suppliers: int

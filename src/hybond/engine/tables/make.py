@@ -18,10 +18,7 @@ from hybond.engine.tables.storages import put_storages
 from hybond.engine.tables.surfaces import put_surfaces
 from hybond.engine.tables.told import put_told
 from hybond.equations.slots import slots_of
-from hybond.model.expressions import (
-    Expr,
-    names,
-)
+from hybond.model.expressions import Expr, names
 from hybond.model.fieldless import reads_pre, switches_of
 from hybond.model.graph import FlatGraph
 from hybond.model.resolve import prior

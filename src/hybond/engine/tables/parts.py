@@ -8,12 +8,7 @@ from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.forms import put_forms
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    names,
-    uses_pre,
-)
+from hybond.model.expressions import Expr, Number, names, uses_pre
 from hybond.model.kinds import SOURCES
 
 
