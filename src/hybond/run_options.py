@@ -51,8 +51,35 @@ STEPPING: dict[str, str] = {
 }
 """Methods that replace the executive as well, each with a line that says what it is."""
 
+QUANTISED = ("qss1", "qss2", "qss3", "liqss1", "liqss2", "liqss3")
+"""Those that quantise states."""
+
 ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
 """Families of solvers by the member to begin with."""
+
+STEPPING_IMPACT = "newton_simultaneous"
+"""The law of impacts that time-stepping has built in."""
+
+
+def solver_of(solver: str | None, experiment: Mapping[str, Any]) -> str:
+    """Return the solver of a run, as asked for or as the experiment says, by its own name.
+
+    Raises
+    ------
+    UsageError
+        HB-S101 if there is none of that name.
+
+    Examples
+    --------
+    >>> solver_of(None, {"solver": "qss"})
+    'qss3'
+    """
+    name = str(solver or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
+    known = (AUTO, *SOLVERS, *STEPPING)
+    if name not in known:
+        raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
+    return name
 
 
 def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
@@ -209,3 +236,56 @@ def check_step(name: str, step: float | None) -> None:
             code="HB-S102",
             hint='give a duration, such as step="1 ms"',
         )
+
+
+def stepping_step(step: float | None) -> float:
+    """Return the step of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S102 if it is missing or not positive.
+    """
+    if step is None or not 0.0 < step < math.inf:
+        raise UsageError(
+            "solver 'moreau-jean' has a fixed step and none is given"
+            if step is None
+            else f"a step of {step:g} s for solver 'moreau-jean': it must be positive and finite",
+            code="HB-S102",
+            hint='give one, such as step="1 ms"; the run then says how good it was',
+        )
+    return step
+
+
+def stepping_theta(theta: object) -> float:
+    """Return theta of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-S112 if it is not between 1/2 and 1.
+    """
+    if not isinstance(theta, float | int) or not 0.5 <= theta <= 1.0:
+        raise UsageError(
+            f"theta = {theta!r}",
+            code="HB-S112",
+            where="theta",
+            hint="from 0.5 (of second order) to 1 (damps, never creates energy)",
+        )
+    return float(theta)
+
+
+def ignored_impact(impact: str | None, experiment: Mapping[str, Any]) -> str | None:
+    """Return what time-stepping has to say on a law of impacts that is not its own."""
+    name = impact if impact is not None else experiment.get("impact")
+    if name is None:
+        return None
+    # refuse names that are nobody's
+    impact_of(str(name), experiment)
+    if name == STEPPING_IMPACT:
+        return None
+    return (
+        f"impact = {str(name)!r} has no effect with solver 'moreau-jean': its steps are Newton's "
+        f"law for all contacts at once ({STEPPING_IMPACT!r}), and where several contacts meet at "
+        "once the result may differ; take a solver that locates events, or leave impact out"
+    )

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from passive_nets import network
 
 import hybond as hb
-from hybond.modes.stepping.coupling import Coupling, couple
-from hybond.modes.stepping.shares import least_shares
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.svd import make_svd
+from hybond.engine.timestepping.step_records import make_shares
+from hybond.engine.timestepping.step_shares import least_shares
 
 
 def stepped(model: hb.Model, until: float, h: float, **options: object) -> hb.Result:
@@ -51,6 +53,20 @@ def nearest(l, basis, low, high):
     return best
 
 
+def shares(l, basis, low, high):
+    """The shares that the engine's own text finds, and which of them were open."""
+    n, many = basis.shape
+    x = make_shares()
+    blocks = ((x.values, l), (x.low, low), (x.high, high), (x.basis, basis.ravel()))
+    for block, numbers in blocks:
+        fit(block, len(numbers))
+        block.at[: len(numbers)] = np.asarray(numbers, dtype=float).tolist()
+    fit(x.rows, 1)
+    fit(x.flows, 1)
+    least_shares(make_svd(2 * n, 2 * n), n, many, 0, x)
+    return np.array(x.values.at[:n]), [k for k in range(n) if x.open.at[k]]
+
+
 @settings(max_examples=60)
 @given(st.integers(0, 10_000))
 def test_shares_are_the_least_of_all(seed: int) -> None:
@@ -66,7 +82,7 @@ def test_shares_are_the_least_of_all(seed: int) -> None:
         low == l, l, np.where(rng.random(n) < 0.3, l + rng.uniform(0.0, 1.0, n), np.inf)
     )
     high = np.where((low < l) | (rng.random(n) < 0.7), high, np.inf)
-    got, open_ = least_shares(l, basis, low=low, high=high)
+    got, open_ = shares(l, basis, low, high)
     want = nearest(l, basis, low, high)
     assert got == pytest.approx(want, abs=1e-8)
     assert {int(j) for j in np.flatnonzero(np.abs(got - l) > 1e-8)} <= set(open_)
@@ -228,25 +244,6 @@ def test_a_diode_between_coils_that_decide_without_it_is_no_problem(h: float, th
     names = [s.path for s in run.graph.storages]
     apart = max(abs(run.final[n] - located.final[n]) for n in names)
     assert apart < 2.0 * h
-
-
-def test_what_cancels_couples_nothing() -> None:
-    """0.1 + 0.2 - 0.3 is not zero in binary; a law is not to be bought with it."""
-    partner = np.array([[1.0, 1.0, -1.0]])
-    gain = np.array([[0.1], [0.2], [0.3]])
-    found = couple(partner, gain, np.zeros((0, 1)), np.zeros((3, 0)))
-    assert (partner @ gain)[0, 0] != 0.0
-    assert found.M[0, 0] == 0.0 and found.idle.all() and found.deaf.all()
-    weak = couple(
-        partner, np.array([[0.1], [0.2], [0.3 - 1e-9]]), np.zeros((0, 1)), np.zeros((3, 0))
-    )
-    assert weak.M[0, 0] == pytest.approx(1e-9, rel=1e-5) and not weak.idle.any()
-
-
-def test_regular_laws_have_nothing_to_share() -> None:
-    M = np.array([[2.0, -1.0], [-1.0, 1.0]])
-    found = Coupling(np.eye(2), np.zeros((1, 2)), M)
-    assert found.semidefinite and found.still.shape == (2, 0)
 
 
 # -- random networks

@@ -12,8 +12,8 @@ from hybond.cli.record import run_record, sampled, to_json, units_of
 from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
+from hybond.engine.outcome.step_error import GOOD
 from hybond.errors import HybondError
-from hybond.modes.stepping.error import GOOD
 from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity

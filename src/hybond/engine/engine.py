@@ -12,6 +12,7 @@ from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import Exact, make_exact
+from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.mode.mode_records import KEPT, Leakage, Mode, Ways, make_leakage, make_ways
@@ -19,6 +20,7 @@ from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
 from hybond.engine.sliding.slide_records import Slide, make_slide
+from hybond.engine.timestepping.step_records import MOREAU, Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
 
 OK: Final = 0
@@ -266,8 +268,10 @@ class Engine:
     """Equations with the laws of junctions left open."""
     radau: Radau
     exact: Exact
+    quantised: Quantised
     landings: Landings
     planar: Planar
+    stepping: Stepping
     curved: bool
     """Whether the last step is one of a descent: a cubic, whatever the method."""
 
@@ -435,14 +439,18 @@ def make_engine(m: Model) -> Engine:
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
-    if m.laws > 0:
+    if m.laws > 0 or m.method == MOREAU:
         e.laws = make_laws(m)
+    if m.method == MOREAU:
+        e.stepping = make_stepping(m)
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
-    if m.method == 2:
+    if m.method == 2 or m.method >= QSS1:
         e.exact = make_exact(m)
+    if m.method >= QSS1:
+        e.quantised = make_quantised(m)
     return e
 
 

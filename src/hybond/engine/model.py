@@ -132,6 +132,8 @@ class Model:
     dynamic_value: Ints
     dynamic_affine: Ints
     """Whether its slopes do not read bond variables."""
+    dynamic_fixed: Ints
+    """Whether it reads nothing but bond variables, and its slopes are numbers."""
     dynamic_free: Ints
     """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
     free_column: Ints
@@ -210,6 +212,9 @@ class Model:
     """Of each group: points of Gauss's formula for its energy; none: found with error control."""
     point_at: Floats
     point_weight: Floats
+    bend_first: Ints
+    """Of each group: values that change their sign where a law of it has a kink or a jump."""
+    bend_value: Ints
 
     # where power enters and leaves, over bonds on which effort times flow is power
     suppliers: int
@@ -227,6 +232,8 @@ class Model:
     integral_rate: Ints
     """Pair ``rules + k`` is the same on pairs."""
     integral_start: Floats
+    signals_act: int
+    """Whether any of these rates reads an integrated signal."""
     input_kind: Ints
     """0: constant, 1: table that is held, 2: table with straight lines, 3: pulses, 4: set
     from outside."""
@@ -294,6 +301,15 @@ class Model:
     port_planar: Ints
     """Whether it is one of two that share a disk."""
     port_impulsive: Ints
+    port_affine: Ints
+    """Whether its limits of friction are affine in bond variables, with constant slopes."""
+    port_pseudo: Ints
+    """Whether effort times flow is no power there."""
+    port_force: Ints
+    """The bond variable of the source that friction brought in, or -1, and its sign there."""
+    port_force_sign: Ints
+    port_bounce: Ints
+    """The state in which its machine strikes, or -1."""
     law_rebounds: Ints
     """Of each machine: whether it is a law with restitution."""
     port_limit: Ints
@@ -334,6 +350,8 @@ class Model:
     """The speed at which slip ends, or below zero, up to which the direction counts."""
     law_planar: Ints
     """Of each machine: whether it is friction in the plane."""
+    oriented: int
+    """Whether `orient` is there; else time-stepping chooses, configuration by configuration."""
     orient: Ints
     """Whether the net variable of each port is given, for all states of the other machines, the
     last of which runs fastest."""
@@ -427,9 +445,11 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler."""
+    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5: moreau-jean."""
     step: float
-    """Of the last two."""
+    """Of the last three."""
+    theta: float
+    """Of the last: how much the end of a step weighs in its smooth part."""
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
     impact: int

@@ -59,6 +59,9 @@ typedef struct HybondSeen {
     const double *warn_time, *about;
     const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
     const int *warn, *warn_first;
+    int bond_rows;
+    const double *step_bonds, *step_energy;
+    const int *step_bond;
 } HybondSeen;
 
 /* A refusal: the numbers of the record FaultSeen in native.py. */
@@ -197,7 +200,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
-    seen->propagated = e->exact == NULL ? NULL : e->exact->found;
+    seen->propagated = e->exact == NULL || e->quantised != NULL ? NULL : e->exact->found;
     seen->steps = log->steps;
     seen->instants = log->instants;
     seen->visits = log->visits;
@@ -240,6 +243,10 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->warn_time = log->warned->time->at;
     seen->abouts = log->warned->numbers;
     seen->about = log->warned->number->at;
+    seen->bond_rows = log->bond_rows;
+    seen->step_bonds = log->step_bonds->at;
+    seen->step_energy = log->step_energy->at;
+    seen->step_bond = log->step_bond->at;
 }
 
 /* See why the run stopped, 0, or why what was struck cannot rest, 1. */

@@ -86,6 +86,9 @@ class Seen(ctypes.Structure):
         *((n, ctypes.c_int) for n in _COUNTS),
         *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
         *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
+        ("bond_rows", ctypes.c_int),
+        *((n, ctypes.POINTER(ctypes.c_double)) for n in ("step_bonds", "step_energy")),
+        ("step_bond", ctypes.POINTER(ctypes.c_int)),
     )
 
 
@@ -202,7 +205,7 @@ class Rows:
         The state there.
     step_dense : array, shape (steps, 4, states)
     step_place : array of int, shape (steps, 2 + 2 machines)
-    instant_time : array, shape (instants, 2)
+    instant_time : array, shape (instants, 3)
     instant_state : array, shape (instants, 2, states)
         Before and after.
     instant_place : array of int, shape (instants, 3 + 2 machines)
@@ -217,6 +220,10 @@ class Rows:
     warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
         Their kinds, and where their numbers begin in `about`.
     warn_time, about : array
+    step_bonds : array, shape (points, 2 bonds)
+        Of time-stepping: bond variables where steps end, and where a motion begins.
+    step_energy : array, shape (steps or 0, 3)
+    step_bond : array of int, shape (steps or 0,)
     """
 
     step_time: NDArray[np.float64]
@@ -241,6 +248,9 @@ class Rows:
     warn_first: NDArray[np.intc]
     warn_time: NDArray[np.float64]
     about: NDArray[np.float64]
+    step_bonds: NDArray[np.float64]
+    step_energy: NDArray[np.float64]
+    step_bond: NDArray[np.intc]
 
 
 class NativeRun:
@@ -462,7 +472,7 @@ class NativeRun:
             _floats(s.step_state, s.steps, 3, n),
             _floats(s.step_dense, s.steps, 4, n),
             _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
-            _floats(s.instant_time, s.instants, 2),
+            _floats(s.instant_time, s.instants, 3),
             _floats(s.instant_state, s.instants, 2, n),
             _ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
             _ints(s.visit, s.visits, 5),
@@ -479,6 +489,9 @@ class NativeRun:
             _ints(s.warn_first, s.warns + 1 if s.warns else 0),
             _floats(s.warn_time, s.warns),
             _floats(s.about, s.abouts),
+            _floats(s.step_bonds, s.bond_rows, 2 * self.model.record.bonds),
+            _floats(s.step_energy, s.steps if s.bond_rows else 0, 3),
+            _ints(s.step_bond, s.steps if s.bond_rows else 0),
         )
 
 

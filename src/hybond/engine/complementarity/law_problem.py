@@ -51,8 +51,6 @@ def solve_laws(p: LawProblem, start: Ints) -> bool:
     if rubs:
         return solve_with_friction(p, p.moved, start)
     if holds_any:
-        for k in range(n):
-            p.q[k] = p.moved[k]
         return solve_without_held(p, start)
     return solve_one_sided(p, n, p.m, p.moved, p.role, p.common, start, p.l, p.branch, p.open)
 
@@ -77,11 +75,11 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
     svd(p.svd, many, many, p.block)
     tied = rank_above(p.svd, many, SETTLED) < many
     # what is held may depend on the others, not on its own l alone
-    if tied and solve_with_friction(p, p.q, start):
+    if tied and solve_with_friction(p, p.moved, start):
         return True
     # or nothing decides some l, like voltages of switches that leave a part afloat
     wide = free + 1
-    put_in_held(p, n, many, free, p.m, p.q, p.inner, p.rest)
+    put_in_held(p, n, many, free, p.m, p.moved, p.inner, p.rest)
     for i in range(free):
         one = p.free[i]
         p.inner_role[i] = p.role[one]
@@ -114,8 +112,8 @@ def is_held(p: LawProblem) -> bool:
     for k in range(n):
         if p.role[k] != SHUT:
             continue
-        total = p.q[k]
-        size = math.fabs(p.q[k])
+        total = p.moved[k]
+        size = math.fabs(p.moved[k])
         for j in range(n):
             total += p.m[k * n + j] * p.l[j]
             size += math.fabs(p.m[k * n + j]) * math.fabs(p.l[j])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import (
@@ -31,6 +32,8 @@ class Instant:
     """The steps of an instant, each with the transitions that entered its mode."""
 
     t: float
+    since: float
+    """When the step began within which it happened; nan: it was located."""
     cause: int
     steps: int
     kind: Places
@@ -93,6 +96,7 @@ def make_instant() -> Instant:
 def begin_instant(i: Instant, t: float, cause: int) -> None:
     """Forget what was written down."""
     i.t = t
+    i.since = math.nan
     i.cause = cause
     i.steps = 0
     i.hits = 0

@@ -32,7 +32,8 @@ from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.engine import OK, Fault, make_engine
 from hybond.engine.model import Model
 from hybond.engine.run.log import forget_rows, make_report, report_broken
-from hybond.engine.run.motion import make_run, run_to_end
+from hybond.engine.run.motion import run_to_end
+from hybond.engine.run.run_records import make_run
 from hybond.engine.run.trying import try_at_start
 from hybond.engine.tables import ModelTables, answered
 
@@ -246,7 +247,7 @@ class PythonRun:
             _floats(r.step_state.at, r.steps, 3, n),
             _floats(r.step_dense.at, r.steps, 4, n),
             _ints(r.step_place.at, r.steps, MACHINES_OF_STEP + 2 * machines),
-            _floats(r.instant_time.at, r.instants, 2),
+            _floats(r.instant_time.at, r.instants, 3),
             _floats(r.instant_state.at, r.instants, 2, n),
             _ints(r.instant_place.at, r.instants, MACHINES_OF_INSTANT + 2 * machines),
             _ints(r.visit.at, r.visits, 5),
@@ -263,6 +264,9 @@ class PythonRun:
             _ints(warned.first.at, warned.rows + 1 if warned.rows else 0),
             _floats(warned.time.at, warned.rows),
             _floats(warned.number.at, warned.numbers),
+            _floats(r.step_bonds.at, r.bond_rows, r.bond_wide),
+            _floats(r.step_energy.at, r.steps if r.bond_rows else 0, 3),
+            _ints(r.step_bond.at, r.steps if r.bond_rows else 0),
         )
 
 

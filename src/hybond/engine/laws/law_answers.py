@@ -28,7 +28,8 @@ LAW_DUST: Final = 1e-9
 def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
     """Find the limit of friction as an affine function of what the laws give.
 
-    `r.later` are the values, bond variables being those of the response.
+    `r.later` are the values at which it is linearised, and bond variables without `l` are those of
+    the response.
     """
     m = e.model
     n = m.ports
@@ -45,6 +46,7 @@ def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
         law = m.limit_slope[i]
         slope = m.limit_slope_constant[i] if law < 0 else value(m, law, r.later)
         b = m.limit_column[i]
+        p.limit[k] += slope * (r.response.bonds[b] - r.later[m.bond_slot + b])
         for j in range(n):
             p.slope[k * n + j] += slope * r.response.gain[b * n + j]
 
@@ -57,26 +59,39 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
     Complementarity._solve.
     """
     m = e.model
+    if asks_friction(e, r):
+        for i in range(2 * m.slots):
+            r.later[i] = r.v[i]
+        for b in range(2 * m.bonds):
+            r.later[m.bond_slot + b] = r.response.bonds[b]
+    rests = put_problem(e, r, q, h, shifted)
+    return solve_problem(e, r, rests and not shifted)
+
+
+def asks_friction(e: Engine, r: Laws) -> bool:
+    """Whether any law that takes part has a limit of friction."""
+    for k in range(e.model.ports):
+        if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
+            return True
+    return e.planar.ready
+
+
+def put_problem(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bool:
+    """Put what the laws are asked into `r.problem`; return whether any disk is at rest.
+
+    Limits are linearised at the values `r.later`.
+    """
+    m = e.model
     n = m.ports
     a = r.response
     p = r.problem
     p.n = n
     p.shifted = shifted
-    rubs = False
     for k in range(n):
         p.role[k] = r.role[k]
         p.common[k] = 1 if r.now.given[k] == COMMON else 0
         if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
-            rubs = True
-    rubs = rubs or e.planar.ready
-    if rubs:
-        for i in range(2 * m.slots):
-            r.later[i] = r.v[i]
-        for b in range(2 * m.bonds):
-            r.later[m.bond_slot + b] = a.bonds[b]
-        for k in range(n):
-            if r.role[k] == TWO_SIDED or r.role[k] >= FORWARD:
-                linearise_limit(e, r, k, r.resting[k] != 0)
+            linearise_limit(e, r, k, r.resting[k] != 0)
     rests = e.planar.ready and put_disks(e, r)
     for i in range(n * n):
         p.m[i] = a.d[i] + h * a.ce[i]
@@ -89,9 +104,17 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
         if idle and q[k] < 0.0 and q[k] >= -LAW_DUST * a.size[k]:
             p.q[k] = 0.0
         p.shift[k] = r.rebound[k] if shifted else 0.0
-    if rests and not shifted:
+    return rests
+
+
+def solve_problem(e: Engine, r: Laws, rests: bool) -> bool:
+    """Solve `r.problem`; with `rests` disks at rest are held, or let go."""
+    m = e.model
+    n = m.ports
+    p = r.problem
+    if rests:
         return answer_rests(e, p, r.start)
-    if rubs:
+    if asks_friction(e, r):
         return solve_laws(p, r.start)
     # in units in which efforts and flows are of one size: both must show their signs
     find_units(m, r, p.q)
@@ -119,7 +142,7 @@ def put_disks(e: Engine, r: Laws) -> bool:
             put_on_the_way(m, p, r.problem, d)
             continue
         some_rest = True
-        linearise_limit(e, r, first, True)
+        linearise_limit(e, r, first, p.slid[d] == 0)
         p.rest[d] = r.problem.limit[first]
         for j in range(n):
             p.rest_slope[d * n + j] = r.problem.slope[first * n + j]

@@ -235,6 +235,7 @@ def find_adrift(m: Model, r: Laws) -> bool:
 
 def no_branches(e: Engine, r: Laws, k: int) -> int:
     """Refuse laws that have no solution."""
+    r.undecided = True
     e.fault.t = r.t
     why = "laws of junctions have no solution: give a contact a stiffness, a source a resistance"
     found = say_fault(e, "HB-J110", why, node_name(e.model, e.model.port_node[k]))

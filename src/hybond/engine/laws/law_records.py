@@ -38,6 +38,8 @@ class Ports:
 
     place: int
     used: int
+    stamp: int
+    """Tells these equations from others that stood there."""
     key: Ints
     given: Ints
     column: Ints
@@ -169,6 +171,9 @@ class Laws:
     answer_l: Floats
     candidate: Ints
     candidate_kept: bool
+
+    undecided: bool
+    """Whether no branches were found, or none that stand."""
 
     # where the search for what lasts stands
     attempt: int

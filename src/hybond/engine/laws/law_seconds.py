@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.scaling import balance
 from hybond.engine.complementarity.law_problem import solve_laws
 from hybond.engine.complementarity.law_roles import CUT, FORWARD, ONE_SIDED, TWO_SIDED
 from hybond.engine.complementarity.lcp import SOLVED
 from hybond.engine.complementarity.lemke import lemke
+from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_records import Doubts, Laws
 from hybond.engine.reasons.warned import SECOND_ANSWER, add_about, begin_warning
@@ -25,8 +25,6 @@ OTHER_W: Final = 1e-8
 """Smallest scaled difference of ``w`` that counts between two solutions."""
 OTHER_ANSWER: Final = 1e-6
 """The same, as a part of the largest terms of all."""
-INDEFINITE: Final = 1e-11
-"""A matrix is semidefinite if its eigenvalues, after scaling, are not below minus this, per row."""
 SINGLE: Final = 8
 """Most pairs whose choice alone is turned for another start."""
 
@@ -57,7 +55,7 @@ def warn_of_second(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> No
             coupled = coupled or (rubs and r.problem.slope[at] != 0.0)
             p.slope[at] = r.problem.slope[at]
             p.m[at] = r.response.d[at] + h * r.response.ce[at]
-    if same or not (coupled or is_indefinite(d, n, p.m)):
+    if same or not (coupled or is_indefinite(n, p.m, d.scale, d.down, d.square)):
         return
     put_question(e, r, q)
     d.largest = 0.0
@@ -126,26 +124,6 @@ def compare(d: Doubts, n: int, l: Floats) -> None:
             d.apart[k] = 1
 
 
-def is_indefinite(d: Doubts, n: int, m: Floats) -> bool:
-    """Whether a matrix is not positive semidefinite, to rounding, after scaling."""
-    balance(n, m, d.scale, d.down)
-    for i in range(n):
-        for j in range(n):
-            own = m[i * n + j] + m[j * n + i]
-            d.square[i * n + j] = own * d.scale[i] * d.scale[j]
-        d.square[i * n + i] += INDEFINITE * float(n)
-    # Cholesky: its pivots say it
-    for k in range(n):
-        pivot = d.square[k * n + k]
-        if not pivot > 0.0:
-            return True
-        for i in range(k + 1, n):
-            share = d.square[i * n + k] / pivot
-            for j in range(k + 1, n):
-                d.square[i * n + j] -= share * d.square[k * n + j]
-    return False
-
-
 def find_second(d: Doubts, n: int) -> bool:
     """Find a solution of one-sided laws with another ``w`` than the first, into ``l``."""
     p = d.problem
@@ -160,7 +138,11 @@ def find_second(d: Doubts, n: int) -> bool:
         p.own_q[i] = p.q[one] + p.shift[one] if p.shifted else p.q[one]
         for j in range(many):
             p.own[i * many + j] = p.m[one * n + p.who[j]]
-    if many == 0 or not is_indefinite(d, many, p.own) or not keep_first(d, many):
+    if (
+        many == 0
+        or not is_indefinite(many, p.own, d.scale, d.down, d.square)
+        or not keep_first(d, many)
+    ):
         return False
     for cover in range(3):
         cover_rows(d, many, cover)

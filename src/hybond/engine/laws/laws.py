@@ -89,6 +89,7 @@ def enter_with_laws(
         if found == STOPS:
             return REFUSED
         turn += 1
+    r.undecided = True
     why = "no branches of the junction laws stand: several answers may fit, or values lie too far"
     say_fault(e, "HB-J111", why, machine_name(m, m.port_machine[0]))
     if m.tells != 0:

@@ -25,6 +25,8 @@ from hybond.engine.mode.newton import solve
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model, node_name, value
+from hybond.engine.timestepping.end_ports import choose_given, prefer_common
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, some
 
 CANCELS: Final = 1e-13
@@ -80,6 +82,10 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
     The choice is the reference mode of causality, which the tables hold for all states of the
     machines beside the laws.
     """
+    if m.oriented == 0:
+        for p in range(m.ports):
+            given[p] = NET if m.port_two_sided[p] != 0 else COMMON
+        return
     number = 0
     for k in range(m.machines):
         if m.is_law[k] == 0:
@@ -110,7 +116,13 @@ def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
         if tries > 2 * m.ports:
             why = "the law is tied to a constraint that holds in every mode"
             return say_fault(e, "HB-C104", why, node_name(m, m.port_node[tied]))
+    if m.oriented == 0:
+        choose_given(e, r, p, mode)
+    if m.method == MOREAU:
+        prefer_common(e, r, p, mode)
+        find_columns(m, p, mode)
     e.modes_built += 1
+    p.stamp = e.modes_built
     p.linear = mode.dynamics == 0 and m.groups == 0
     p.known = False
     return OK

@@ -29,6 +29,7 @@ from hybond.engine.sliding.branch_table import add_branches
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.surface import part_mode
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 LINEAR: Final = -1
@@ -142,7 +143,9 @@ def look_into(
     l.meters.known = False
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
+    # between the ends of steps of fixed length all is straight, and laws hold at ends only
     l.corrects = is_constrained(e.mode) or e.slide.k > 0 or g.any_landed
+    l.corrects = l.corrects and m.method != MOREAU
     # what is found does not depend on what was looked into before
     e.mode.guessed = False
     for part in range(e.slide.parts if e.slide.k > 0 else 0):

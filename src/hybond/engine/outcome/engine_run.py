@@ -52,7 +52,11 @@ class Settings:
     until, rtol, max_step, event_tol : float
     atol : float or None
     solver : str
-        ``"rk45"`` or ``"radau"``.
+        One of `METHODS`.
+    step : float or None
+        Of fixed steps, s.
+    theta : float
+        Of time-stepping.
     slides : bool
     impact : tuple of str and float
         Law of impacts, and the exponent of springs.
@@ -62,15 +66,16 @@ class Settings:
     until: float
     solver: str
     step: float | None
-    rtol: float
-    atol: float | None
-    max_step: float
     event_tol: float
-    slides: bool
-    impact: tuple[str, float]
     max_events: int
-    max_steps: int
     max_writes: int
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_step: float = math.inf
+    slides: bool = False
+    impact: tuple[str, float] = ("newton", 1.0)
+    max_steps: int = LARGEST
+    theta: float = 0.5
 
     def tables(self, graph: FlatGraph) -> ModelTables:
         """Return the tables of a model for such a run; runs of one graph share them.
@@ -115,6 +120,7 @@ def _tables_for(asked: _Asked) -> ModelTables:
         "max_steps": min(s.max_steps, LARGEST),
         "method": METHODS[s.solver],
         "step": s.step or 0.0,
+        "theta": s.theta,
         "slides": int(s.slides),
         "impact": IMPACTS[s.impact[0]],
         "impact_exponent": s.impact[1],
@@ -245,6 +251,9 @@ class EngineRun:
             evaluations=float(run.evaluations),
             modes=float(run.modes_made),
         )
+        if self.records.in_steps:
+            del self.trace.stats["rejected"], self.trace.stats["events"]
+            self.trace.stats["energy_unbalanced"] = self.records.unbalanced
         found = run.propagated
         if found:
             self.trace.stats["propagated"] = float(found[0])

@@ -21,11 +21,13 @@ if TYPE_CHECKING:
 
 KINDS: tuple[StepKind, ...] = ("mythical", "pinnacle", "continuous")
 LANDS, SLIDES_ON, SLIDES_OFF = -2, -3, -4
+OVER_A_STEP = -7
 WHY = {
     -1: "complementarity",
     LANDS: "impacts accumulate",
     -5: "the other surfaces push it back",
     -6: "its jump throws it back",
+    OVER_A_STEP: "complementarity over the step",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
 SLIDING = -1
@@ -162,6 +164,12 @@ class Explaining:
             guard = WHY[why]
             if why == LANDS:
                 values = {"impacts": reads[0][0], "t": reads[1][0]}
+            elif why == OVER_A_STEP and machine.law is not None:
+                for k, law in enumerate(machine.law.junctions):
+                    node = self.graph.nodes[law.node]
+                    common, net = ("e", "f") if node.kind == "0" else ("f", "e")
+                    values[f"{node.path}.{common}"] = reads[2 * k][0]
+                    values[f"{node.path}.{net}"] = reads[2 * k + 1][0]
         return Fired(
             machine.path,
             "sliding" if source == SLIDING else machine.states[source],

@@ -29,6 +29,9 @@ HINTS = {
     "HB-J103": "the slip would stop or turn round during the impact: add a state that sticks",
     "HB-J110": "friction of a rigid contact may leave none (Painleve): give the contact a "
     "stiffness, or a source a resistance",
+    "HB-J120": "friction of a rigid contact may leave none (Painleve), and so do sources that "
+    "push each other through diodes: give the contact a stiffness, a source a resistance",
+    "HB-N310": "take a smaller step; a law with a jump of its own belongs into a machine",
     "HB-J111": "several answers may fit (Painleve), or values lie too far apart for the "
     "arithmetic: give contacts a stiffness, sources a resistance",
     "HB-J201": "choose poisson or lzb, which never do, or equal restitution",
@@ -64,7 +67,7 @@ KINDS: dict[str, type[HybondError]] = {
     "HB-M": ModelError,
     "HB-N": NumericsError,
 }
-NUMERICS = ("HB-J110", "HB-J111", "HB-J201", "HB-J203", "HB-J204", "HB-J206")
+NUMERICS = ("HB-J110", "HB-J111", "HB-J120", "HB-J201", "HB-J203", "HB-J204", "HB-J206")
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,8 @@ def error_of(
         case "HB-N401":
             kind = DivergenceOfTime
             said = _cycle(fault, graph, explain, broken)
+        case "HB-N310":
+            said = Said(f"the step that ends at t = {refusal.t:.9g} s does not converge", here)
         case "HB-N402":
             most = int(fault.limits["max_writes"])
             said = Said(f"{most} state writes {now} and still no mode to stay in", here)

@@ -40,10 +40,41 @@ CAUSES: dict[int, Cause] = {
     2: "time",
     3: "input",
     4: "accumulation",
+    5: "step",
     6: "sample",
 }
 BROKEN = 16
 """What the cause of an instant is more than it was, if it could not be settled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """What time-stepping tells besides: bond variables where steps end, energies of the steps.
+
+    ``bonds[at[k]]`` are those at the end of step k, the row before those at its beginning.
+    """
+
+    bonds: Vector
+    at: NDArray[np.intc]
+    energy: Vector
+
+    def part(self, first: int, last: int) -> Points:
+        """Return those of the steps from `first` to `last` - 1."""
+        begin = int(self.at[first]) - 1
+        rows = self.bonds[begin : int(self.at[last - 1]) + 1]
+        return Points(rows, self.at[first:last] - begin, self.energy[first:last])
+
+    @staticmethod
+    def joined(parts: Sequence[Points]) -> Points | None:
+        """Return those of several slices as one."""
+        if not parts:
+            return None
+        before = np.cumsum([0, *(len(p.bonds) for p in parts[:-1])])
+        return Points(
+            np.concatenate([p.bonds for p in parts]),
+            np.concatenate([p.at + k for p, k in zip(parts, before.tolist(), strict=True)]),
+            np.concatenate([p.energy for p in parts]),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +86,16 @@ class Steps:
     state: Vector
     dense: Vector
     place: NDArray[np.intc]
+    points: Points | None = None
+    """Of time-stepping."""
 
     def part(self, first: int, last: int) -> Steps:
         """Return the steps from `first` to `last` - 1."""
         k = slice(first, last)
-        return Steps(self.time[k], self.until[k], self.state[k], self.dense[k], self.place[k])
+        points = None if self.points is None else self.points.part(first, last)
+        return Steps(
+            self.time[k], self.until[k], self.state[k], self.dense[k], self.place[k], points
+        )
 
     @staticmethod
     def joined(parts: Sequence[Steps]) -> Steps:
@@ -72,6 +108,7 @@ class Steps:
             np.concatenate([p.state for p in parts]),
             np.concatenate([p.dense for p in parts]),
             np.concatenate([p.place for p in parts]),
+            Points.joined([p.points for p in parts if p.points is not None]),
         )
 
 
@@ -148,6 +185,11 @@ class Records:
         self.mode: Mode = self.graph.start_mode
         self.t = 0.0
         self.steps = 0
+        self.in_steps = False
+        """Whether these are the records of time-stepping."""
+        self.unbalanced = 0.0
+        """Energy that came from nowhere in its steps, J."""
+        self._passed = np.zeros(2)
         self._waiting: list[Steps] = []
         """Those of the segment that is not over."""
         self._combinations: list[tuple[Combination, int | None]] = [(ALONE, None)]
@@ -165,8 +207,16 @@ class Records:
         if len(rows.step_time):
             self.t = float(rows.step_time[-1, 2])
             self.steps += len(rows.step_time)
+            points = None
+            if len(rows.step_bond):
+                points = self._points(rows)
             new = Steps(
-                rows.step_time, rows.step_until, rows.step_state, rows.step_dense, rows.step_place
+                rows.step_time,
+                rows.step_until,
+                rows.step_state,
+                rows.step_dense,
+                rows.step_place,
+                points,
             )
             self._add_steps(new)
         return found
@@ -179,6 +229,15 @@ class Records:
         self._slide_until(self.t)
 
     # -- motion
+
+    def _points(self, rows: Rows) -> Points:
+        """Return what time-stepping tells besides; energies are those from the beginning on."""
+        self.in_steps = True
+        self.unbalanced += float(np.maximum(rows.step_energy[:, 2], 0.0).sum())
+        passed = self._passed + np.cumsum(rows.step_energy[:, :2], axis=0)
+        before = np.vstack([self._passed, passed[:-1]])
+        self._passed = passed[-1]
+        return Points(rows.step_bonds, rows.step_bond, np.hstack([before, passed]))
 
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""
@@ -214,6 +273,8 @@ class Records:
             m.path for m, k in zip(self.graph.machines, place[machines:], strict=True) if k
         )
         t0 = float(steps.time[first, 0])
+        if steps.points is not None:
+            return self._stepped(steps, first, last, tuple(place[:machines]))
         return Segment(
             tuple(place[:machines]),
             interval_after(self.graph, t0),
@@ -223,6 +284,22 @@ class Records:
             landed,
             which[1],
             None if which[1] is None else which[0],
+        )
+
+    def _stepped(self, steps: Steps, first: int, last: int, mode: Mode) -> Segment:
+        """Return a segment of time-stepping, which has the bond variables of its points."""
+        assert steps.points is not None
+        points = steps.points.part(first, last)
+        t0 = float(steps.time[first, 0])
+        state = np.vstack([steps.state[first : first + 1, 0], steps.state[first:last, 2]])
+        passed = np.vstack([points.energy[:1, :2], points.energy[:, 2:]])
+        return Segment(
+            mode,
+            interval_after(self.graph, t0),
+            np.concatenate([[t0], steps.time[first:last, 2]]),
+            np.hstack([state, passed]),
+            Interpolants(steps, first, last),
+            bonds=points.bonds[[0, *points.at.tolist()]],
         )
 
     # -- events
@@ -266,6 +343,7 @@ class Records:
                 for m, at in zip(self.graph.machines, found.landed[k].tolist(), strict=True)
                 if at
             ),
+            None if math.isnan(rows.instant_time[k, 2]) else float(rows.instant_time[k, 2]),
         )
 
     def _note_landing(self, found: Instants, f: int) -> None:

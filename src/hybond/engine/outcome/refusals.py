@@ -162,6 +162,13 @@ def _no_branches_stand(c: Case) -> Said:
     return Said(f"no branches of the junction laws stand {c.now}: {'; '.join(tried)}", c.here)
 
 
+def _no_end(c: Case) -> Said:
+    ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
+    names = c.paths([ports[k] for k in c.numbers] or ports)
+    now = f"the step that ends at t = {c.refusal.t:.9g} s"
+    return Said(f"the laws of {names} have no solution in {now}", c.here)
+
+
 def _too_small(c: Case) -> Said:
     h, k = c.refusal.about
     path = c.component(int(k)) if k >= 0 else ""
@@ -266,6 +273,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-J103": _impulsive,
     "HB-J110": _no_branches,
     "HB-J111": _no_branches_stand,
+    "HB-J120": _no_end,
     "HB-N201": _too_small,
     "HB-N202": _no_rate,
     "HB-N301": _no_solution,
@@ -285,6 +293,7 @@ NO_NUMBERS = (
     "HB-C105",
     "HB-J103",
     "HB-J111",
+    "HB-J120",
     "HB-N303",
     "HB-N304",
     "HB-N406",

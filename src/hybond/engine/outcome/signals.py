@@ -74,7 +74,36 @@ class Signals:
             return segment.y[-1], segment.mode
         return events[k].after, events[k].steps[-1].mode
 
+    def _of_steps(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
+        """Return expressions within time-stepping: what its steps found, between them straight.
+
+        An impulse and a force are one in a step, so that what the equations of the mode would say
+        is not asked.
+        """
+        assert segment.bonds is not None
+        steps, times = self._within(segment, t)
+        self._enter(segment)
+        slots = self._read(expressions)
+        place, size = self._slots, self._slots.size
+        own = {}
+        stored, signals = len(self.graph.storages), len(self.graph.integrals)
+        for kind, table, first, many in (
+            (place.w, segment.bonds, 0, segment.bonds.shape[1]),
+            (place.x, segment.y, 0, stored),
+            (place.s, segment.y, stored, signals),
+        ):
+            for k in range(many):
+                own[kind.start + k] = table[:, first + k]
+        asked = np.array([k for k in slots.tolist() if k % size not in own], dtype=np.intc)
+        columns = self._columns(asked, self._look.values(Within(steps, times), asked))
+        for k in slots.tolist():
+            if k % size in own:
+                columns[k] = np.interp(times, segment.t, own[k % size])
+        return [self._value(e, columns, times.shape) for e in expressions]
+
     def _of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
+        if segment.bonds is not None:
+            return self._of_steps(segment, expressions, t)
         steps, times = self._within(segment, t)
         self._enter(segment)
         slots = self._read(expressions)
@@ -182,6 +211,8 @@ class Signals:
 
         While machines slide each mode that is combined has its own.
         """
+        if segment.bonds is not None:
+            return segment.bonds.T
         steps, times = self._within(segment, segment.t)
         first, last = self._slots.w.start, self._slots.w.stop
         with self._lock:
@@ -191,6 +222,8 @@ class Signals:
 
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated up to the accepted points, J, shape (points, 2)."""
+        if segment.bonds is not None:
+            return np.asarray(segment.y[:, -2:] - segment.y[0, -2:])
         steps, _ = self._within(segment, segment.t)
         found = np.zeros((len(segment.t), 2))
         with self._lock:

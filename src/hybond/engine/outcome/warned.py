@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
-WITHOUT_END = 11
+WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES = 11, 12, 13, 14
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
 """Those whose text does not say when: once said, they are said."""
@@ -78,6 +78,20 @@ class Warnings:
             mode: Mode = tuple(numbers[1 : 1 + machines])
             text = self.explain.guard_on_open(numbers[0], numbers[1 + machines :], mode)
             return f"{text}; least leakage decides, as the model asks"
+        if kind == SHARES_OPEN:
+            names = ", ".join(self.graph.nodes[self._ports[k]].path for k in numbers)
+            return (
+                f"the equations leave open how {names} share what they carry "
+                f"(first in the step that ends at t = {t:.9g} s); least leakage decides"
+            )
+        if kind == FIRES_ALWAYS:
+            return (
+                f"the machine {self.graph.machines[numbers[0]].path} fires at the end of every "
+                f"step since about t = {t:.4g} s: time-stepping looks at machines written by hand "
+                "only there; a junction law has no such limit"
+            )
+        if kind == NEXT_DECIDES:
+            return f"{now} the laws leave no answer at this instant: the next step decides"
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)

@@ -20,6 +20,9 @@ class Planar:
     way: Floats
     resting: Ints
 
+    slid: Ints
+    """Whether it slid when a time step began, so that no breakaway limit holds it."""
+
     # those at rest, solved together: `free` has a force, else it is held
     held: int
     which: Ints
@@ -95,6 +98,7 @@ def make_planar(m: Model) -> Planar:
     p.size = floats(d)
     p.way = floats(2 * d)
     p.resting = ints(d)
+    p.slid = ints(d)
     p.which = ints(d)
     p.free = ints(d)
     p.force = floats(2 * d)

@@ -40,6 +40,12 @@ UNREST: Final = 10
 
 WITHOUT_END: Final = 11
 """Crossings of a surface make stored quantities jump without an end. Its number; said once."""
+SHARES_OPEN: Final = 12
+"""Laws leave open over a step who carries what. Numbers: their ports."""
+FIRES_ALWAYS: Final = 13
+"""A machine fires at the end of every step. Its number."""
+NEXT_DECIDES: Final = 14
+"""Laws cannot decide at an instant: the next step does. No numbers."""
 
 
 @record

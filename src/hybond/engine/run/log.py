@@ -23,6 +23,7 @@ from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.methods.stepping import RADAU
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.sliding.surface import part_mode
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, floats, record
 
 BROKEN: Final = 16
@@ -40,11 +41,16 @@ class Report:
     the number of the combination that is slid in (0: none), then the state of each machine, then
     whether it has landed.
 
+    Of steps of time-stepping besides: `step_bonds` are bond variables, a row for each point, and
+    `step_bond` the row of each step's end, the one before being its beginning; `step_energy` what
+    sources gave, resistors took, and what came from nowhere.
+
     Of combinations, which count from 1 on: when they begin in `slide_time`; in `slid` how many
     surfaces are slid on, and unless that is 0 whether all corners are combined, how many modes, the
     surfaces by number, the state of each machine as shown, then in each of these modes.
 
-    Of instants: `instant_time` t, and the largest energy seen before; `instant_state` the state
+    Of instants: `instant_time` t, the largest energy seen before, and the begin of the step within
+    which it happened, nan if it was located; `instant_state` the state
     before and after; `instant_place` the cause, how many modes were visited, the number of the
     combination from there on, then the state of each machine after it, then whether it has landed.
 
@@ -82,6 +88,11 @@ class Report:
     over: Places
     opens: int
     open: Places
+    bond_rows: int
+    bond_wide: int
+    step_bonds: Block
+    step_bond: Places
+    step_energy: Block
     slides: int
     slide_time: Block
     slids: int
@@ -110,6 +121,10 @@ def make_report(e: Engine) -> Report:
     r.step_state = make_block(48 * e.states)
     r.step_dense = make_block(64 * e.states)
     r.step_place = make_places(16 * (2 + 2 * e.model.machines))
+    r.bond_wide = 2 * e.model.bonds
+    r.step_bonds = make_block(16)
+    r.step_bond = make_places(16)
+    r.step_energy = make_block(16)
     r.instant_time = make_block(16)
     r.instant_state = make_block(16 * e.states)
     r.instant_place = make_places(16)
@@ -133,7 +148,12 @@ def make_report(e: Engine) -> Report:
 
 
 def forget_rows(r: Report) -> None:
-    """Forget the rows that were read."""
+    """Forget the rows that were read; the next step begins with the last bond variables."""
+    if r.bond_rows > 1:
+        n = r.bond_wide
+        for k in range(n):
+            r.step_bonds.at[k] = r.step_bonds.at[(r.bond_rows - 1) * n + k]
+        r.bond_rows = 1
     r.instants_before += r.instants
     r.steps = 0
     r.instants = 0
@@ -197,6 +217,8 @@ def report_step(e: Engine, r: Report) -> None:
     s = e.step
     n = e.states
     r.rejected += s.rejected
+    if e.model.method == MOREAU:
+        write_bonds_of_step(e, r)
     if e.model.method != RADAU or e.curved:
         write_step(e, r, s.t0, s.t1, e.t)
         at = (r.steps - 1) * n
@@ -212,6 +234,35 @@ def report_step(e: Engine, r: Report) -> None:
         if piece > 0 and e.radau.piece_t0[piece] >= e.t:
             return
         write_piece(e, r, piece)
+
+
+def write_bonds_of_step(e: Engine, r: Report) -> None:
+    """Write down bond variables and energies of a step; those at its beginning if they are new.
+
+    What happens in it has the state at its beginning before it.
+    """
+    s = e.stepping
+    r.energy = e.energy
+    for k in range(e.states):
+        r.left[k] = s.begin_y[k]
+    if s.begins or r.bond_rows == 0:
+        write_bond_row(r, s.begin_w)
+    write_bond_row(r, s.w)
+    grow_places(r.step_bond, r.steps + 1)
+    grow_block(r.step_energy, 3 * (r.steps + 1))
+    r.step_bond.at[r.steps] = r.bond_rows - 1
+    r.step_energy.at[3 * r.steps] = s.supplied
+    r.step_energy.at[3 * r.steps + 1] = s.dissipated
+    r.step_energy.at[3 * r.steps + 2] = s.unbalanced
+
+
+def write_bond_row(r: Report, w: Floats) -> None:
+    """Write a row of bond variables."""
+    n = r.bond_wide
+    grow_block(r.step_bonds, n * (r.bond_rows + 1))
+    for k in range(n):
+        r.step_bonds.at[n * r.bond_rows + k] = w[k]
+    r.bond_rows += 1
 
 
 def write_piece(e: Engine, r: Report, piece: int) -> None:
@@ -316,11 +367,12 @@ def write_instant(e: Engine, r: Report, i: Instant, cause: int) -> None:
     machines = e.model.machines
     k = r.instants
     r.instants += 1
-    grow_block(r.instant_time, 2 * r.instants)
+    grow_block(r.instant_time, 3 * r.instants)
     grow_block(r.instant_state, 2 * n * r.instants)
     grow_places(r.instant_place, (3 + 2 * machines) * r.instants)
-    r.instant_time.at[2 * k] = i.t
-    r.instant_time.at[2 * k + 1] = r.energy
+    r.instant_time.at[3 * k] = i.t
+    r.instant_time.at[3 * k + 1] = r.energy
+    r.instant_time.at[3 * k + 2] = i.since
     for j in range(n):
         r.instant_state.at[2 * n * k + j] = e.y[j] if i.cause == START else r.left[j]
         r.instant_state.at[2 * n * k + n + j] = e.y[j]

@@ -11,20 +11,11 @@ from typing import Final
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.inputs.interval import interval_after, is_due, is_timed
+from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.constraints import is_constrained
-from hybond.engine.instant.instant import (
-    GUARD,
-    INPUT,
-    SAMPLE,
-    START,
-    TIME,
-    Instant,
-    begin_instant,
-    make_instant,
-)
+from hybond.engine.instant.instant import GUARD, START, begin_instant
 from hybond.engine.instant.jump import on_constraints
-from hybond.engine.instant.settle import Settling, make_settling, settle
+from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
@@ -40,90 +31,32 @@ from hybond.engine.planar.descent import (
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import Locator, make_locator, watch
+from hybond.engine.run.locator import Locator, watch
 from hybond.engine.run.log import (
-    Report,
     keep_left,
     report_end,
     report_event,
     report_slide,
     report_step,
 )
+from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
-from hybond.engine.words import Floats, floats, record
+from hybond.engine.timestepping.step_motion import flow_in_steps, settle_in_steps
+from hybond.engine.timestepping.step_records import MOREAU
 
 SHORTER: Final = 30
 """Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""
-IDLE: Final = 100
-"""Instants in a row without any change that end a run."""
 MOMENT: Final = 1e-13
 """What counts as no time for all of them together, as a part of the run."""
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
-STOPPED: Final = 5
-"""Why a motion ended: its stretch did, and nothing happened."""
-PAUSED: Final = 7
-"""Likewise: a run in slices has had the steps of this one."""
 ACCUMULATES: Final = 3
-
-
-@record
-class Run:
-    """The parts of a run."""
-
-    settling: Settling
-    instant: Instant
-    locator: Locator
-    report: Report
-    events: int
-    before: Floats
-    idle: int
-    idle_at: Floats
-    """When the last instants were at which a guard held and nothing changed, in a ring."""
-    begun: bool
-    flowing: bool
-    """Whether time passes in a mode: a run in slices was paused there."""
-    beyond: float
-    """How many of the last steps have touched a place where a law has no value."""
-    taken: int
-    """Steps since the last instant."""
-    began: float
-    """When that was, s."""
-    slice: int
-    """Steps and instants that this slice of the run still has; -1: as many as it takes."""
-
-
-def make_run(e: Engine, report: Report) -> Run:
-    """Return a run that has not begun."""
-    r = Run()
-    r.settling = make_settling(e)
-    r.instant = make_instant()
-    r.locator = make_locator(e)
-    r.report = report
-    r.before = floats(e.states)
-    r.idle_at = floats(IDLE + 1)
-    r.slice = -1
-    return r
-
-
-def begin(e: Engine) -> None:
-    """Put the model's start there."""
-    m = e.model
-    e.until = m.until
-    e.stop = m.until
-    e.t = 0.0
-    for k in range(m.storages):
-        e.y[k] = m.storage_start[k]
-    for k in range(m.integrals):
-        e.y[m.storages + k] = m.integral_start[k]
-    for k in range(m.machines):
-        e.state[k] = m.start[k]
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -143,6 +76,8 @@ def run_to_end(e: Engine, r: Run) -> int:
             return REFUSED
         if cause == PAUSED:
             return PAUSED
+        if cause == STOPPED:
+            break
         status = settle_now(e, r, cause)
         if status == OK:
             status = rest_now(e, r)
@@ -156,6 +91,8 @@ def run_to_end(e: Engine, r: Run) -> int:
 
 def settle_now(e: Engine, r: Run, cause: int) -> int:
     """Settle the present instant, and report what changed. After Executive._settle."""
+    if e.model.method == MOREAU:
+        return settle_in_steps(e, r, cause)
     i = r.instant
     begin_instant(i, e.t, cause)
     if cause != START:
@@ -215,6 +152,8 @@ def flow(e: Engine, r: Run) -> int:
     After Executive._flow.
     """
     m = e.model
+    if m.method == MOREAU:
+        return flow_in_steps(e, r)
     g = r.locator
     if not r.flowing and begin_flow(e, r) != OK:
         return -1
@@ -407,13 +346,3 @@ def go_on(e: Engine) -> int:
         if e.y[k] != e.step.y1[k]:
             return start(e, e.t, e.y, e.until, False)
     return OK
-
-
-def timed_cause(e: Engine) -> int:
-    """Return why a timed event is one."""
-    if is_timed(e, e.next_break):
-        return TIME
-    for k in range(e.model.samples):
-        if is_due(e.model, k, e.next_break):
-            return SAMPLE
-    return INPUT

@@ -15,7 +15,6 @@ from hybond.engine.instant.instant import (
     Instant,
 )
 from hybond.engine.methods.stepping import between
-from hybond.engine.mode.values import evaluate
 from hybond.engine.model import (
     Model,
     bond_name,
@@ -25,6 +24,8 @@ from hybond.engine.model import (
     stored_name,
     value,
 )
+from hybond.engine.timestepping.step_event import STEP
+from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import (
     Floats,
     Text,
@@ -74,7 +75,7 @@ def put_header(e: Engine, r: Report) -> None:
 def put_row(e: Engine, t: float, y: Floats) -> None:
     """Print a row of the table: the outputs at a point of the motion."""
     m = e.model
-    evaluate(e, e.mode, e.shown, t, y)
+    show_point(e, t, y)
     put_number(t)
     for k in range(m.outputs):
         put_text(",")
@@ -116,7 +117,7 @@ def keep_left(e: Engine, r: Report) -> None:
     m = e.model
     if r.events or r.silent:
         return
-    evaluate(e, e.mode, e.shown, e.t, e.y)
+    show_point(e, e.t, e.y)
     for k in range(m.outputs):
         r.left[k] = value(m, m.output_value[k], e.shown)
 
@@ -126,6 +127,8 @@ def report_event(e: Engine, r: Report, i: Instant) -> None:
     if r.silent:
         return
     if not r.events:
+        if i.cause == STEP:
+            return
         if i.cause != START:
             put_number(e.t)
             for k in range(e.model.outputs):

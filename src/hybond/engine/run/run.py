@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from hybond.engine.engine import REFUSED, Engine
-from hybond.engine.run.motion import Run, make_run, run_to_end
+from hybond.engine.run.motion import run_to_end
 from hybond.engine.run.report import Report, put_fault, put_final, put_header
+from hybond.engine.run.run_records import Run, make_run
 
 
 def run_program(e: Engine, report: Report) -> int:

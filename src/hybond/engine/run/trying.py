@@ -9,7 +9,7 @@ from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.settle import rule_holds
 from hybond.engine.instant.trial import a_priori, show_trial
-from hybond.engine.run.motion import Run, begin
+from hybond.engine.run.run_records import Run, begin
 from hybond.engine.words import Ints
 
 

@@ -18,15 +18,10 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.values import begin_field, evaluate, field
 from hybond.engine.model import value
-from hybond.engine.run.motion import (
-    STOPPED,
-    Run,
-    begin,
-    flow,
-    rest_now,
-    settle_now,
-    timed_cause,
-)
+from hybond.engine.run.motion import flow, rest_now, settle_now
+from hybond.engine.run.run_records import STOPPED, Run, begin, timed_cause
+from hybond.engine.timestepping.step_records import MOREAU
+from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import Floats
 
 INSTANT: Final = 1e-12
@@ -79,7 +74,8 @@ def advance(e: Engine, r: Run, t: float) -> int:
 
 def output_now(e: Engine, k: int) -> float:
     """Return output k at the present instant; nan if it has no value."""
-    if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+    in_steps = e.model.method == MOREAU
+    if (not in_steps and mode_of(e, e.state) != OK) or show_point(e, e.t, e.y) != OK:
         return math.nan
     return value(e.model, e.model.output_value[k], e.shown)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from hybond.causality.arrays import compile_arrays
 from hybond.causality.orientation import orientation
 from hybond.engine.tables.expressions import number_of
+from hybond.engine.tables.options import METHODS
 from hybond.equations.calculus import gradient, partial_time
 from hybond.errors import ModelError
 from hybond.model.expressions import Expr, Number, names
@@ -142,10 +143,14 @@ def _put_orientation(t: ModelTables) -> None:
     """Put which variable of each law is given, for all states of the other machines."""
     g = t.graph
     t.ints["orient"] = []
+    t.numbers["oriented"] = 1
     if not t.numbers["ports"]:
         return
     sizes = [1 if m.law is not None else len(m.states) for m in g.machines]
     if math.prod(sizes) > CONFIGURATIONS:
+        if t.numbers["method"] == METHODS["moreau-jean"]:
+            t.numbers["oriented"] = 0
+            return
         raise ModelError(
             f"the machines beside junction laws have {math.prod(sizes)} settings, more than an "
             f"export looks at ({CONFIGURATIONS})",

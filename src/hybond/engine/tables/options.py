@@ -13,18 +13,26 @@ from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.run_options import (
+    ALIASES,
     FIXED,
+    STEPPING,
     check_step,
     end_of,
     impact_of,
     seconds_of,
     sliding_of,
+    stepping_step,
+    stepping_theta,
     tolerances_of,
 )
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4}
+METHODS = {
+    **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
+    **{"qss1": 6, "qss2": 7, "qss3": 8, "liqss1": 9, "liqss2": 10, "liqss3": 11},
+    "moreau-jean": 5,
+}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -55,6 +63,7 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",
@@ -64,7 +73,10 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         )
     step = seconds_of(given.get("step", experiment.get("step")), "step")
     # a step written in the experiment for a fixed-step solver may stand there unused
-    check_step(name, step if name in FIXED or given.get("step") is not None else None)
+    if name in STEPPING:
+        step = stepping_step(step)
+    else:
+        check_step(name, step if name in FIXED or given.get("step") is not None else None)
     impact, exponent = impact_of(given.get("impact"), experiment)
     choice, band = sliding_of(None, None, experiment)
     if band is not None:
@@ -97,9 +109,11 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         "max_events": int(experiment.get("max_events", 1_000_000)),
         "max_steps": int(experiment.get("max_steps", 4_000_000)),
         "method": METHODS[name],
-        "step": step if name in FIXED and step is not None else 0.0,
+        "step": step if name in (*FIXED, *STEPPING) and step is not None else 0.0,
+        "theta": stepping_theta(given.get("theta", experiment.get("theta", 0.5))),
         "slides": int(choice == "filippov"),
-        "impact": IMPACTS[impact],
+        # time-stepping has a law of its own, and settles instants contact after contact
+        "impact": IMPACTS["newton" if name in STEPPING else impact],
         "impact_exponent": exponent,
     }
     listed = experiment.get("outputs") or experiment.get("plot") or ()

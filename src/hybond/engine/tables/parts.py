@@ -6,14 +6,10 @@ from typing import Any
 
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.forms import put_forms
+from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    names,
-    uses_pre,
-)
+from hybond.model.expressions import Expr, Number, names, uses_pre
 from hybond.model.kinds import SOURCES
 
 
@@ -65,6 +61,7 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
         source_slope_constant=FLOATS,
     )
     put_forms(t, sources, dynamics)
+    put_steps(t, dynamics)
 
 
 def _of_time(e: Expr) -> bool:

@@ -10,6 +10,7 @@ from hybond.equations.stored_laws import stiffness, stored_names
 from hybond.model.expressions import (
     Number,
     substitute,
+    turning,
 )
 from hybond.model.expressions.traced import Traced, give_up
 from hybond.model.expressions.tree import walk
@@ -34,6 +35,7 @@ def put_storages(t: ModelTables, plain: FlatGraph) -> None:
     t.ints["bond_class"] = [2 * k for k in own] + [2 * k + 1 for k in own]
     t.ints["storage_class"] = [2 * own[s.bond] + int(s.kind == "C") for s in g.storages]
     laws, rows = [], []
+    kinks: dict[int, list[tuple[int]]] = {}
     groups: dict[int, list[int]] = {}
     degrees: dict[int, int | None] = {}
     together: dict[int, list[Storage]] = {}
@@ -51,6 +53,7 @@ def put_storages(t: ModelTables, plain: FlatGraph) -> None:
         law = substitute(node.law.expressions[s.port], stored_names(node, g, siblings))
         laws.append(t.values.number(law, f"law of {node.path}"))
         groups.setdefault(s.node, []).append(s.index)
+        kinks.setdefault(s.node, []).extend((t.values.number(e),) for e in turning(law))
         degree, before = polynomial_degree(law), degrees.get(s.node, 0)
         degrees[s.node] = None if degree is None or before is None else max(degree, before)
     t.ints["co_energy"] = laws
@@ -63,6 +66,7 @@ def put_storages(t: ModelTables, plain: FlatGraph) -> None:
         exact = degree is not None and degree <= EXACT
         points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
     put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
+    put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
 
 
 def _stored_at_start(g: FlatGraph, s: Storage, value: float) -> float:

@@ -1,0 +1,130 @@
+"""A run of time-stepping: the run itself, and how good its step was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from hybond.blocks.runners import Runner
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import Prepared
+from hybond.engine.outcome.step_error import BAD, StepError, compare
+from hybond.engine.tables import ModelTables
+from hybond.errors import HybondError
+from hybond.model.expressions import Number
+from hybond.model.graph import FlatGraph
+from hybond.units import format_quantity
+
+FEW = 20
+"""With fewer steps a run is warned about: the comparison with longer steps says nothing then."""
+SAME = 1e-12
+"""Two runs that differ by less may have sampled a periodic input at the same phase each time."""
+INCOMMENSURATE = 0.5 * (1.0 + 5.0**0.5)
+"""Then the step is compared with one longer by the ratio that no fraction comes close to."""
+
+
+class StepsRun:
+    """One run by time-stepping; `trace` holds what it did.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+    settings : Settings
+    prepare : callable
+        Makes tables ready for an engine.
+    progress : callable
+    runners : mapping
+        What runs each block, by its path: a block may run once only, so that the error of such a
+        run is not estimated.
+    """
+
+    def __init__(
+        self,
+        graph: FlatGraph,
+        settings: Settings,
+        prepare: Callable[[ModelTables], Prepared],
+        *,
+        progress: Callable[[float, int], None] | None = None,
+        runners: Mapping[str, Runner] | None = None,
+    ) -> None:
+        self.graph = graph
+        self.settings = settings
+        self.progress = progress
+        self._prepare = prepare
+        self._fine = EngineRun(prepare(settings.tables(graph)), progress=progress, runners=runners)
+        self.trace = self._fine.trace
+        assert settings.step is not None
+        self.step = settings.step
+        # with two steps in all there is nothing to compare
+        self._compares = settings.until > 4.0 * self.step and not runners
+
+    def run(self) -> str:
+        """Run to the end, and once more with a longer step; return ``"ok"``.
+
+        Raises
+        ------
+        HybondError
+            What stopped the run. `trace` is complete up to there.
+        KeyboardInterrupt
+            Likewise.
+        """
+        self._warn_of_friction()
+        status = self._fine.run()
+        if self._compares:
+            self._compare()
+        if self.trace.stats["steps"] < FEW:
+            self._warn_of_few_steps()
+        return status
+
+    def _compare(self) -> None:
+        """Run with a longer step, and note what the difference says."""
+        error = self._apart(2.0)
+        if error is not None and max(error.end, error.mean) <= SAME:
+            error = self._apart(INCOMMENSURATE) or error
+        if error is not None:
+            self.trace.stats["step_error"] = max(error.end, error.mean)
+            self.trace.stats["step_advised"] = error.advised
+            if max(error.end, error.mean) > BAD:
+                self.trace.warn(error.text())
+
+    def _apart(self, factor: float) -> StepError | None:
+        """Return how far a run with steps longer by `factor` is from this one, if it can be."""
+        longer = replace(self.settings, step=factor * self.step)
+        coarse = EngineRun(
+            self._prepare(longer.tables(self.graph)),
+            # so that a run can be interrupted here as well
+            progress=None if self.progress is None else self._progress_at_end,
+        )
+        try:
+            coarse.run()
+        except (HybondError, KeyboardInterrupt):
+            return None
+        return compare(self.graph, self.step, self.trace, coarse.trace)
+
+    def _progress_at_end(self, _: float, __: int) -> None:
+        if self.progress is not None:
+            self.progress(self.settings.until, self.trace.events.total)
+
+    def _warn_of_few_steps(self) -> None:
+        """Say that the step is coarse, and whether anything was estimated."""
+        estimate = "error estimate means little" if self._compares else "error cannot be estimated"
+        steps = int(self.trace.stats["steps"])
+        count = f"{steps} step" + "s" * (steps != 1)
+        self.trace.warn(
+            f"step = {format_quantity(self.step, 's')} is coarse: the run has only {count}, and "
+            f"its {estimate}; try step = {format_quantity(self.settings.until / 1000.0, 's')} or "
+            "less"
+        )
+
+    def _warn_of_friction(self) -> None:
+        """Say where this scheme means something else than an impact without friction."""
+        laws = [(m.path, m.law) for m in self.graph.machines if m.law is not None]
+        paths = [
+            path
+            for path, law in laws
+            if law.limit is not None and not isinstance(law.limit, Number)
+        ]
+        if paths and any(law.gap is not None for _, law in laws):
+            self.trace.warn(
+                f"time-stepping lets the friction of {', '.join(paths)} act during impacts as well"
+            )

@@ -1,0 +1,83 @@
+"""The parts of a run, its beginning, and why a motion ends."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.inputs.interval import is_due, is_timed
+from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
+from hybond.engine.instant.settle import Settling, make_settling
+from hybond.engine.run.locator import Locator, make_locator
+from hybond.engine.run.log import Report
+from hybond.engine.words import Floats, floats, record
+
+IDLE: Final = 100
+"""Instants in a row without any change that end a run."""
+STOPPED: Final = 5
+"""Why a motion ended: its stretch did, and nothing happened."""
+PAUSED: Final = 7
+"""Likewise: a run in slices has had the steps of this one."""
+
+
+@record
+class Run:
+    """The parts of a run."""
+
+    settling: Settling
+    instant: Instant
+    locator: Locator
+    report: Report
+    events: int
+    before: Floats
+    idle: int
+    idle_at: Floats
+    """When the last instants were at which a guard held and nothing changed, in a ring."""
+    begun: bool
+    flowing: bool
+    """Whether time passes in a mode: a run in slices was paused there."""
+    beyond: float
+    """How many of the last steps have touched a place where a law has no value."""
+    taken: int
+    """Steps since the last instant."""
+    began: float
+    """When that was, s."""
+    slice: int
+    """Steps and instants that this slice of the run still has; -1: as many as it takes."""
+
+
+def make_run(e: Engine, report: Report) -> Run:
+    """Return a run that has not begun."""
+    r = Run()
+    r.settling = make_settling(e)
+    r.instant = make_instant()
+    r.locator = make_locator(e)
+    r.report = report
+    r.before = floats(e.states)
+    r.idle_at = floats(IDLE + 1)
+    r.slice = -1
+    return r
+
+
+def begin(e: Engine) -> None:
+    """Put the model's start there."""
+    m = e.model
+    e.until = m.until
+    e.stop = m.until
+    e.t = 0.0
+    for k in range(m.storages):
+        e.y[k] = m.storage_start[k]
+    for k in range(m.integrals):
+        e.y[m.storages + k] = m.integral_start[k]
+    for k in range(m.machines):
+        e.state[k] = m.start[k]
+
+
+def timed_cause(e: Engine) -> int:
+    """Return why a timed event is one."""
+    if is_timed(e, e.next_break):
+        return TIME
+    for k in range(e.model.samples):
+        if is_due(e.model, k, e.next_break):
+            return SAMPLE
+    return INPUT

@@ -1,0 +1,282 @@
+"""What each junction law asks for in one step, and what all of them do.
+
+The laws are read at the beginning of a step and hold at its end. Of what they do nothing is
+believed: it is put back into them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED, LawProblem
+from hybond.engine.complementarity.semidefinite import is_indefinite
+from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.laws.law_answers import put_problem, solve_problem
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, passive_role, quantity
+from hybond.engine.laws.law_records import Ports
+from hybond.engine.laws.law_seconds import warn_of_second
+from hybond.engine.laws.ports import times_partner
+from hybond.engine.mode.tableau import COMMON
+from hybond.engine.model import node_name
+from hybond.engine.reasons.facts import add_fact
+from hybond.engine.timestepping.guessed import answer_guessed
+from hybond.engine.timestepping.open_shares import find_still, share
+from hybond.engine.timestepping.step_records import NOT_LOOKED, Coupled, Stepping
+from hybond.engine.words import Floats
+
+ROUNDED_VALUE: Final = 1e-12
+"""Part of the largest bond variable below which `w` of a law that feels nothing is rounding."""
+CANCELLED_VALUE: Final = 1e-14
+"""A sum below this part of its terms is rounding: a law does not change its branch for it."""
+TOUCHING: Final = 1e-9
+"""Part of the motion in a step within which a contact that was closed is still closed."""
+KEEPS: Final = 1e-7
+"""Part of its terms up to which an answer, put back into its law, may be off."""
+
+
+def read_step_laws(e: Engine, s: Stepping, p: Ports) -> int:
+    """Read the laws at the beginning of a step; HB-C105 where slip has no inertia."""
+    m = e.model
+    r = e.laws
+    v = s.v0
+    s.size = 0.0
+    for b in range(2 * m.bonds):
+        s.size = max(s.size, math.fabs(s.w[b]))
+    times_partner(m, p, s.w, s.before)
+    find_start(m, r)
+    for k in range(m.ports):
+        is_common = p.given[k] == COMMON
+        if m.port_planar[k] != 0 and is_common:
+            why = "the slip is not determined by what is stored"
+            return say_fault(e, "HB-C105", why, node_name(m, m.port_node[k]))
+        r.role[k] = TWO_SIDED if m.port_two_sided[k] != 0 else ONE_SIDED
+        s.gap[k] = -math.inf
+        s.gap_rate[k] = 0.0
+        if m.port_gap[k] != NO_LAW_VALUE:
+            s.gap[k] = quantity(m, m.port_gap, m.port_gap_constant, k, v)
+            for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
+                s.gap_rate[k] -= m.pair_value[i] * s.w[m.pair_column[i]]
+        if m.port_gate[k] != NO_LAW_VALUE and not is_on(m, k, e.state[m.port_machine[k]]):
+            if quantity(m, m.port_gate, m.port_gate_constant, k, v) == 0.0:
+                r.role[k] = passive_role(p, k)
+        s.restitution[k] = 0.0
+        if m.port_restitution[k] != NO_LAW_VALUE and is_common:
+            s.restitution[k] = quantity(m, m.port_restitution, m.port_restitution_constant, k, v)
+    return OK
+
+
+def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) -> None:
+    """Leave out the contacts that stay open for the first half of a step of length `h`.
+
+    The others take part with their coefficient of restitution. `bonds` are what they are at the end
+    if no law acts: what rests on a contact and would fall again within the step is not let go of
+    because its distance is positive by rounding; nor is the leg of a table that the load on the
+    other legs would lift if it were not for them.
+    """
+    m = e.model
+    r = e.laws
+    times_partner(m, p, bonds, s.free)
+    motion = 0.0
+    for k in range(m.ports):
+        if s.gap[k] > -math.inf:
+            motion = max(motion, h * math.fabs(s.free[k]))
+    for k in range(m.ports):
+        near = s.gap[k] + 0.5 * h * s.gap_rate[k]
+        if not near > 0.0:
+            continue
+        if is_on(m, k, e.state[m.port_machine[k]]) and p.given[k] == COMMON:
+            touches = s.gap[k] + 0.5 * h * min(s.free[k], 0.0) <= 0.0
+            if touches or near <= TOUCHING * motion:
+                continue
+        r.role[k] = passive_role(p, k)
+        s.restitution[k] = 0.0
+
+
+def solve_step_laws(
+    e: Engine, s: Stepping, p: Ports, c: Coupled, bonds: Floats, doubtful: bool
+) -> int:
+    """Find what the laws do, where bond variables are ``bonds + gain l``, into `s.l`.
+
+    `s.v1` holds the values at which limits of friction are linearised. If `doubtful`, what `w` has
+    without `l` below `s.doubt` is rounding. HB-J120 if there is no answer.
+    """
+    m = e.model
+    r = e.laws
+    n = m.ports
+    a = r.response
+    a.gain = c.gain.at
+    a.d = c.m.at
+    a.ce = c.m.at
+    for b in range(2 * m.bonds):
+        a.bonds[b] = bonds[b]
+    times_partner(m, p, bonds, r.q)
+    bounces = False
+    rubs = False
+    for k in range(n):
+        a.size[k] = s.doubt[k]
+        if doubtful and math.fabs(r.q[k]) <= CANCELLED_VALUE * s.doubt[k]:
+            r.q[k] = 0.0
+        if c.deaf[k] != 0 and r.q[k] < 0.0 and r.q[k] >= -ROUNDED_VALUE * s.size:
+            r.q[k] = 0.0
+        r.rebound[k] = s.restitution[k] * s.before[k]
+        bounces = bounces or s.restitution[k] != 0.0
+        rests = m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0
+        r.resting[k] = 1 if rests and e.state[m.port_machine[k]] == 0 else 0
+        rubs = rubs or r.role[k] == TWO_SIDED
+    for d in range(m.disks):
+        e.planar.resting[d] = 1
+        # what holds up to its breakaway limit is what was at rest
+        e.planar.slid[d] = 0 if e.state[m.disk_machine[d]] == 0 else 1
+    e.planar.ready = m.disks > 0
+    if rubs:
+        for i in range(2 * m.slots):
+            r.later[i] = s.v1[i]
+    found = ask_laws(e, s, c, bounces)
+    e.planar.ready = False
+    for d in range(m.disks):
+        e.planar.slid[d] = 0
+    if not found:
+        return no_end(e)
+    for k in range(n):
+        s.branch[k] = r.problem.branch[k]
+        s.l[k] = r.problem.l[k] if r.problem.role[k] != CUT else 0.0
+    keep_idle_branches(e, s, c)
+    if c.still == NOT_LOOKED:
+        find_still(e, s, c)
+    for k in range(n):
+        s.shared[k] = 0
+    if c.still > 0:
+        share(e, s, p, c)
+    return OK if keeps_laws(e, s, c) else no_end(e)
+
+
+def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
+    """Ask the laws, those of the last step's branches first.
+
+    What was at rest stays so up to its breakaway limit, and slides with the other one: to let go is
+    never taken back.
+    """
+    m = e.model
+    r = e.laws
+    n = m.ports
+    p = r.problem
+    if c.semidefinite == NOT_LOOKED:
+        fit(s.square, n * n)
+        c.semidefinite = 0 if is_indefinite(n, c.m.at, s.scale, s.down, s.square.at) else 1
+    while True:
+        rests = put_problem(e, r, r.q, 0.0, bounces)
+        for k in range(n):
+            p.moved[k] = p.q[k] + p.shift[k]
+        monotone = c.semidefinite != 0
+        guessed = not rests and answer_guessed(s.guess, p, r.start, c.number, monotone)
+        if not guessed and not solve_problem(e, r, rests):
+            return False
+        broken = False
+        for k in range(n):
+            if r.resting[k] != 0 and p.branch[k] != 0:
+                r.resting[k] = 0
+                broken = True
+        if broken:
+            continue
+        if m.tells != 0 and not guessed and not s.second_said:
+            rows = e.warned.rows
+            r.t = s.v1[0]
+            warn_of_second(e, r, r.q, 0.0, bounces)
+            s.second_said = e.warned.rows > rows
+        if not guessed:
+            # in the units of the problem, as it was asked
+            put_problem(e, r, r.q, 0.0, bounces)
+            for k in range(n):
+                p.moved[k] = p.q[k] + p.shift[k]
+        return True
+
+
+def keep_idle_branches(e: Engine, s: Stepping, c: Coupled) -> None:
+    """Leave the branches as they were of laws where either fits: nothing has happened there."""
+    r = e.laws
+    p = r.problem
+    n = p.n
+    for k in range(n):
+        if p.role[k] == CUT or p.role[k] == SHUT:
+            continue
+        either = p.open[k] != 0
+        own = c.m.at[k * n + k]
+        if p.role[k] == ONE_SIDED and own > 0.0 and not either:
+            w = p.moved[k]
+            size = math.fabs(w)
+            for j in range(n):
+                w += c.m.at[k * n + j] * s.l[j]
+                size += math.fabs(c.m.at[k * n + j]) * math.fabs(s.l[j])
+            either = math.fabs(w) <= CANCELLED_VALUE * size and own * s.l[k] <= (
+                CANCELLED_VALUE * size
+            )
+        p.open[k] = 1 if either else 0
+        if either:
+            s.branch[k] = r.start[k]
+
+
+def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:
+    """Whether what was found keeps all laws, each put back into itself."""
+    m = e.model
+    p = e.laws.problem
+    n = p.n
+    for k in range(n):
+        w = p.moved[k] if p.role[k] == ONE_SIDED else p.q[k]
+        size = math.fabs(w)
+        for j in range(n):
+            w += c.m.at[k * n + j] * s.l[j]
+            size += math.fabs(c.m.at[k * n + j]) * math.fabs(s.l[j])
+        s.wl[k] = w
+        off = KEEPS * size
+        own = math.fabs(c.m.at[k * n + k])
+        if not math.isfinite(w):
+            return False
+        if p.role[k] == SHUT and math.fabs(w) > off + ROUNDED_VALUE * s.size:
+            return False
+        if p.role[k] == ONE_SIDED:
+            low = w < -off - ROUNDED_VALUE * s.size or own * s.l[k] < -off
+            if low or min(w, own * s.l[k]) > off + ROUNDED_VALUE * s.size:
+                return False
+        if p.role[k] == TWO_SIDED and m.port_planar[k] == 0 and not keeps_friction(s, p, k, off):
+            return False
+    return True
+
+
+def keeps_friction(s: Stepping, p: LawProblem, k: int, off: float) -> bool:
+    """Whether a friction law holds: within its limit, and at it where it slides."""
+    n = p.n
+    limit = p.limit[k]
+    terms = math.fabs(limit)
+    for j in range(n):
+        limit += p.slope[k * n + j] * s.l[j]
+        terms += math.fabs(p.slope[k * n + j]) * math.fabs(s.l[j])
+    is_common = p.common[k] != 0
+    force = -s.wl[k] if is_common else -s.l[k]
+    speed = s.l[k] if is_common else s.wl[k]
+    loose = KEEPS * terms
+    own = math.fabs(p.m[k * n + k])
+    if is_common:
+        loose += off
+    elif own > 0.0:
+        # a force that moves nothing by more than what its speed may be off
+        loose += off / own
+    if math.fabs(force) > limit + loose:
+        return False
+    slips = math.fabs(speed) > (0.0 if is_common else off + ROUNDED_VALUE * s.size)
+    way = 1.0 if speed > 0.0 else -1.0
+    return not slips or p.branch[k] == 0 or way * force >= limit - loose
+
+
+def no_end(e: Engine) -> int:
+    """Refuse laws that have no solution in a step."""
+    m = e.model
+    r = e.laws
+    why = "the laws have no solution in a step: give a contact a stiffness, a source a resistance"
+    found = say_fault(e, "HB-J120", why, node_name(m, m.port_node[0]))
+    if m.tells != 0:
+        for k in range(m.ports):
+            if r.role[k] != CUT:
+                add_fact(e.fault, float(k))
+    return found

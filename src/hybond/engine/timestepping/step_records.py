@@ -1,0 +1,291 @@
+"""What time-stepping keeps: the matrices of steps, the laws of the step under way, its outcome."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
+from hybond.engine.complementarity.lcp import Lcp, make_lcp
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
+
+MOREAU: Final = 5
+"""The method of a model that is run so."""
+COUPLED_KEPT: Final = 8
+"""Configurations and lengths of steps whose matrices are kept."""
+NOT_LOOKED: Final = -1
+
+
+@record
+class Coupled:
+    """A step of length `h` in a configuration with open laws, linearised.
+
+    The first `n` states act back on their rates. `state` and `direct` are bond variables by these
+    and by `l`, `gain` by `l` with what `l` makes of the state; `inverse` is that of one minus `h`
+    times the rates by the states, `push` the state at the end by `l`, `m` the `w` of laws by `l`.
+    Where all but the laws is linear, `straight`, they hold at every point. `still` columns of
+    `basis` are the `l` by which two solutions may differ.
+    """
+
+    place: int
+    stamp: int
+    """Of which ports, and which ones these were when it was made."""
+    h: float
+    used: int
+    number: int
+    """Of these matrices among all that were made."""
+    known: bool
+    straight: bool
+    n: int
+    state: Block
+    direct: Block
+    gain: Block
+    inverse: Block
+    push: Block
+    m: Block
+    deaf: Ints
+    idle: Ints
+    semidefinite: int
+    still: int
+    basis: Block
+
+
+@record
+class Guess:
+    """The branches of laws that are tried first, and the factors of the last ones that fitted.
+
+    `code` says of each port what it does, `way` in which direction; `unknown` are the `many` ports
+    whose `l` is solved for.
+    """
+
+    number: int
+    many: int
+    code: Ints
+    way: Ints
+    kept_code: Ints
+    kept_way: Ints
+    unknown: Ints
+    factor: Block
+    right: Floats
+    row: Ints
+    l: Floats
+    turned: Ints
+
+
+@record
+class Shares:
+    """Room for shares that the laws leave open: values, their bounds, what may be added to them."""
+
+    values: Block
+    low: Block
+    high: Block
+    basis: Block
+    kept: Block
+    rows: Block
+    seen: Block
+    onto: Block
+    flows: Block
+    t: Block
+    square: Block
+    q: Block
+    start: Places
+    open: Places
+    lcp: Lcp
+    lcp_most: int
+
+
+@record
+class Stepping:
+    """Steps of one run: the point that was reached is that of the run, with bond variables `w`.
+
+    Of the last step: when it began, `l`, the branches, which laws were `struck`, what sources gave,
+    what resistors took and what came from nowhere.
+    """
+
+    hand: bool
+    """Whether any machine was written by hand."""
+    grid: float
+    """Where the grid of steps begins, and how many of them lead to its next point."""
+    grid_next: int
+    grid_new: bool
+    begins: bool
+    """Whether the point is no end of a step that the log knows."""
+    t0: float
+    v0: Floats
+    v1: Floats
+    w: Floats
+    begin_w: Floats
+    w0: Floats
+    base: Floats
+    without: Floats
+    mean: Floats
+    y: Floats
+    rate0: Floats
+    rate: Floats
+    rate_l: Floats
+    explicit: Floats
+    move: Floats
+    change: Floats
+    weight: Floats
+    unit: Floats
+    reach: Floats
+    nothing: Floats
+    nothing_stored: Floats
+    x: Floats
+
+    # the laws of the step
+    gap: Floats
+    gap_rate: Floats
+    before: Floats
+    """`w` at the beginning."""
+    restitution: Floats
+    free: Floats
+    doubt: Floats
+    l: Floats
+    wl: Floats
+    branch: Ints
+    struck: Ints
+    most: Floats
+    """The fastest approach of each port so far."""
+    size: float
+    shared: Ints
+    """Ports whose shares were open in this step, then those of which it was said."""
+    shared_said: Ints
+    second_said: bool
+
+    couples: Records[Coupled]
+    made: int
+    numbers: int
+    now: Coupled
+    guess: Guess
+    shares: Shares
+    scale: Floats
+    down: Floats
+    square: Block
+    row: Ints
+
+    # the outcome
+    supplied: float
+    dissipated: float
+    unbalanced: float
+    before_state: Ints
+    after_state: Ints
+    through: Ints
+    begin_y: Floats
+    steps: int
+    row_last: Ints
+    """Of each machine: at the end of which step it fired last, and for how many in a row."""
+    row_count: Ints
+
+
+def make_stepping(m: Model) -> Stepping:
+    """Return room for the steps of a run."""
+    s = Stepping()
+    n = m.ports
+    states = m.storages + m.integrals
+    for k in range(m.machines):
+        s.hand = s.hand or m.is_law[k] == 0
+    s.begins = True
+    s.grid_new = True
+    s.v0 = floats(2 * m.slots)
+    s.v1 = floats(2 * m.slots)
+    s.w = floats(2 * m.bonds)
+    s.begin_w = floats(2 * m.bonds)
+    s.w0 = floats(2 * m.bonds)
+    s.base = floats(2 * m.bonds)
+    s.without = floats(2 * m.bonds)
+    s.mean = floats(2 * m.bonds)
+    s.y = floats(states)
+    s.rate0 = floats(states)
+    s.rate = floats(states)
+    s.rate_l = floats(states)
+    s.explicit = floats(states)
+    s.move = floats(states)
+    s.change = floats(states)
+    s.weight = floats(states)
+    s.unit = floats(n)
+    s.reach = floats(m.storages)
+    s.nothing = floats(n)
+    s.nothing_stored = floats(m.integrals)
+    s.x = floats(m.storages)
+    s.gap = floats(n)
+    s.gap_rate = floats(n)
+    s.before = floats(n)
+    s.restitution = floats(n)
+    s.free = floats(n)
+    s.doubt = floats(n)
+    s.l = floats(n)
+    s.wl = floats(n)
+    s.branch = ints(n)
+    s.struck = ints(n)
+    s.most = floats(n)
+    s.shared = ints(n)
+    s.shared_said = ints(n)
+    s.couples = records(Coupled, COUPLED_KEPT)
+    s.guess = make_guess(n)
+    s.shares = make_shares()
+    s.scale = floats(n)
+    s.down = floats(n)
+    s.square = make_block(1)
+    s.row = ints(max(n, states))
+    s.before_state = ints(m.machines)
+    s.after_state = ints(m.machines)
+    s.through = ints(m.machines)
+    s.begin_y = floats(states)
+    s.row_last = ints(m.machines)
+    s.row_count = ints(m.machines)
+    return s
+
+
+def make_coupled(n: int) -> Coupled:
+    """Return room for the matrices of a step with so many ports."""
+    c = Coupled()
+    c.state = make_block(1)
+    c.direct = make_block(1)
+    c.gain = make_block(1)
+    c.inverse = make_block(1)
+    c.push = make_block(1)
+    c.m = make_block(n * n)
+    c.deaf = ints(n)
+    c.idle = ints(n)
+    c.basis = make_block(1)
+    return c
+
+
+def make_guess(n: int) -> Guess:
+    """Return room for guesses of the branches of n ports."""
+    g = Guess()
+    g.number = -1
+    g.code = ints(n)
+    g.way = ints(n)
+    g.kept_code = ints(n)
+    g.kept_way = ints(n)
+    g.unknown = ints(n)
+    g.factor = make_block(1)
+    g.right = floats(n)
+    g.row = ints(n)
+    g.l = floats(n)
+    g.turned = ints(n)
+    return g
+
+
+def make_shares() -> Shares:
+    """Return room that grows where shares are open."""
+    a = Shares()
+    a.values = make_block(1)
+    a.low = make_block(1)
+    a.high = make_block(1)
+    a.basis = make_block(1)
+    a.kept = make_block(1)
+    a.rows = make_block(1)
+    a.seen = make_block(1)
+    a.onto = make_block(1)
+    a.flows = make_block(1)
+    a.t = make_block(1)
+    a.square = make_block(1)
+    a.q = make_block(1)
+    a.start = make_places(1)
+    a.open = make_places(1)
+    a.lcp = make_lcp(1)
+    a.lcp_most = 1
+    return a

@@ -1,0 +1,450 @@
+"""One step of Moreau's time-stepping: the theta-scheme of Moreau and Jean for any bond graph.
+
+The graph seen from its junction laws (`laws/ports`) is ``x' = f(x) + E l, w = y(x) + D l``. From
+``(t, x)`` a step of length ``h`` goes to::
+
+    x+ = x + h (theta f(x+) + (1 - theta) f(x)) + h E l
+    w+ = y(x+) + D l,     0 <= l  |  w+ + eps w >= 0
+
+`theta` averages the smooth part only; what the laws ask for holds at the *end* of the step, so that
+a capacitor that is charged through a diode never overshoots. ``h l`` is the percussion of the step:
+a force that acts during it, an impulse, or both, which the scheme does not tell apart. That is why
+it needs no event location and passes through accumulation points. `eps` is Newton's restitution; a
+contact takes part only if it would close in the first half of the step, ``gap + h/2 gap' <= 0``.
+Integrated signals follow the same formula as what is stored.
+
+Where everything else is linear one iteration ends; elsewhere Newton's method solves the step with
+the laws inside, linearised at each iteration (Josephy-Newton).
+
+References
+----------
+J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302, 1988.
+M. Jean, *The non-smooth contact dynamics method*, Comput. Methods Appl. Mech. Eng. 177, 1999.
+V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical Systems*, Springer 2008.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.complementarity.law_roles import ONE_SIDED
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.inputs.interval import set_time
+from hybond.engine.instant.constraints import is_constrained
+from hybond.engine.instant.jump import enter_mode
+from hybond.engine.laws.law_instant import take_instant
+from hybond.engine.laws.law_records import Ports
+from hybond.engine.laws.ports import (
+    find_sizes,
+    open_mode,
+    ports_of,
+    solve_with,
+    times_partner,
+)
+from hybond.engine.mode.storage import co_energy, energy_of, reach_of
+from hybond.engine.mode.tableau import COMMON
+from hybond.engine.model import Model
+from hybond.engine.timestepping.matrices import (
+    find_slopes,
+    find_straight,
+    implicit,
+    rates_at,
+    take_coupled,
+)
+from hybond.engine.timestepping.step_laws import (
+    close_half_way,
+    read_step_laws,
+    solve_step_laws,
+)
+from hybond.engine.timestepping.step_records import Coupled, Stepping
+from hybond.engine.words import Floats, Ints
+
+NEWTON_ROUNDS: Final = 40
+"""Iterations of one step."""
+SLOW_UPDATE: Final = 0.2
+"""An update that is not reduced to this part asks for new slopes."""
+UPDATED: Final = 1e-11
+"""Newton ends when an update is below this part of what is updated."""
+LAW_DUST_PART: Final = 1e-3
+"""Part of the largest bond variable of its kind down to which the digits of `l` count."""
+AT_REST: Final = 1e-9
+"""Part of the largest approach so far below which a contact counts as at rest."""
+
+
+def write_state(e: Engine, v: Floats, state: Ints) -> None:
+    """Write the Booleans of a mode whose equations nobody asks for."""
+    m = e.model
+    for k in range(m.switches + m.state_first[m.machines]):
+        v[m.on_slot + k] = 0.0
+    for k in range(m.machines):
+        at = m.state_first[k] + state[k]
+        v[m.on_slot + m.switches + at] = 1.0
+        for i in range(m.on_first[at], m.on_first[at + 1]):
+            v[m.on_slot + m.on_switch[i]] = 1.0
+
+
+def write_point(e: Engine, v: Floats, t: float, y: Floats, w: Floats) -> None:
+    """Write all values at a point that a step ends in; a priori values are the same."""
+    m = e.model
+    write_state(e, v, e.state)
+    set_time(e, v, t)
+    for k in range(m.storages):
+        v[m.stored_slot + k] = y[k]
+    for k in range(m.integrals):
+        v[m.signal_slot + k] = y[m.storages + k]
+    for b in range(2 * m.bonds):
+        v[m.bond_slot + b] = w[b]
+    for k in range(m.slots):
+        v[m.slots + k] = v[k]
+
+
+def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
+    """Step from the present point to the time `t1`, and make that the present point.
+
+    The states of laws there are in ``s.after_state``; those of the run stay for now.
+
+    `h` is said apart, because the difference of two times is not twice the same: matrices are made
+    once for each. HB-J120 if the laws have no solution, HB-N310 if Newton does not converge.
+    """
+    m = e.model
+    r = e.laws
+    take_instant(e, r, e.t, s.nothing_stored, e.state)
+    if ports_of(e, r, e.state) != OK:
+        return REFUSED
+    p = r.now
+    write_point(e, s.v0, e.t, e.y, s.w)
+    if read_step_laws(e, s, p) != OK:
+        return REFUSED
+    e.energy = max(e.energy, math.fabs(energy_of(e, e.y)))
+    c = take_coupled(e, s, p, h)
+    s.now = c
+    if c.straight and not c.known and find_straight(e, s, p, c) != OK:
+        return REFUSED
+    # nothing but what is solved for now: laws that read pre() have none in a step
+    for k in range(m.slots):
+        s.v0[m.slots + k] = 0.0
+        s.v1[m.slots + k] = 0.0
+    for k in range(m.slots):
+        s.v1[k] = s.v0[k]
+    if rates_at(e, s, p, e.y, s.nothing, s.rate0) != OK:
+        return REFUSED
+    for b in range(2 * m.bonds):
+        s.w0[b] = e.work.w[b]
+        s.begin_w[b] = s.w[b]
+    set_time(e, s.v1, t1)
+    for k in range(e.states):
+        s.begin_y[k] = e.y[k]
+        s.y[k] = e.y[k]
+        s.explicit[k] = e.y[k] + h * (1.0 - m.theta) * s.rate0[k]
+    for k in range(m.ports):
+        s.l[k] = 0.0
+    found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
+    if found != OK:
+        return REFUSED
+    if not all_finite(e.states, s.y):
+        return no_convergence(e)
+    finish_step(e, s, p, t1, h)
+    return OK
+
+
+def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
+    """Make a step in which nothing but the laws is nonlinear.
+
+    Integrated signals do not act back here, so that they follow.
+    """
+    m = e.model
+    theta = m.theta
+    n = c.n
+    if implicit(e, s, p, s.y, s.nothing) != OK:
+        return REFUSED
+    move(s, c)
+    for k in range(n):
+        s.y[k] += s.move[k]
+    if constrain(e, s, p) != OK:
+        return REFUSED
+    for k in range(n):
+        s.v1[m.stored_slot + k] = s.y[k]
+    if solve_with(e, p, s.v1, s.nothing) != OK:
+        return REFUSED
+    a = e.laws.response
+    for b in range(2 * m.bonds):
+        s.base[b] = e.work.w[b]
+        a.bonds[b] = s.base[b]
+    find_sizes(e, p, a)
+    for k in range(m.ports):
+        s.doubt[k] = a.size[k]
+    close_half_way(e, s, p, c.h, s.base)
+    if solve_step_laws(e, s, p, c, s.base, True) != OK:
+        return REFUSED
+    for k in range(n):
+        for j in range(m.ports):
+            if s.l[j] != 0.0:
+                s.y[k] += c.push.at[k * m.ports + j] * s.l[j]
+    for b in range(2 * m.bonds):
+        s.without[b] = s.base[b]
+    if (m.integrals > 0 or theta < 1.0) and rates_at(e, s, p, s.y, s.nothing, s.rate) != OK:
+        return REFUSED
+    for b in range(2 * m.bonds):
+        s.without[b] = e.work.w[b]
+    if rates_at(e, s, p, s.y, s.l, s.rate_l) != OK:
+        return REFUSED
+    for k in range(m.integrals):
+        at = m.storages + k
+        ends = s.rate_l[at] - (1.0 - theta) * s.rate[at]
+        s.y[at] = s.explicit[at] + c.h * ends
+    return OK
+
+
+def move(s: Stepping, c: Coupled) -> None:
+    """Put what is left to the end of the step there, as far as the slopes tell: `l` stays."""
+    n = c.n
+    for k in range(n):
+        s.change[k] = s.explicit[k] + c.h * s.rate[k] - s.y[k]
+    for i in range(n):
+        total = 0.0
+        for k in range(n):
+            total += c.inverse.at[i * n + k] * s.change[k]
+        s.move[i] = total
+
+
+def constrain(e: Engine, s: Stepping, p: Ports) -> int:
+    """Put the end of the step on the constraints that hold whatever the laws do."""
+    m = e.model
+    mode = open_mode(e, p)
+    if not is_constrained(mode):
+        return OK
+    for k in range(m.storages):
+        s.v1[m.stored_slot + k] = s.y[k]
+    if mode.structures > 0 and solve_with(e, p, s.v1, s.nothing) != OK:
+        return REFUSED
+    if enter_mode(e, mode, s.v1, s.y, s.x) != OK:
+        return REFUSED
+    for k in range(m.storages):
+        s.y[k] = s.x[k]
+    return OK
+
+
+def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
+    """Make a step in which something is nonlinear: Newton's method with the laws inside.
+
+    Written for laws that need not be affine in `l` (a diode in series with a nonlinear resistor).
+    Each iteration solves the laws for the whole new `l`.
+    """
+    m = e.model
+    n = c.n
+    measure(e, s, p, c.h)
+    last = math.inf
+    projected = False
+    first = True
+    for _ in range(NEWTON_ROUNDS):
+        if not c.known and find_slopes(e, s, p, c, s.y, s.l) != OK:
+            return REFUSED
+        if implicit(e, s, p, s.y, s.l) != OK:
+            return REFUSED
+        move(s, c)
+        for k in range(n):
+            s.move[k] = 0.0 if projected else s.move[k]
+        for b in range(2 * m.bonds):
+            total = e.work.w[b]
+            for k in range(n):
+                total += c.state.at[b * n + k] * s.move[k]
+            for j in range(m.ports):
+                if s.l[j] != 0.0:
+                    total -= c.gain.at[b * m.ports + j] * s.l[j]
+            s.base[b] = total
+            s.mean[b] = e.work.w[b]
+        if first:
+            close_half_way(e, s, p, c.h, s.base)
+        first = False
+        for k in range(m.ports):
+            s.free[k] = s.l[k]
+            s.doubt[k] = 0.0
+        if solve_step_laws(e, s, p, c, s.base, False) != OK:
+            return REFUSED
+        update = advance_newton(e, s, c)
+        if projected or update <= UPDATED:
+            for k in range(m.storages):
+                s.move[k] = s.y[k]
+            if constrain(e, s, p) != OK:
+                return REFUSED
+            moved = False
+            for k in range(m.storages):
+                moved = moved or s.y[k] != s.move[k]
+            if projected or not moved:
+                return implicit(e, s, p, s.y, s.l)
+            # back on the constraints; the laws once more, from there
+            projected = True
+            c.known = False
+            continue
+        if not update <= SLOW_UPDATE * last:
+            c.known = False
+        last = update
+    c.known = False
+    return no_convergence(e)
+
+
+def advance_newton(e: Engine, s: Stepping, c: Coupled) -> float:
+    """Go to the end that an iteration has found; return how far that was, in its own measure.
+
+    `s.free` is `l` before it, `s.mean` the bond variables.
+    """
+    m = e.model
+    n = c.n
+    update = 0.0
+    for k in range(n):
+        change = s.move[k]
+        for j in range(m.ports):
+            change += c.push.at[k * m.ports + j] * (s.l[j] - s.free[j])
+        s.y[k] += change
+        update = max(update, math.fabs(change) / s.weight[k])
+        if not math.isfinite(change):
+            update = math.inf
+    # where nothing acts on a bond but the rounding of other laws, that is all it has
+    for b in range(2 * m.bonds):
+        rest = 0.0
+        scale = math.fabs(s.mean[b]) + math.fabs(s.base[b])
+        for j in range(m.ports):
+            gain = c.gain.at[b * m.ports + j]
+            rest += gain * (s.l[j] - s.free[j])
+            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.unit[j])
+        if scale > 0.0:
+            update = max(update, 1e-2 * math.fabs(rest) / scale)
+    return update
+
+
+def no_convergence(e: Engine) -> int:
+    """Refuse a step that Newton does not solve."""
+    return say_fault(e, "HB-N310", "a step does not converge", "")
+
+
+def measure(e: Engine, s: Stepping, p: Ports, h: float) -> None:
+    """Find what each unknown is measured by: itself, its motion, what the energy would make."""
+    m = e.model
+    reach_of(e, e.y, e.energy, s.reach)
+    most = 0.0
+    for k in range(e.states):
+        s.weight[k] = math.fabs(e.y[k]) + h * math.fabs(s.rate0[k])
+        if k < m.storages:
+            s.weight[k] = max(s.weight[k], s.reach[k])
+            most = max(most, s.weight[k])
+    for k in range(m.storages):
+        s.weight[k] = max(s.weight[k], 1e-3 * most)
+    for k in range(m.integrals):
+        most = max(most, s.weight[m.storages + k])
+    for k in range(e.states):
+        if not s.weight[k] > 0.0:
+            s.weight[k] = 1e-3 * most if most > 0.0 else 1.0
+    effort = 0.0
+    flow = 0.0
+    for b in range(m.bonds):
+        effort = max(effort, math.fabs(s.w[b]))
+        flow = max(flow, math.fabs(s.w[m.bonds + b]))
+    for k in range(m.ports):
+        is_effort = (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
+        size = effort if is_effort else flow
+        s.unit[k] = size if size > 0.0 else 1.0
+
+
+def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
+    """Make the end of a step the present point, and find what it did."""
+    m = e.model
+    w = e.work.w
+    for b in range(2 * m.bonds):
+        s.mean[b] = w[b] - (1.0 - m.theta) * (s.without[b] - s.w0[b])
+        s.w[b] = w[b]
+    meter_step(m, s, h)
+    balance_step(e, s, p, h)
+    for k in range(m.ports):
+        s.most[k] = max(s.most[k], math.fabs(s.before[k]))
+        hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and s.before[k] < -AT_REST * s.most[k]
+        s.struck[k] = 1 if hit else 0
+    times_partner(m, p, s.w, s.wl)
+    for k in range(m.ports):
+        put_law_source(m, s, p, k)
+        if s.struck[k] != 0 and s.restitution[k] > 0.0:
+            # what bounces off is open again
+            s.branch[k] = 0
+    s.t0 = e.t
+    e.t = t1
+    for k in range(e.states):
+        e.y[k] = s.y[k]
+    for k in range(m.machines):
+        s.before_state[k] = e.state[k]
+        s.after_state[k] = e.state[k]
+    for k in range(m.ports):
+        machine = m.port_machine[k]
+        if m.port_two_sided[k] != 0 and m.port_planar[k] == 0:
+            s.after_state[machine] = 2 if s.branch[k] < 0 else s.branch[k]
+        else:
+            s.after_state[machine] = 1 if s.branch[k] != 0 else 0
+    e.energy = max(e.energy, math.fabs(energy_of(e, e.y)))
+    e.evaluations += 1
+
+
+def meter_step(m: Model, s: Stepping, h: float) -> None:
+    """Find what sources gave and resistors took in a step."""
+    s.supplied = 0.0
+    s.dissipated = 0.0
+    for k in range(m.suppliers):
+        b = m.supplier_bond[k]
+        s.supplied += h * float(m.supplier_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
+    for k in range(m.dissipators):
+        b = m.dissipator_bond[k]
+        s.dissipated += h * float(m.dissipator_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
+
+
+def balance_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
+    """Find what a step has stored beyond what sources, resistors and laws gave it, J.
+
+    The mean bond variables of a step obey the junction structure, so that with the co-energy
+    variables at the same mean, ``theta z(x+) + (1 - theta) z(x)``, the scheme balances exactly:
+    what was stored by them is what sources gave and resistors took by them, and the laws' work
+    ``h l w``. (The energy itself moves by that less ``(theta - 1/2) dx' K dx``, the damping of the
+    scheme, for linear storage.) What constraints on storage take away is a loss.
+    """
+    m = e.model
+    stored = 0.0
+    for end in range(2):
+        part = m.theta if end == 1 else 1.0 - m.theta
+        for k in range(m.storages):
+            s.v0[m.stored_slot + k] = s.y[k] if end == 1 else e.y[k]
+        co_energy(m, s.v0, s.x)
+        for k in range(m.storages):
+            if m.storage_pseudo[k] == 0:
+                stored += part * s.x[k] * (s.y[k] - e.y[k])
+    times_partner(m, p, s.mean, s.wl)
+    worked = 0.0
+    for k in range(m.ports):
+        if m.port_pseudo[k] == 0:
+            worked += h * s.l[k] * s.wl[k]
+    s.unbalanced = stored - (s.supplied - s.dissipated) - worked
+
+
+def put_law_source(m: Model, s: Stepping, p: Ports, k: int) -> None:
+    """Put what slides, or rebounds, on the bond made for it.
+
+    A port's own equations leave out the source that its law brought in.
+    """
+    if m.port_force[k] < 0 or s.branch[k] == 0:
+        return
+    net = -s.wl[k] if p.given[k] == COMMON else -s.l[k]
+    s.w[m.port_force[k]] = float(m.port_force_sign[k]) * net
+
+
+def steady_bonds(e: Engine, s: Stepping) -> int:
+    """Put the bond variables of the present point into `s.w` as they are without any law's `l`."""
+    m = e.model
+    r = e.laws
+    take_instant(e, r, e.t, s.nothing_stored, e.state)
+    if ports_of(e, r, e.state) != OK:
+        return REFUSED
+    for b in range(2 * m.bonds):
+        s.w[b] = 0.0
+    write_point(e, s.v1, e.t, e.y, s.w)
+    if solve_with(e, r.now, s.v1, s.nothing) != OK:
+        return REFUSED
+    for b in range(2 * m.bonds):
+        s.w[b] = e.work.w[b]
+    return OK

@@ -1,1 +1,0 @@
-"""Time-stepping: the theta-scheme of Moreau and Jean on the same graph."""
