@@ -8,6 +8,7 @@ from hybond.engine.compiled.sources import portable_paths
 from hybond.export.program import GIVEN, LOG_OR_REPORT
 from hybond.translate import PortableError, load, load_texts
 from hybond.translate.effects import effects_of
+from hybond.translate.modules import text_of
 from hybond.translate.reach import reached, uses_of
 
 OTHERS = ("words", "log", "asked", "look", "energies")
