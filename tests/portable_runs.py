@@ -1,4 +1,4 @@
-"""A run of the exported runtime in this process, and the reference to hold it against."""
+"""A run of the engine as Python in this process, and one by the library to hold it against."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PortableRun:
 
 
 def portable(model, monkeypatch, **options) -> PortableRun:
-    """Run a model in the exported runtime, in Python."""
+    """Run a model in the engine, as Python."""
     tables = tables_of(model.flatten(), calling=True, **options)
     m = answered(tables)
     e = make_engine(m)
@@ -57,7 +57,7 @@ def portable(model, monkeypatch, **options) -> PortableRun:
 
 
 def transitions(run) -> list:
-    """Return the events of a run of the reference in the same form."""
+    """Return the events of a run in the same form."""
     return [
         (
             event.t,
@@ -72,8 +72,8 @@ def transitions(run) -> list:
 
 
 def assert_the_same(model, monkeypatch, *, events=True, rel=1e-9, **options):
-    """Hold a run of the exported runtime against the reference; return both."""
-    a = hb.simulate(model, kernel=False, on_error="return", **options)
+    """Hold a run of the engine as Python against one by the library; return both."""
+    a = hb.simulate(model, on_error="return", **options)
     b = portable(model, monkeypatch, **options)
     span = max(a.t_end, 1e-300)
     if events:

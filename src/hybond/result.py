@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.audit import Audit, audit
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
-from hybond.model.interval import Interval
 from hybond.model.unit_words import unit_of
-from hybond.modes.audit import Audit, audit, energies_of
-from hybond.modes.jump import constrained, on_constraints
-from hybond.modes.sliding.view import equations_of
 from hybond.names import did_you_mean
-from hybond.programs.combined import Combined
-from hybond.programs.program import Program
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, Sliding, Trace
+from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "error"]
 Side = Literal["left", "right"]
 
-KEPT = 4_000_000
-"""Values that are kept for the next question about the same instants."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
@@ -105,15 +101,14 @@ class Result:
 
     def __init__(
         self,
-        program: Program,
+        graph: FlatGraph,
         trace: Trace,
         status: Status,
         until: float,
         solver: str,
         error: HybondError | None,
     ) -> None:
-        self.program = program
-        self.graph: FlatGraph = program.graph
+        self.graph = graph
         self.trace = trace
         self.status: Status = status
         self.until = until
@@ -126,8 +121,13 @@ class Result:
         self.kernel = trace.kernel
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
-        self._grids: dict[tuple[int, bytes], tuple[Vector, list[Vector]]] = {}
-        self._kept = 0
+
+    @cached_property
+    def program(self) -> Program:
+        """The equations of modes, for who evaluates them apart from the run."""
+        from hybond.programs.program import Program
+
+        return Program(self.graph)
 
     # -- names
 
@@ -174,13 +174,7 @@ class Result:
         index = next(m.index for m in self.graph.machines if m.path == machine)
         if segment.bonds is not None:
             return float(segment.mode[index] == wanted[index])
-        if self.trace.signals is not None:
-            return self.trace.signals.weight(segment, t, index, wanted[index])
-        equations = equations_of(self.program, segment)
-        if isinstance(equations, Combined):
-            shares = equations.shares(t, equations.onto(t, segment.at(t)))
-            return sum(c for c, m in shares if m[index] == wanted[index])
-        return float(segment.mode[index] == wanted[index])
+        return self.signals.weight(segment, t, index, wanted[index])
 
     @property
     def names(self) -> list[str]:
@@ -246,46 +240,19 @@ class Result:
             found.append((t, self._of_segment(segment, [name], t)[name]))
         return found
 
-    def _evaluated(self, segment: Segment, t: Vector) -> tuple[Vector, list[Vector]]:
-        """Return states and all values at times of a segment; the last ones asked for are kept."""
-        key = (id(segment), t.tobytes())
-        known = self._grids.get(key)
-        if known is not None:
-            return known
-        interval = segment.interval
-        assert isinstance(interval, Interval)
-        equations = equations_of(self.program, segment)
-        rows = self._rows(segment, t)
-        y = np.array(rows)
-        if isinstance(equations, Combined):
-            y = np.array([equations.onto(float(a), b) for a, b in zip(t, y, strict=True)])
-        values = self.program.evaluate_many(t, y, interval, equations)
-        found = (y, list(values))
-        if self._kept + values.size > KEPT:
-            self._grids.clear()
-            self._kept = 0
-        self._grids[key] = found
-        self._kept += values.size
-        return found
+    @cached_property
+    def signals(self) -> SignalSource:
+        """What tells the signals of the run at times of its segments."""
+        if self.trace.signals is not None:
+            return self.trace.signals
+        from hybond.modes.reading import SignalsOfModes
+
+        return SignalsOfModes(self.program, self.trace)
 
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
-        signals = self.trace.signals
-        if signals is not None:
-            names = list(names)
-            values = signals.of(segment, [self.expression(name) for name in names], t)
-            return dict(zip(names, values, strict=True))
-        interval = segment.interval
-        assert isinstance(interval, Interval)
-        equations = equations_of(self.program, segment)
-        y, columns = self._evaluated(segment, t)
-        found = {}
-        for name in names:
-            if isinstance(equations, Combined) and equations.switched(self.expression(name)):
-                found[name] = equations.average(self.expression(name), t, y)
-                continue
-            value = self.program.compile_arrays(self.expression(name))(columns)
-            found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
-        return found
+        names = list(names)
+        values = self.signals.of(segment, [self.expression(name) for name in names], t)
+        return dict(zip(names, values, strict=True))
 
     def sample(
         self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
@@ -314,11 +281,9 @@ class Result:
                     hint="ask for a time within it",
                 )
             by_segment.setdefault(max(before(starts, a) - 1, 0), []).append(k)
-        for parts in self._alike(by_segment):
-            times = [np.array([t[k] for k in which], dtype=float) for _, which in parts]
-            segments = [segment for segment, _ in parts]
-            places = [k for _, which in parts for k in which]
-            for name, values in self._of_segments(segments, names, times).items():
+        for index, places in by_segment.items():
+            times = np.array([t[k] for k in places], dtype=float)
+            for name, values in self._of_segment(self.segments[index], names, times).items():
                 found[name][places] = values
         last = self.segments[-1] if self.segments else None
         at_end = [k for k, a in enumerate(t) if a == end]
@@ -327,59 +292,6 @@ class Result:
             for name, value in self._after_last_event(names).items():
                 found[name][at_end] = value
         return found
-
-    def _alike(
-        self, by_segment: Mapping[int, list[int]]
-    ) -> Iterable[list[tuple[Segment, list[int]]]]:
-        """Return segments with what is asked of each, those with the same equations together."""
-        groups: dict[object, list[tuple[Segment, list[int]]]] = {}
-        for index, which in by_segment.items():
-            segment = self.segments[index]
-            plain = segment.bonds is None and segment.sliding is None
-            plain = plain and self.trace.signals is None
-            held = segment.interval if self.program.selective else None
-            key = (segment.mode, segment.landed, held) if plain else index
-            groups.setdefault(key, []).append((segment, which))
-        return groups.values()
-
-    def _of_segments(
-        self, segments: Sequence[Segment], names: Iterable[str], times: Sequence[Vector]
-    ) -> dict[str, Vector]:
-        """Return values at the times of segments that have the same equations."""
-        first = segments[0]
-        if len(segments) == 1:
-            return self._of_segment(first, names, times[0])
-        equations = equations_of(self.program, first)
-        rows: list[Vector] = []
-        intervals: list[Interval] = []
-        for s, at in zip(segments, times, strict=True):
-            assert isinstance(s.interval, Interval)
-            rows += self._rows(s, at)
-            intervals += [s.interval] * len(at)
-        y, t = np.array(rows), np.concatenate(times)
-        columns = list(self.program.evaluate_many(t, y, intervals, equations))
-        found = {}
-        for name in names:
-            value = self.program.compile_arrays(self.expression(name))(columns)
-            found[name] = np.array(np.broadcast_to(np.asarray(value, dtype=float), t.shape))
-        return found
-
-    def _rows(self, segment: Segment, t: Vector) -> list[Vector]:
-        """Return the states at times of a segment, on its constraints."""
-        assert isinstance(segment.interval, Interval)
-        equations = equations_of(self.program, segment)
-        times = t.tolist()
-        rows = segment.rows(times)
-        if not constrained(equations):
-            return rows
-        accepted = set(segment.t.tolist())
-        for k, a in enumerate(times):
-            if a not in accepted:
-                # between accepted points the interpolant is off the constraints by its own error
-                rows[k] = on_constraints(
-                    self.program, equations, segment.interval, a, rows[k], energy=self.trace.energy
-                )
-        return rows
 
     def _segment_at(self, t: float, side: Side) -> int:
         if side == "right":
@@ -395,18 +307,10 @@ class Result:
         return events[-1].cause != "step"
 
     def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
-        from hybond.model.interval import interval_after
-
         event = self.trace.events[-1]
-        mode = event.steps[-1].mode
-        if self.trace.signals is not None:
-            expressions = [self.expression(n) for n in names]
-            found = self.trace.signals.after(event.t, event.after, mode, expressions)
-            return dict(zip(names, found, strict=True))
-        interval = interval_after(self.graph, event.t)
-        equations = self.program.equations(mode, interval, event.t)
-        v = self.program.evaluate(event.t, event.after, interval, equations)
-        return {n: float(self.program.compile(self.expression(n))(v)) for n in names}
+        expressions = [self.expression(n) for n in names]
+        found = self.signals.after(event.t, event.after, event.steps[-1].mode, expressions)
+        return dict(zip(names, found, strict=True))
 
     @property
     def mode(self) -> dict[str, str]:
@@ -453,11 +357,11 @@ class Result:
         >>> run.energies(run.segments[0])[-1].round(9).tolist()
         [0.0, 0.05]
         """
-        return energies_of(self.trace, segment)
+        return self.signals.energies(segment)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""
-        return audit(self.program, self.trace)
+        return audit(self.graph, self.trace, self.signals)
 
     # -- other forms
 

@@ -51,6 +51,9 @@ STEPPING: dict[str, str] = {
 }
 """Methods that replace the executive as well, each with a line that says what it is."""
 
+QUANTISED = ("qss1", "qss2", "qss3", "liqss1", "liqss2", "liqss3")
+"""Those that quantise states."""
+
 ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
 """Families of solvers by the member to begin with."""
 

@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.outcome.engine_run import EngineRun, Settings
 from hybond.engine.outcome.engines import EngineChoice, choose_engine
+from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
-from hybond.kernel.marcher import Marcher, marcher
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
-from hybond.model.interval import interval_after
 from hybond.model.parts import Value
-from hybond.modes.executive import Executive
-from hybond.modes.fitting import fitting
-from hybond.modes.motion import Limits
-from hybond.programs.program import Program
-from hybond.programs.start import start_of
 from hybond.result import Result, Status
 from hybond.run_options import (
+    ALIASES,
     AUTO,
     FIXED,
     STEPPING,
@@ -45,22 +38,10 @@ from hybond.run_options import (
     stepping_theta,
     tolerances_of,
 )
-from hybond.solvers import make_solver
 from hybond.trace import Trace
-
-Vector = NDArray[np.float64]
 
 ENGINE: Literal["library", "python", "reference"] | None = None
 """What makes runs that do not say what should."""
-NEGLIGIBLE = 1e-6
-"""A stored quantity is measured against at least this part of what the system's energy would
-make of it, so that rounding in an idle storage does not steer the step size."""
-IDLE = 1e-12
-"""Absolute size, in SI, below which an integrated signal is idle."""
-ROUNDED = 10.0 * float(np.finfo(float).eps)
-"""Part of its terms that the rate of a stored quantity may be off by."""
-SHORT = 1e-6
-"""Part of the run in which what that adds up to is no error."""
 
 
 def simulate(
@@ -183,7 +164,7 @@ def simulate(
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
     name = str(solver or experiment.get("solver", "rk45"))
-    fixed = name in FIXED
+    name = ALIASES.get(name, name)
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(
         max_step if max_step is not None else experiment.get("max_step"), "max_step"
@@ -198,16 +179,10 @@ def simulate(
     choice, band = sliding_of(sliding, hysteresis, experiment)
     if band is not None:
         graph = banded(graph, band)
-    chosen = ""
-    if name == AUTO:
-        looking = Program(graph)
-        fit = fitting(looking, end, start_of(looking))
-        name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
     most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
     steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
-    limits = Limits(end, float(experiment.get("event_tol", 1e-12)), int(most), int(steps))
+    event_tol = float(experiment.get("event_tol", 1e-12))
     writes = int(experiment.get("max_writes", 1000))
-    program = Program(graph)
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -236,8 +211,8 @@ def simulate(
             solver=name,
             step=stepping_step(given_step),
             theta=stepping_theta(theta if theta is not None else experiment.get("theta", 0.5)),
-            event_tol=limits.event_tol,
-            max_events=limits.max_events,
+            event_tol=event_tol,
+            max_events=int(most),
             max_writes=writes,
         )
         steps_engine = choose_engine(engine)
@@ -250,7 +225,7 @@ def simulate(
             if ignored is not None:
                 stepping.trace.warn(ignored)
             stepping.trace.kernel = steps_engine.said
-            return _finish(graph, program, stepping.trace, stepping.run, end, name, on_error)
+            return _finish(graph, stepping.trace, stepping.run, end, name, on_error)
         finally:
             for runner in runners.values():
                 runner.close()
@@ -261,41 +236,46 @@ def simulate(
             where="theta",
             hint='solver = "moreau-jean"',
         )
-    why = ""
+    why = chosen = ""
     engine = engine or (ENGINE if kernel is None else "reference")
-    if engine != "reference":
-        choice_of_engine = choose_engine(engine)
-        # a step written in the experiment for a fixed-step solver may stand there unused
-        own_step = given_step if fixed or step is not None else None
+    maker = None if engine == "reference" else choose_engine(engine)
+    settings = Settings(
+        until=end,
+        solver=name,
+        step=None,
+        rtol=rtol,
+        atol=atol,
+        max_step=math.inf if longest is None else longest,
+        event_tol=event_tol,
+        slides=choice == "filippov",
+        impact=impact_of(impact, experiment),
+        max_events=int(most),
+        max_steps=int(steps),
+        max_writes=writes,
+    )
+    if name == AUTO:
+        name, reason = _fitting(graph, settings, maker)
+        chosen = f"{name} chosen: {reason}"
+    # a step written in the experiment for a fixed-step solver may stand there unused
+    own_step = given_step if name in FIXED or step is not None else None
+    if maker is not None:
         if name in METHODS:
             check_step(name, own_step)
+        settings = replace(settings, solver=name, step=own_step)
         runners = runners_of(graph, fmus=fmus)
         try:
             run = _by_engine(
                 graph,
-                choice_of_engine,
-                Settings(
-                    until=end,
-                    solver=name,
-                    step=own_step,
-                    rtol=rtol,
-                    atol=atol,
-                    max_step=math.inf if longest is None else longest,
-                    event_tol=limits.event_tol,
-                    slides=choice == "filippov",
-                    impact=impact_of(impact, experiment),
-                    max_events=limits.max_events,
-                    max_steps=limits.max_steps,
-                    max_writes=writes,
-                ),
+                maker,
+                settings,
                 progress=progress,
                 keep=keep,
                 journal=journal,
                 runners=runners,
             )
             if isinstance(run, EngineRun):
-                run.trace.kernel = choice_of_engine.said
-                return _finish(graph, program, run.trace, run.run, end, name, on_error, chosen)
+                run.trace.kernel = maker.said
+                return _finish(graph, run.trace, run.run, end, name, on_error, chosen)
             why = run
         finally:
             for runner in runners.values():
@@ -307,13 +287,21 @@ def simulate(
                 where="engine",
                 hint="leave engine out: the reference takes what the engine cannot",
             )
+    from hybond.kernel.marcher import Marcher, marcher
+    from hybond.modes.error_scale import ErrorScale
+    from hybond.modes.executive import Executive
+    from hybond.modes.motion import Limits
+    from hybond.programs.program import Program
+    from hybond.programs.start import start_of
+    from hybond.solvers import make_solver
+
+    program = Program(graph)
     scale = ErrorScale(program, rtol, atol, end)
     method = make_solver(
         name,
         scale=scale,
         rtol=rtol,
-        # a step written in the experiment for a fixed-step solver may stand there unused
-        step=given_step if fixed or step is not None else None,
+        step=own_step,
         max_step=math.inf if longest is None else longest,
     )
     fast: Marcher | str = "the reference was asked for"
@@ -322,7 +310,7 @@ def simulate(
     executive = Executive(
         program,
         method,
-        limits,
+        Limits(end, event_tol, int(most), int(steps)),
         max_writes=writes,
         progress=progress,
         sliding=choice == "filippov",
@@ -338,12 +326,38 @@ def simulate(
     try:
         begin = partial(executive.run, start_of(program))
         return _finish(
-            graph, program, executive.trace, begin, end, name, on_error, chosen, reference=why
+            graph,
+            executive.trace,
+            begin,
+            end,
+            name,
+            on_error,
+            chosen,
+            reference=why,
+            also=program.warnings,
         )
     finally:
         executive.sampling.close()
         if executive.journal is not None:
             executive.journal.close()
+
+
+def _fitting(graph: FlatGraph, settings: Settings, engine: EngineChoice | None) -> tuple[str, str]:
+    """Return the solver that fits, and why; without an engine the reference is asked."""
+    if engine is not None:
+        try:
+            fit = fitting(engine.prepare(replace(settings, solver="exact").tables(graph)))
+            return fit.solver, fit.reason
+        except HybondError as error:
+            if not error.code.startswith("HB-E6"):
+                raise
+    from hybond.modes.fitting import fitting as by_reference
+    from hybond.programs.program import Program
+    from hybond.programs.start import start_of
+
+    program = Program(graph)
+    found = by_reference(program, settings.until, start_of(program))
+    return found.solver, found.reason
 
 
 def _by_engine(
@@ -393,7 +407,6 @@ def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
 
 def _finish(
     graph: FlatGraph,
-    program: Program,
     trace: Trace,
     go: Callable[[], str],
     end: float,
@@ -402,10 +415,12 @@ def _finish(
     chosen: str = "",
     *,
     reference: str = "",
+    also: Sequence[str] = (),
 ) -> Result:
     """Run; return the result, also that of a run that stopped.
 
-    `chosen` says why this solver was taken, `reference` why not the library.
+    `chosen` says why this solver was taken, `reference` why not the library; `also` are warnings
+    beside those of the trace.
     """
     status: Status = "error"
     failure: HybondError | None = None
@@ -415,83 +430,13 @@ def _finish(
         status = "interrupted"
     except HybondError as error:
         failure = error
-    for warning in (*graph.warnings, *program.warnings):
+    for warning in (*graph.warnings, *also):
         trace.warn(warning)
     trace.method = "; ".join(t for t in (chosen, trace.method) if t)
     if reference:
         trace.kernel = f"the reference ({reference}); {trace.kernel}"
-    result = Result(program, trace, status, end, name, failure)
+    result = Result(graph, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result
         raise failure
     return result
-
-
-class ErrorScale:
-    """The tolerance of each state, from the size it has had (see `simulate`, `rtol`)."""
-
-    def __init__(self, program: Program, rtol: float, atol: float | None, until: float) -> None:
-        self.nx, self.ns = program.nx, program.ns
-        self.rtol = rtol
-        self.atol = atol
-        self.until = until
-        self.rounding = np.zeros(self.nx)
-        self.largest = np.zeros(self.nx + self.ns)
-        self.energy = 0.0
-        graph = program.graph
-        equations = program.equations(graph.start_mode, interval_after(graph, 0.0), 0.0)
-        self.storage = equations.storage
-
-    @property
-    def atol_or_nan(self) -> float:
-        """The absolute tolerance, nan if none is given."""
-        return math.nan if self.atol is None else self.atol
-
-    @property
-    def negligible(self) -> float:
-        """Part of what a storage would hold with all energy below which it need not be right."""
-        return NEGLIGIBLE
-
-    @property
-    def rounded(self) -> float:
-        """Part of the terms of a rate, in the time of the run, that rounding may come to."""
-        return ROUNDED * SHORT * self.until
-
-    @property
-    def idle(self) -> float:
-        """What an integrated signal may be wrong by at zero."""
-        return float(IDLE * self.rtol**0.5)
-
-    def start(self, terms: Vector) -> None:
-        """Learn what the rates of stored quantities cancel from, where motion starts.
-
-        From rest, rates may be nothing but rounding of these terms: then no step is small enough
-        to be right to a part of what it adds.
-        """
-        self.rounding = self.rounded * terms
-
-    def __call__(self, y0: Vector, y1: Vector) -> Vector:
-        """Return the tolerance per state, shape (nx + ns + 2,); quadratures are not controlled."""
-        n = self.nx + self.ns
-        size = np.maximum(np.abs(y0[:n]), np.abs(y1[:n]))
-        # what a rejected step tried must not loosen the tolerance for good
-        self.largest = np.maximum(self.largest, np.abs(y0[:n]))
-        size = np.maximum(size, self.largest)
-        tolerance = np.full(n + 2, np.inf)
-        if self.atol is not None:
-            tolerance[:n] = self.rtol * size + self.atol
-            return tolerance
-        stiffness = np.abs(self.storage.own_stiffness(y0[: self.nx]))
-        x = y0[: self.nx]
-        self.energy = max(self.energy, 0.5 * float(np.sum(stiffness * x * x)))
-        tried = 0.5 * float(np.sum(stiffness * y1[: self.nx] ** 2))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            whole = np.sqrt(2.0 * max(self.energy, tried) / stiffness)
-        floor = np.zeros(n)
-        floor[: self.nx] = np.where(np.isfinite(whole), NEGLIGIBLE * whole, 0.0)
-        tolerance[:n] = self.rtol * np.maximum(size, floor)
-        # what has not moved yet has no size: the solver chooses its first step without it
-        moved = np.where(size[: self.nx] > 0.0, self.rounding, 0.0)
-        tolerance[: self.nx] = np.maximum(tolerance[: self.nx], moved)
-        tolerance[self.nx : n] += self.idle
-        return tolerance

@@ -38,7 +38,7 @@ def periods(count):
 
 @pytest.fixture(scope="module")
 def run(simulate):
-    return simulate("boost", kernel=True)
+    return simulate("boost")
 
 
 def test_gains_are_those_of_textbooks(run):

@@ -98,7 +98,6 @@ def resonant(source: float) -> dict[str, Mode]:
     }
 
 
-@pytest.mark.rounding
 class TestParallelResonantConverter:
     """150 uH, 68 nF, a bridge, 0.4 mH, 2.2 uF and 33 ohm; square wave of 1 V and 55 kHz."""
 

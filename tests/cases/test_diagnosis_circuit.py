@@ -3,6 +3,11 @@
 import numpy as np
 import pytest
 
+from hybond.engine.compiled.native import NativeModel
+from hybond.engine.compiled.native_look import NativeLook
+from hybond.engine.compiled.points import Points
+from hybond.engine.tables import tables_of
+
 V1, V2 = 9.0, 0.5
 R1, R2, R3, R4, R5 = 670.0, 215.6, 67.5, 215.4, 509.0
 C1, C2 = 1e-3, 4.7e-3
@@ -21,19 +26,17 @@ STATE = {0: "off", 1: "on"}
 )
 def test_mode(switches, equilibrium, eigenvalues, simulate):
     """The field of a mode is affine in the charges: three points give all of it."""
-    program = simulate("diagnosis_circuit", until=0.01).program
+    graph = simulate("diagnosis_circuit", until=0.01).graph
     a1, a2 = switches
-    mode = program.graph.mode_of({"S1": STATE[a1], "S2": STATE[a2]})
-    interval = simulate("diagnosis_circuit", until=0.01).segments[0].interval
-    field = program.field(program.equations(mode, interval, 0.0), interval)
-
-    def rate(q1, q2):
-        return field(0.0, np.array([q1, q2, 0.0, 0.0]))[:2].copy()
-
-    order = [s.path for s in program.graph.storages]
-    assert order == ["C1.q", "C2.q"]
-    offset = rate(0.0, 0.0)
-    matrix = np.column_stack([rate(1.0, 0.0) - offset, rate(0.0, 1.0) - offset])
+    mode = graph.mode_of({"S1": STATE[a1], "S2": STATE[a2]})
+    look = NativeLook(NativeModel(tables_of(graph, until=1.0)))
+    look.into(0.0, mode)
+    assert [s.path for s in graph.storages] == ["C1.q", "C2.q"]
+    flows = [look.model.tables.slots.index[f"f:{s.bond}"] for s in graph.storages]
+    charges = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+    rates = look.values(Points([0.0] * 3, charges), flows) * [s.sign for s in graph.storages]
+    offset = rates[0]
+    matrix = (rates[1:] - offset).T
     assert sorted(np.linalg.eigvals(matrix).real) == pytest.approx(eigenvalues, abs=6e-7)
     charges = np.linalg.solve(matrix, -offset)
     assert charges[0] / C1 == pytest.approx(equilibrium[0], abs=6e-7)

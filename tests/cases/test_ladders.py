@@ -8,8 +8,6 @@ import pytest
 
 import hybond as hb
 
-pytestmark = pytest.mark.rounding  # diodes that carry nothing, all the time
-
 V, FREQ, C = 100.0, 50.0, 1e-6
 PERIOD = 1.0 / FREQ
 RTOL = 1e-8

@@ -17,8 +17,6 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 from agreement import agreement, arm, loaded  # noqa: E402
 from ladders import PERIOD, ladder  # noqa: E402
 
-pytestmark = pytest.mark.rounding  # diodes that carry nothing, all the time
-
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("diodes", [4, 20])

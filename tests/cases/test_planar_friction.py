@@ -35,7 +35,7 @@ def block(
 
 
 def states(run: hb.Result, machine: int = 0) -> list[str]:
-    own = run.program.graph.machines[machine]
+    own = run.graph.machines[machine]
     return [own.states[e.steps[-1].mode[machine]] for e in run.events]
 
 

@@ -19,7 +19,7 @@ def along(angle: float) -> tuple[float, float]:
 
 
 def states(run: hb.Result, machine: int) -> list[str]:
-    own = run.program.graph.machines[machine]
+    own = run.graph.machines[machine]
     return [own.states[e.steps[-1].mode[machine]] for e in run.events]
 
 

@@ -9,15 +9,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from engine.by_engine import EngineLook, EngineModel, EngineRun
+from engine.laws_put_back import Laws
 from example_runs import NAMES, RTOL, example, integrated
 
 import hybond as hb
 from hybond.engine.compiled.native import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
-from hybond.modes.sliding.view import equations_of
-from hybond.programs.combined import Combined
-from hybond.trace import Segment
+from hybond.model.graph import FlatGraph
+from hybond.model.interval import interval_after
 
 QUICK = (
     *("relay_feedback", "sliding_clutch", "tank_overflow_sliding"),
@@ -75,10 +75,6 @@ OWN = {
 CASES = [*OWN, *(n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in NAMES)]
 
 
-ENDS = 40
-"""Segments of a run that are looked into, spread over all."""
-
-
 @functools.cache
 def model_of(name: str) -> EngineModel:
     if name in OWN:
@@ -88,33 +84,9 @@ def model_of(name: str) -> EngineModel:
 
 
 @functools.cache
-def reference(name: str) -> hb.Result:
-    """Run by the reference, which has energies among its states."""
-    if name in OWN:
-        make, options = OWN[name]
-        return hb.simulate(make(), rtol=RTOL, engine="reference", **options)  # type: ignore[arg-type]
-    options = integrated(name)
-    return hb.simulate(example(name), on_error="return", engine="reference", **options)  # type: ignore[arg-type]
-
-
-def look_at(look: EngineLook, run: hb.Result, segment: Segment) -> None:
-    """Look into a segment of a run of the reference."""
-    ints = look.model.tables.ints
-    surfaces = []
-    equations = equations_of(run.program, segment)
-    for s in equations.surfaces if isinstance(equations, Combined) else ():
-        sides = zip(ints["surface_machine"], ints["surface_below"], ints["surface_above"])
-        surfaces.append(list(sides).index((s.machine, s.below, s.above)))
-    landed = [m.path in segment.landed for m in run.graph.machines]
-    energy = run.trace.energy
-    look.into(segment.t[0], segment.mode, landed=landed, surfaces=surfaces, energy=energy)
-
-
-def segments_of(run: hb.Result) -> Iterator[Segment]:
-    many = len(run.segments)
-    for k in sorted({*(k * many // ENDS for k in range(ENDS)), many - 1}):
-        if run.segments[k].t[-1] > run.segments[k].t[0]:
-            yield run.segments[k]
+def laws_of(name: str) -> Laws:
+    tables = model_of(name).tables
+    return Laws(tables.graph, tables.slots.index, tables.slots.size)
 
 
 def stretches(rows: Rows) -> Iterator[slice]:
@@ -122,6 +94,18 @@ def stretches(rows: Rows) -> Iterator[slice]:
     changes = np.flatnonzero((np.diff(rows.step_place, axis=0) != 0).any(axis=1)) + 1
     ends = [0, *changes.tolist(), len(rows.step_time)]
     return (slice(a, b) for a, b in pairwise(ends) if b > a)
+
+
+def in_intervals(graph: FlatGraph, rows: Rows) -> Iterator[slice]:
+    """Return stretches, cut where an input breaks with nothing happening."""
+    for which in stretches(rows):
+        begins = rows.step_time[which, 0]
+        first = 0
+        while first < len(begins):
+            end = interval_after(graph, float(begins[first])).end
+            last = max(first + 1, int(np.searchsorted(begins, end)))
+            yield slice(which.start + first, which.start + last)
+            first = last
 
 
 def look_at_steps(look: EngineLook, rows: Rows, which: slice, energy: float) -> None:

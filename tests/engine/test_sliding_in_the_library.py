@@ -1,4 +1,4 @@
-"""Every kind of sliding by the library: closed forms, the reference, and printed programs."""
+"""Every kind of sliding by the library: closed forms, and printed programs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from engine.sliding_models import (
     system,
 )
 from export.programs import Said, ask, compile_quickly, expected, read_events
-from portable_runs import transitions
 
 import hybond as hb
 
@@ -100,23 +99,6 @@ def test_a_flow_that_no_storage_gives_is_a_surface() -> None:
     assert run["pump.f"].at(2.0) == pytest.approx(0.25, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", list(KINDS))
-def test_the_reference_says_the_same(name: str) -> None:
-    make, until = KINDS[name]
-    one = by_library(make(), until)
-    other = hb.simulate(make(), until=until, rtol=RTOL, engine="reference")
-    assert transitions(one)[0][1:] == transitions(other)[0][1:]
-    assert [e[1:] for e in transitions(one)] == [e[1:] for e in transitions(other)]
-    assert [e.t for e in one.events] == pytest.approx([e.t for e in other.events], abs=1e-9)
-    for ours, theirs in zip(one.sliding, other.sliding, strict=True):
-        assert (ours.t0, ours.t1) == pytest.approx((theirs.t0, theirs.t1), abs=1e-9)
-        assert (ours.machines, ours.surfaces) == (theirs.machines, theirs.surfaces)
-        assert (ours.modes, ours.kind) == (theirs.modes, theirs.kind)
-    t = np.linspace(0.0, until, 41)
-    for s in other.graph.storages:
-        assert one[s.path].at(t) == pytest.approx(other[s.path].at(t), abs=1e-8)
-
-
 # -- as many as there are
 
 
@@ -174,6 +156,7 @@ def hold(make: Callable[[], hb.Model], until: float, said: Said) -> None:
         assert said.states[path] == pytest.approx(value, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.java
 @pytest.mark.parametrize("name", list(KINDS))
 def test_a_java_class_slides_as_well(name: str, in_java: dict[str, str]) -> None:

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 import pytest
+from engine.laws_put_back import laws_of
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -43,12 +44,11 @@ def sign(inward: bool) -> float:
 
 def audit(result: hb.Result) -> None:
     """Stored + dissipated - supplied is constant over each segment; bonds balance."""
+    laws, nx = laws_of(result.graph), len(result.graph.storages)
     for segment in result.segments:
-        equations = result.program.equations(segment.mode, segment.interval, segment.t[0])
-        nx = result.program.nx
         metered = result.energies(segment)
         energy = [
-            equations.storage.energy(y[:nx]) + lost - given
+            laws.energy(y[:nx]) + lost - given
             for y, (given, lost) in zip(segment.y, metered, strict=True)
         ]
         size = max(*(abs(e) for e in energy), float(np.abs(metered).max()), 1e-30)

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
 import pytest
 
 import hybond as hb
-
-
-@pytest.fixture(autouse=True, params=[False, True], ids=["reference", "kernel"])
-def engine(request, monkeypatch) -> None:
-    """Run everything here by both engines."""
-    monkeypatch.setattr(hb, "simulate", functools.partial(hb.simulate, kernel=request.param))
 
 
 def base(**signals) -> hb.Model:

@@ -9,7 +9,6 @@ import pytest
 import hybond as hb
 
 
-@pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize(
     ("law", "after"),
     [
@@ -18,12 +17,12 @@ import hybond as hb
         ("2 [N]*sign(f)", 0.8),
     ],
 )
-def test_a_resistor_whose_law_jumps_keeps_its_jump(law: str, after: float, kernel: bool) -> None:
+def test_a_resistor_whose_law_jumps_keeps_its_jump(law: str, after: float) -> None:
     """Its slope is the same everywhere, and does not show it."""
     m = hb.Model("brake", domain="translational")
     m.add(brake=hb.R({"e": law}), mass=hb.I("1 kg", f=1.0), v=hb.One())
     m.bond("v -> brake", "v -> mass")
-    run = hb.simulate(m, until=0.1, kernel=kernel)
+    run = hb.simulate(m, until=0.1)
     assert run["v.f"].at(0.1) == pytest.approx(after, rel=1e-7)
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from engine.laws_put_back import laws_of
 from scipy.integrate import solve_ivp
 
 import hybond as hb
@@ -19,8 +20,7 @@ def reference(f, y0):
 
 def energy_drift(run: hb.Result) -> float:
     segment = run.segments[-1]
-    storage = run.program.equations(segment.mode, segment.interval, 0.0).storage
-    nx = run.program.nx
+    storage, nx = laws_of(run.graph), len(run.graph.storages)
     given, lost = run.energies(segment).T
     e = np.array([storage.energy(y[:nx]) for y in segment.y]) + lost - given
     return float(np.ptp(e)) / max(np.abs(e).max(), given.max(), lost.max())

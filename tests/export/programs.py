@@ -43,14 +43,15 @@ class Said:
 
 
 def read_events(text: str) -> Said:
-    """Read what ``--events`` prints; names may contain blanks, words do not."""
+    """Read what ``--events`` prints, and sizes; names may contain blanks, words do not."""
     said = Said()
     for line in text.splitlines():
         words = line.split(" ")
         if words[0] == "final":
             said.end = float(words[1])
-        elif words[0] == "state":
-            said.states[" ".join(words[1:-1])] = float(words[-1])
+        elif words[0] in ("state", "size"):
+            column = said.states if words[0] == "state" else said.sizes
+            column[" ".join(words[1:-1])] = float(words[-1])
         elif words[0] == "#":
             said.stopped = line
         elif words[0] == "impulse":

@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import hybond as hb
-from hybond.modes.landing.accumulation import Clock, Series, aitken, chatter, limit_of
 
 G = 9.81
 
@@ -41,41 +38,6 @@ def balls(*which: tuple[float, float], force: str = "0", **inputs: hb.Input) -> 
             ],
         )
     return m
-
-
-# -- sequences
-
-
-@settings(max_examples=200)
-@given(st.floats(-5, 5), st.floats(0.01, 5), st.floats(0.01, 0.95))
-def test_aitken_is_exact_for_geometric_sequences(limit: float, size: float, r: float) -> None:
-    terms = [limit - size * r**k for k in range(3)]
-    rounding = 1e-14 * (abs(limit) + size) / (1 - r) ** 2
-    assert aitken(*terms) == pytest.approx(limit, abs=rounding)
-
-
-@pytest.mark.parametrize("times", [[0, 1], [0, 1, 2], [0, 1, 3], [0, 0, 0], [0, 1, 1.5, 2.1]])
-def test_what_does_not_shrink_has_no_limit(times: list[float]) -> None:
-    assert limit_of(times) is None
-
-
-def test_twelve_events_in_one_moment_are_chatter() -> None:
-    clock = Clock(10.0)
-    assert chatter([1.0 + 1e-13 * k for k in range(12)], clock) is None  # eleven intervals
-    assert chatter([1.0 + 1e-13 * k for k in range(13)], clock).t == pytest.approx(1.0)
-    assert chatter([1.0 + 0.1 * k for k in range(13)], clock) is None
-    found = chatter([2.0 - 0.1**k for k in range(13)], clock)
-    assert found.t == pytest.approx(2.0, abs=1e-12)
-    assert found.ratio == pytest.approx(0.1, rel=1e-3)
-
-
-def test_a_series_remembers_its_longest_flight() -> None:
-    series = Series()
-    series.note([1.0], [5.0])
-    series.note([1.5], [2.0])
-    series.restart(2.0)
-    series.note([2.1], [1.0])
-    assert (series.flight, series.speed, series.count) == (5.0, 5.0, 1)
 
 
 # -- one ball

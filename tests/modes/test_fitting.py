@@ -3,6 +3,9 @@
 import pytest
 
 import hybond as hb
+from hybond.engine.outcome.engines import choose_engine
+from hybond.engine.outcome.fitting import fitting
+from hybond.engine.tables import tables_of
 
 
 def circuit(law, *, r="1 mohm"):
@@ -65,3 +68,13 @@ def test_the_choice_does_not_change_what_a_run_says_of_itself():
 def test_a_step_is_refused_as_for_what_is_chosen():
     with pytest.raises(hb.UsageError, match="HB-S104"):
         hb.simulate(circuit("1 kohm"), "1 s", solver="auto", step="1 ms")
+
+
+@pytest.mark.parametrize(
+    ("law", "solver"), [("1 kohm", "exact"), ({"f": "1e-3*e^3"}, "radau"), ("1 ohm", "exact")]
+)
+def test_the_engine_as_python_finds_the_same(law, solver):
+    tables = tables_of(circuit(law).flatten(), until="1 s", solver="exact")
+    found = fitting(choose_engine("python").prepare(tables))
+    assert found.solver == solver
+    assert found == fitting(choose_engine().prepare(tables))

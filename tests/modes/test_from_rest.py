@@ -18,11 +18,10 @@ def pushed(power: int) -> hb.Model:
 
 
 @pytest.mark.sampled(3)
-@pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("power", [3, 4, 8])
-def test_a_power_of_time(power, solver, kernel):
-    run = hb.simulate(pushed(power), solver=solver, kernel=kernel)
+def test_a_power_of_time(power, solver):
+    run = hb.simulate(pushed(power), solver=solver)
     assert run.final["m.p"] == pytest.approx(2.0 ** (power + 1) / (power + 1), rel=1e-7)
     assert run.stats["steps"] < 5000
 

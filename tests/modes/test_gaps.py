@@ -47,3 +47,22 @@ def test_plastic_bodies_struck_from_both_sides_at_once_stay_together():
         m.bond(f"v{k} -> c{k} -> v{k + 1}")
     run = hb.simulate(m, until=2)
     assert [run[f"v{k}.f"].at(2.0) for k in range(4)] == pytest.approx([-6.5 / 11.5] * 4)
+
+
+@pytest.mark.parametrize(
+    ("gap", "right"),
+    [("height - plate", True), ("height + plate", False), ("height", False)],
+)
+def test_a_side_without_mass_may_move_at_any_speed(gap, right):
+    """A plate on a spring and a damper: nothing stored says how fast it moves off the contact."""
+    m = hb.Model("plate", domain="translational")
+    m.add(ball=hb.I("1 kg", f="-1 m/s"), v=hb.One(), w=hb.One())
+    m.add(pad=hb.C("1 mm/N"), damper=hb.R("1 N*s/m"))
+    m.add(contact=hb.Zero(law="unilateral", gap=gap, restitution=0.0))
+    m.bond("v -> ball", "contact -> v", "w -> contact", "w -> pad", "w -> damper")
+    m.signal(height=hb.Integral("v.f", "1 cm"), plate=hb.Integral("w.f"))
+    if right:
+        assert hb.simulate(m, until="0.1 s").status == "ok"
+        return
+    with pytest.raises(hb.ModelError, match="HB-M205"):
+        hb.simulate(m, until="0.1 s")

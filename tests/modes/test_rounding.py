@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.modes.laws.complementarity import Complementarity
 
 
 def ball_beside_a_fast_mass(gap: float, speed: float) -> hb.Model:
@@ -56,17 +54,6 @@ def test_a_contact_that_separates_stays_open_beside_one_that_closes(above: float
     assert run["x2"].at(run.t_end) == pytest.approx(risen, rel=1e-6)
 
 
-def test_guards_that_ask_in_vain_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A contact that is closed for its guard and open for what decides would creep for ever."""
-    able = Complementarity.able
-    monkeypatch.setattr(
-        Complementarity, "able", lambda self, *args: able(self, *args) & np.array([False])
-    )
-    with pytest.raises(hb.NumericsError, match="100 times in a row") as caught:
-        hb.simulate(ball_beside_a_fast_mass(2e-14, -1e-11), until=1e-3, engine="reference")
-    assert caught.value.code == "HB-N406" and "c.f > 0" in caught.value.where
-
-
 def test_a_run_that_begins_empty_stays_on_constraints_that_hold_zero() -> None:
     # two coils of one current, a rotor held still, and a coupling that the current modulates
     m = hb.Model("series machine at rest", domain="electrical")
@@ -96,15 +83,12 @@ def turn_off_at_zero(rule: str) -> hb.Model:
 
 
 @pytest.mark.parametrize("rule", ["coil.f <= 0", "gto.f <= 0", "not (n.e > 0)"])
-@pytest.mark.parametrize("kernel", [True, False])
-def test_a_guard_that_holds_at_zero_beside_a_diode_is_not_asked_for_ever(
-    rule: str, kernel: bool
-) -> None:
+def test_a_guard_that_holds_at_zero_beside_a_diode_is_not_asked_for_ever(rule: str) -> None:
     """The diode counts rounding of what is stored as zero; so does the guard, when it is settled.
 
     Oracle: R and L in series, first with all branches in parallel, then with the leak alone.
     """
-    run = hb.simulate(turn_off_at_zero(rule), until="2 ms", kernel=kernel)
+    run = hb.simulate(turn_off_at_zero(rule), until="2 ms")
     assert run.status == "ok"
     both = 1.0 / (1.0 / 4.0 + 1.0 / 6.0 + 1.0 / 120.0)
     zero = 7e-3 / both * math.log(1.0 + 3.0 * both / 24.0)

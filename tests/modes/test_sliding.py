@@ -10,8 +10,7 @@ from portable_runs import portable
 from scipy.integrate import solve_ivp
 
 import hybond as hb
-from hybond.equations.surfaces import surfaces_of
-from hybond.modes.sliding.filippov import future, futures
+from hybond.engine.tables import tables_of
 
 
 def signum(machine: str) -> str:
@@ -666,26 +665,6 @@ def test_a_switching_signal_is_shown_as_its_average() -> None:
 # -- the decision
 
 
-def test_the_way_on_is_that_of_brute_force() -> None:
-    """Random relays that win on their own surfaces: one way on, and pivoting finds it."""
-    generator = np.random.default_rng(11)
-    for _ in range(200):
-        k = int(generator.integers(1, 6))
-        b = generator.uniform(-1.0, 1.0, (k, k)) / k
-        b -= np.diag(np.abs(b).sum(axis=1) + generator.uniform(0.1, 1.0, k))
-        a = generator.uniform(-0.5, 1.5, k)
-        (only,) = futures(a, b)
-        found = future(a, b)
-        assert found is not None
-        assert found.sides == only.sides
-        # the inclusion itself
-        speed = a + b @ only.weights
-        inside = (only.weights > 0) & (only.weights < 1)
-        assert np.abs(speed[inside]).max(initial=0.0) < 1e-12
-        assert (speed[only.weights >= 1] >= -1e-12).all()
-        assert (speed[only.weights <= 0] <= 1e-12).all()
-
-
 @pytest.mark.parametrize(
     ("up", "down", "slides"),
     [
@@ -708,7 +687,7 @@ def test_what_is_a_switching_surface(up: str, down: str, slides: bool) -> None:
         start="below",
         rules=[f"below -> above when {up}", f"above -> below when {down}"],
     )
-    assert bool(surfaces_of(m.flatten())) is slides
+    assert bool(tables_of(m.flatten(), until=1.0).numbers["surfaces"]) is slides
 
 
 def test_a_blow_ends_sticking_and_the_joined_bodies_stick_again() -> None:
@@ -841,11 +820,10 @@ def relay(rules: list[str], *, start: str, q: float) -> hb.Model:
     return m
 
 
-@pytest.mark.parametrize("kernel", [True, False])
-def test_a_rule_that_fires_for_what_else_it_asks_is_not_on_its_surface(kernel: bool) -> None:
+def test_a_rule_that_fires_for_what_else_it_asks_is_not_on_its_surface() -> None:
     """It turns at 3, not at 0, when the second condition comes true; it slides from t = 5."""
     rules = ["low -> high when c.q > 0 and y > 2", "high -> low when c.q < 0"]
-    run = hb.simulate(relay(rules, start="low", q=1.0), until=10.0, kernel=kernel)
+    run = hb.simulate(relay(rules, start="low", q=1.0), until=10.0)
     assert run["c.q"].at(2.0) == pytest.approx(3.0, abs=1e-9)
     assert run["c.q"].at(3.5) == pytest.approx(1.5, abs=1e-9)
     assert [s.t0 for s in run.trace.slidings] == [pytest.approx(5.0, abs=1e-9)]

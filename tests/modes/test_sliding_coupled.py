@@ -10,7 +10,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import hybond as hb
-from hybond.modes.sliding.filippov import future, futures
 
 
 def signum(machine: str) -> str:
@@ -93,15 +92,6 @@ def test_coupled_relays_agree_with_implicit_time_stepping(seed: int) -> None:
 # -- one way on where -B is a P-matrix
 
 
-def is_p(m: np.ndarray) -> bool:
-    k = len(m)
-    return all(
-        np.linalg.det(m[np.ix_(c, c)]) > 1e-3
-        for r in range(1, k + 1)
-        for c in itertools.combinations(range(k), r)
-    )
-
-
 def ways_by_hand(a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
     """Return all w in [0, 1]^k with dg/dt = a + B w such that each g that moves has chosen."""
     found: list[np.ndarray] = []
@@ -133,24 +123,6 @@ def switching(draw, most: int = 4):
     b[np.diag_indices(k)] = -np.abs(b.diagonal()) - 0.5
     a = np.array([draw(entries) + 0.013 * (j + 1) for j in range(k)])
     return a, b
-
-
-@pytest.mark.slow
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
-@given(switching())
-def test_a_p_matrix_leaves_one_way_and_pivoting_finds_it(system) -> None:
-    a, b = system
-    expected = ways_by_hand(a, b)
-    found = [w.weights for w in futures(a, b)]
-    for w in expected:
-        assert any(np.abs(w - other).max() < 1e-9 for other in found)
-    for w in found:
-        assert any(np.abs(w - other).max() < 1e-9 for other in expected)
-    if is_p(-b):
-        assert len(expected) == 1
-        way = future(a, b)
-        assert way is not None
-        assert way.weights == pytest.approx(expected[0], abs=1e-9)
 
 
 @pytest.mark.slow

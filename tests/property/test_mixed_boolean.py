@@ -1,8 +1,7 @@
-"""Mixed-Boolean equations against the equations that a run solves, mode by mode.
+"""Mixed-Boolean equations against what elements say in a mode, by dense algebra, mode by mode.
 
-The run's tableau eliminates each mode by itself; the mixed-Boolean form knows only one form for
-all. At random points that satisfy a mode's constraints, the rates of the one must satisfy the
-other, and be the only ones that do.
+The mixed-Boolean form knows only one form for all modes. At random points that satisfy what the
+elements of a mode say, rates must satisfy the form, and be the only ones that do.
 """
 
 from __future__ import annotations
@@ -13,16 +12,14 @@ from itertools import product
 import numpy as np
 import pytest
 from dense_oracle import Net, random_net
+from engine.laws_put_back import Laws, laws_of
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import null_space
 
 import hybond as hb
 from hybond.equations.derive import state_equations
-from hybond.equations.mode import prepare
-from hybond.equations.slots import slots_of
 from hybond.equations.state_form import StateEquations
-from hybond.equations.tableau import build
 from hybond.model.expressions import compile_expression
 from hybond.model.expressions import names as hb_names
 
@@ -86,7 +83,7 @@ def modes_of(graph, rng):
 
 @dataclass
 class Point:
-    """Bond variables that satisfy a mode, as the run's own equations give them."""
+    """Values that satisfy a mode, found from what its elements say by dense algebra."""
 
     x: np.ndarray
     z: np.ndarray
@@ -97,41 +94,91 @@ class Point:
     moved: np.ndarray
 
 
-def point_of(graph, mode, rng) -> Point:
-    tableau = build(graph, mode, {})
-    own = prepare(graph, mode, slots_of(graph), tableau)
-    assert own.linear
-    nz, nu = len(graph.storages), len(tableau.sources)
-    base = tableau.unknowns
+def values_in(graph, laws: Laws, mode) -> list[float]:
+    """Return values of nothing but the mode."""
+    v = [0.0] * (2 * laws.size)
+    on = graph.on_nodes(mode)
+    for n in graph.nodes:
+        if n.controlled:
+            v[laws.index[f"on:{n.index}"]] = float(n.index in on)
+    for m, k in zip(graph.machines, mode, strict=True):
+        v[laws.index[f"in:{m.index}:{k}"]] = 1.0
+    return v
+
+
+def linear_rows(graph, mode) -> tuple[np.ndarray, np.ndarray, list[int], np.ndarray, np.ndarray]:
+    """Return what elements say as ``A (w, x) = B u``, the sources, and rates and z by (w, x)."""
+    laws = laws_of(graph)
+    v = values_in(graph, laws, mode)
+    sources = [n for n in graph.nodes if n.kind in ("Se", "Sf")]
+    # a source that follows what is stored or flows is a law like others
+    given = [
+        n.index
+        for n in sources
+        if not any(name[:2] in ("e:", "f:") for e in n.law.expressions for name in hb_names(e))
+    ]
     off = graph.off_nodes(mode)
-    null = [{base + nz + k: 1.0} for k, s in enumerate(tableau.sources) if s.node in off]
-    given = tableau.constraints + tableau.agreements + null
-    rows = np.array([[r.get(base + k, 0.0) for k in range(nz + nu)] for r in given])
-    rows = rows.reshape(len(given), nz + nu)
-    point = rng.normal(size=nz + nu)
-    free = null_space(rows) if len(rows) else np.eye(nz + nu)
-    point = free @ (free.T @ point)
-    du = rng.normal(size=nu)
-    # source values that contradict each other may not drift apart either
-    fixed = tableau.agreements + null
-    sources_only = np.array([[r.get(base + nz + k, 0.0) for k in range(nu)] for r in fixed])
-    sources_only = sources_only.reshape(len(fixed), nu)
-    if len(sources_only):
-        basis = null_space(sources_only)
-        du = basis @ (basis.T @ du)
-    xi = np.concatenate([point, du])
-    w = own.x2 @ xi
-    if own.project is not None:
-        w = own.project @ w
-    freedom = own.freedom if own.freedom.shape[1] else np.zeros((len(w), 0))
+
+    def said(v) -> list[float]:
+        found = laws.off(v, mode, apart=set(given))
+        return [a for a, _ in found.values()]
+
+    nb = len(graph.bonds)
+    names = [f"{kind}:{b}" for kind in "ef" for b in range(nb)]
+    names += [f"x:{s.index}" for s in graph.storages]
+    zero, rates_0, z_0 = np.array(said(v)), laws.rates(v), co_energies(graph, laws, v)
+    columns, rates, z = [], [], []
+    for name in names:
+        v[laws.index[name]] = 1.0
+        columns.append(np.array(said(v)) - zero)
+        rates.append(laws.rates(v) - rates_0)
+        z.append(co_energies(graph, laws, v) - z_0)
+        v[laws.index[name]] = 0.0
+    assert not np.abs(zero).max(initial=0.0)
+    A = np.array(columns).T.reshape(len(zero), len(names))
+    extra = np.zeros((len(given), len(names)))
+    B = np.zeros((len(zero) + len(given), len(given)))
+    for k, node in enumerate(given):
+        end = graph.nodes[node].ends[0]
+        extra[k, end.bond + (nb if graph.nodes[node].kind == "Sf" else 0)] = 1.0
+        B[len(zero) + k, k] = 0.0 if node in off else 1.0
+    return np.vstack([A, extra]), B, given, np.array(rates).T, np.array(z).T
+
+
+def co_energies(graph, laws: Laws, v) -> np.ndarray:
+    return np.array([laws.laws[s.node][s.port](v) for s in graph.storages])
+
+
+def point_of(graph, mode, rng) -> Point:
+    A, B, given, Y, Z = linear_rows(graph, mode)
+    nw, nx, nu = 2 * len(graph.bonds), len(graph.storages), len(given)
+    Y, Z = Y[:nx, :nw], Z[:, nw:]
+    silent = null_space(A[:, :nw].T, rcond=1e-10).T if nw else np.zeros((0, len(A)))
+    # constraints L x = M u, and the same of rates; what is OFF drives nothing
+    L, M = silent @ A[:, nw:], silent @ B
+    off = graph.off_nodes(mode)
+    null = np.eye(nu)[[k for k, n in enumerate(given) if n in off]]
+    x, u, w, du = (slice(0, nx), slice(nx, nx + nu), slice(nx + nu, nx + nu + nw), slice(-nu, None))
+    if not nu:
+        du = slice(nx + nw, nx + nw)
+    rows = np.zeros((len(A) + len(L) + 2 * len(null), nx + 2 * nu + nw))
+    first, second = len(A), len(A) + len(L)
+    rows[:first, w], rows[:first, x], rows[:first, u] = A[:, :nw], A[:, nw:], -B
+    rows[first:second, w], rows[first:second, du] = L @ Y, -M
+    rows[second : second + len(null), u] = null
+    rows[second + len(null) :, du] = null
+    scale = np.abs(rows).max(axis=1, initial=0.0, keepdims=True)
+    basis = null_space(rows / np.where(scale > 0.0, scale, 1.0), rcond=1e-10)
+    point = basis @ (basis.T @ rng.normal(size=rows.shape[1]))
+    loose = null_space(np.vstack([A[:, :nw], L @ Y]), rcond=1e-10)
     return Point(
-        x=np.linalg.solve(own.storage.matrix.dense(), point[:nz]),
-        z=point[:nz],
-        u={s.node: point[nz + k] for k, s in enumerate(tableau.sources)},
-        du={s.node: du[k] for k, s in enumerate(tableau.sources)},
-        w=w,
-        rates=own.storage.rates_of(w),
-        moved=own.storage.rates_of(freedom),
+        x=point[x],
+        z=Z @ point[x],
+        u=dict(zip(given, point[u])),
+        du=dict(zip(given, point[du])),
+        w=point[w],
+        rates=Y @ point[w],
+        moved=Y @ loose,
     )
 
 
@@ -278,13 +325,16 @@ def test_nonlinear_laws(seed, size) -> None:
     except hb.CausalityError as error:
         assert error.code in ("HB-C101", "HB-C104")
         return
-    segment = run.segments[-1]
-    t = float(segment.t[-1])
-    y = segment.at(t)
-    equations = run.program.equations(segment.mode, segment.interval, t)
-    v = run.program.evaluate(t, y, segment.interval, equations)
-    slots = run.program.slots.index
     graph = run.graph
+    laws = laws_of(graph)
+    slots, v = laws.index, values_in(graph, laws, run.segments[-1].mode)
+    t = run.t_end
+    v[slots["time"]] = t
+    for s in graph.storages:
+        v[slots[f"x:{s.index}"]] = run[s.path].at(t)
+    for bond in graph.bonds:
+        for kind in "ef":
+            v[slots[f"{kind}:{bond.index}"]] = run[f'"{bond.name}".{kind}'].at(t)
     eq = state_equations(graph, reference=graph.start_mode, symbolic=bool(seed % 2))
     values = {name: v[k] for name, k in slots.items()}
     bonds = len(graph.bonds)
@@ -321,7 +371,7 @@ def test_nonlinear_laws(seed, size) -> None:
     for row in eq.rows:
         terms = [
             (c.evaluate(eq.values) if hasattr(c, "evaluate") else c) * column(k)
-            for k, c in row.at(segment.mode, eq.ring).items()
+            for k, c in row.at(run.segments[-1].mode, eq.ring).items()
         ]
         assert abs(sum(terms)) <= 1e-8 * (1.0 + sum(abs(x) for x in terms))
 

@@ -11,12 +11,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from engine.laws_put_back import laws_of
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from passive_nets import Row, network, row
 
 import hybond as hb
-from hybond.equations.storage import StorageLaws
 
 MORE = bool(os.environ.get("HYBOND_FUZZ"))
 END = 2.0
@@ -67,8 +67,7 @@ def violation(run: hb.Result) -> float:
 
 def energies(run: hb.Result) -> np.ndarray:
     """What is stored, at every point and on both sides of every jump."""
-    storage = StorageLaws.of(run.graph, run.program.slots)
-    nx = run.program.nx
+    storage, nx = laws_of(run.graph), len(run.graph.storages)
     first = run.trace.events[:1]
     points = [e.before for e in first] + [y for s in run.segments for y in s.y]
     return np.array([storage.energy(y[:nx]) for y in points])
@@ -117,7 +116,7 @@ def test_two_starts_never_part(seed: int, sources: bool) -> None:
     runs = [
         hb.simulate(network(seed, sources=sources, starts=k), END, rtol=1e-10) for k in range(2)
     ]
-    storage = StorageLaws.of(runs[0].graph, runs[0].program.slots)
+    storage = laws_of(runs[0].graph)
     names = [s.path for s in runs[0].graph.storages]
     if not names:
         return

@@ -21,16 +21,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.apart import Apart
 from hybond.errors import DivergenceOfTime, HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import AnyMode, FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
-from hybond.modes.settle import Settler
 from hybond.names import did_you_mean
-from hybond.programs.interval import Interval, interval_after
-from hybond.programs.program import Program
-from hybond.programs.start import start_of
-from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 
@@ -222,10 +218,9 @@ class _Instant:
 
     def __init__(self, graph: FlatGraph, at: Mapping[str, float], mode: AnyMode | None) -> None:
         self.graph = graph
-        self.program = Program(graph)
+        self.apart = Apart(graph)
         self.mode: Mode = graph.start_mode if mode is None else graph.mode_of(mode)
-        self.interval: Interval = interval_after(graph, 0.0)
-        self.start = start_of(self.program)[: self.program.nx + self.program.ns]
+        self.start = self.apart.start
         for name, value in at.items():
             self.start[self.index(name)] = value
 
@@ -233,7 +228,7 @@ class _Instant:
         """Return the place of a stored quantity or integrated signal in the state."""
         places = {s.path: s.index for s in self.graph.storages}
         kept = kept_paths(self.graph)
-        nx = self.program.nx
+        nx = len(self.graph.storages)
         places |= {i.path: nx + i.index for i in self.graph.integrals if i.path not in kept}
         if name not in places:
             raise UsageError(
@@ -252,16 +247,18 @@ class _Instant:
             return None, (), error.code
 
     def _settle(self, quantity: str, value: float) -> What:
-        x, s = self._state(quantity, value)
-        settler = Settler(self.program, Trace())
-        done = settler.settle(0.0, x, s, self.mode, self.interval, self.interval)
+        event = self.apart.settled(self._state(quantity, value), self.mode)
         text = self.graph.mode_text
-        return text(done.mode), tuple(text(step.mode) for step in done.steps[:-1]), ""
+        steps = event.steps
+        if steps[0].kind == "mythical" and not (steps[0].fired or steps[0].impulses):
+            # where it began: nothing led there
+            steps = steps[1:]
+        return text(steps[-1].mode), tuple(text(step.mode) for step in steps[:-1]), ""
 
-    def _state(self, quantity: str, value: float) -> tuple[Vector, Vector]:
+    def _state(self, quantity: str, value: float) -> Vector:
         y = self.start.copy()
         y[self.index(quantity)] = value
-        return y[: self.program.nx], y[self.program.nx :]
+        return y
 
     def explained(self, quantity: str, value: float) -> tuple[tuple[Tried, ...], str]:
         """Return which rules leave each mode, entered from the same state, and the refusal."""
@@ -273,9 +270,7 @@ class _Instant:
         except HybondError as error:
             # not the modes' guards: the instant has no solution
             return (), f"{error.code}: {error.why}"
-        x, s = self._state(quantity, value)
-        settler = Settler(self.program, Trace())
-        pre = settler.trials.a_priori(0.0, x, s, self.mode, self.interval)
+        y = self._state(quantity, value)
         choices = [
             (self.mode[m.index],) if m.law is not None else range(len(m.states))
             for m in self.graph.machines
@@ -287,15 +282,8 @@ class _Instant:
             left: list[str] = []
             barred = ""
             try:
-                trial = settler.trials.enter(0.0, x, s, mode, self.interval, pre, jump=True)
-                left = [
-                    f"{m.path}: {rule.text}"
-                    for m in self.graph.machines
-                    for rule in m.rules
-                    if m.law is None
-                    and rule.source == mode[m.index]
-                    and settler.holds(rule, trial.pairs, m.path)
-                ]
+                leaving = self.apart.leaving(y, self.mode, mode)
+                left = [f"{m}: {text}" for m, texts in leaving.items() for text in texts]
             except HybondError as error:
                 barred = error.why
             found.append(Tried(self.graph.mode_text(mode), tuple(left), barred))

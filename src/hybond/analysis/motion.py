@@ -8,15 +8,18 @@ difference along the motion, higher ones are not available (NaN).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.calculus import partial_time
+from hybond.engine.outcome.signals import Signals
+from hybond.equations.calculus import partial_time, rate_name
 from hybond.model.expressions import (
     Expr,
+    Name,
     Number,
     differentiate,
     names,
@@ -25,8 +28,6 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
-from hybond.modes.jump import on_constraints
-from hybond.programs.interval import Interval
 from hybond.result import Result
 from hybond.trace import Segment
 
@@ -71,33 +72,19 @@ class Motion:
     def __init__(self, run: Result, segment: Segment, t: Array) -> None:
         self.run = run
         self.graph = run.graph
-        self.program = run.program
         self.segment = segment
         self.t = t
-        assert isinstance(segment.interval, Interval)
-        self.interval = segment.interval
-        self.equations = self.program.equations(segment.mode, self.interval, float(segment.t[0]))
-        self.y = np.array(
-            [
-                on_constraints(
-                    self.program,
-                    self.equations,
-                    self.interval,
-                    float(a),
-                    segment.at(float(a)),
-                    energy=run.trace.energy,
-                )
-                for a in t
-            ]
-        )
-        self.v = self.program.evaluate_many(t, self.y, self.interval, self.equations)
-        self.linear = self.equations.linear and self.equations.storage.linear
-        self._w: dict[int, Array] = {0: self.v[self.program.slots.w]}
+        assert isinstance(run.signals, Signals)
+        self.signals = run.signals
+        bonds = range(len(self.graph.bonds))
+        self._bonds: list[Expr] = [Name(f"{kind}:{b}") for kind in "ef" for b in bonds]
+        linear = all(self._matrix(s.node) is not None for s in self.graph.storages)
+        self._sources = self.signals.sources(segment) if linear else None
+        self._w: dict[int, Array] = {0: np.array(self.signals.of(segment, self._bonds, t))}
 
     def value(self, e: Expr) -> Array:
         """Return an expression in canonical names, shape (m,)."""
-        found = self.program.compile_arrays(e)(list(self.v))
-        return np.array(np.broadcast_to(np.asarray(found, dtype=float), self.t.shape))
+        return self.signals.of(self.segment, [e], self.t)[0]
 
     def derivative(self, e: Expr, order: int) -> Array:
         """Return a derivative of an expression along the motion, NaN where it has none here."""
@@ -130,16 +117,39 @@ class Motion:
         kind, _, index = name.partition(":")
         k = int(index)
         if kind == "x":
-            return np.asarray(self.equations.storage.rates_of(self.bonds(order - 1))[k])
+            return np.asarray(self._rates(order)[k])
         if kind == "s":
             return self.derivative(self.graph.integrals[k].rate, order - 1)
-        if not self.linear and name in self._co_energy:
+        if self._sources is None and name in self._co_energy:
             # exact where a difference would not be
             sign, storage = self._co_energy[name]
-            own = self.equations.storage
-            rates = own.rates_of(self.bonds(order - 1))
-            return np.asarray(sign * own.matrix.times(rates)[storage])
+            return np.asarray(sign * self._co_energies(order)[storage])
         return np.asarray(self.bonds(order)[k + (len(self.graph.bonds) if kind == "f" else 0)])
+
+    def _matrix(self, node: int) -> tuple[tuple[float, ...], ...] | None:
+        law = self.graph.nodes[node].law
+        return None if law is None else law.matrix
+
+    def _rates(self, order: int) -> Array:
+        """Return a derivative of what is stored, shape (storages, m)."""
+        w = self.bonds(order - 1)
+        bonds = len(self.graph.bonds)
+        found = [
+            s.sign * w[bonds + s.bond] if s.kind == "C" else w[s.bond] for s in self.graph.storages
+        ]
+        return np.array(found).reshape(len(found), len(self.t))
+
+    def _co_energies(self, order: int) -> Array:
+        """Return a derivative of co-energy variables, power inward; zero where a law bends."""
+        rates = self._rates(order)
+        found = np.zeros_like(rates)
+        for node, own in groupby(self.graph.storages, key=lambda s: s.node):
+            matrix = self._matrix(node)
+            ports = list(own)
+            for s in ports if matrix is not None else ():
+                assert matrix is not None
+                found[s.index] = sum(matrix[s.port][o.port] * rates[o.index] for o in ports)
+        return found
 
     @cached_property
     def _co_energy(self) -> dict[str, tuple[float, int]]:
@@ -161,48 +171,42 @@ class Motion:
     def bonds(self, order: int) -> Array:
         """Return a derivative of all bond variables, shape (2 * bonds, m)."""
         if order not in self._w:
-            if self.linear:
-                self._w[order] = self._linear(order)
+            if self._sources is not None:
+                self._w[order] = self._linear(*self._sources, order)
             elif order == 1:
                 self._w[order] = self._difference
             else:
                 self._w[order] = np.full_like(self._w[0], np.nan)
         return self._w[order]
 
-    def _linear(self, order: int) -> Array:
-        own = self.equations
-        sources = own.tableau.sources
-        nz, nu = len(self.graph.storages), len(sources)
-        xi = np.zeros((nz + 2 * nu, len(self.t)))
-        xi[:nz] = own.storage.matrix.times(own.storage.rates_of(self.bonds(order - 1)))
-        needed = own.finite.known.used()
-        for k, source in enumerate(sources):
-            if needed[nz + k]:
-                xi[nz + k] = self.derivative(source.value, order)
-            if needed[nz + nu + k]:
-                xi[nz + nu + k] = self.derivative(source.value, order + 1)
-        w = own.finite.by_knowns(xi)
-        return np.asarray(w if own.project is None else own.project @ w)
+    def _linear(self, sources: Sequence[Expr], rated: Sequence[bool], order: int) -> Array:
+        nothing = np.zeros(self.t.shape)
+        known = [
+            *self._co_energies(order),
+            *(self.derivative(e, order) for e in sources),
+            *(
+                self.derivative(e, order + 1) if asked else nothing
+                for e, asked in zip(sources, rated, strict=True)
+            ),
+        ]
+        return self.signals.by_knowns(self.segment, np.array(known).reshape(-1, len(self.t)))
 
     @cached_property
     def _difference(self) -> Array:
-        field = self.program.field(self.equations, self.interval)
-        t, run = self.segment.t, self.run
+        t, run, graph = self.segment.t, self.run, self.graph
         steps = sum(len(s.t) for s in run.segments)
         # a segment between two events may be arbitrarily short: then as in the rest of the run
         h = STEP * max(float(t[-1] - t[0]) / max(len(t) - 1, 1), run.t_end / max(steps, 1))
-        found = np.empty_like(self._w[0])
-        bonds = self.program.slots.w
-        for k, (a, y) in enumerate(zip(self.t, self.y, strict=True)):
-            rate = field(float(a), y)
-            ends = [
-                self.program.evaluate(float(a) + d, y + d * rate, self.interval, self.equations)[
-                    bonds
-                ]
-                for d in (h, -h)
-            ]
-            found[:, k] = (np.array(ends[0]) - np.array(ends[1])) / (2.0 * h)
-        return found
+        state = [Name(f"x:{s.index}") for s in graph.storages]
+        state += [Name(f"s:{i.index}") for i in graph.integrals]
+        moves = [rate_name(s) for s in graph.storages] + [i.rate for i in graph.integrals]
+        both = self.signals.of(self.segment, [*state, *moves], self.t)
+        y, rate = np.array(both).reshape(2, len(state), len(self.t))
+        ahead, behind = (
+            np.array(self.signals.at(self.segment, self._bonds, self.t + d, (y + d * rate).T))
+            for d in (h, -h)
+        )
+        return np.asarray((ahead - behind) / (2.0 * h))
 
 
 def numbered(e: Expr, values: Mapping[str, float]) -> Expr:

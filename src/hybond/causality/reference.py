@@ -98,8 +98,7 @@ def reference_mode(
     mode = graph.reference if mode is None else mode
     steps, how = 1, "given by the user"
     if mode is None:
-        search = _Search(graph, arrays, pins)
-        search.run()
+        search = _searched(graph, arrays, pins)
         mode, how, steps = tuple(search.states), search.how, search.steps
     causality = Strokes(graph, mode, pins=pins, arrays=arrays).record()
     return Reference(
@@ -110,6 +109,18 @@ def reference_mode(
         how=how,
         steps=steps,
     )
+
+
+@uncollected
+def best_mode(graph: FlatGraph, arrays: Arrays) -> Mode:
+    """Return the mode that `reference_mode` would find without pins, and nothing else of it."""
+    return tuple(_searched(graph, arrays, {}).states)
+
+
+def _searched(graph: FlatGraph, arrays: Arrays, pins: Mapping[int, int]) -> _Search:
+    search = _Search(graph, arrays, pins)
+    search.run()
+    return search
 
 
 Score = tuple[int, int, int, int]

@@ -16,8 +16,8 @@ from hybond.causality.report import causality as modes_report
 from hybond.cli.cross import check_options, cross
 from hybond.cli.running import read_graph
 from hybond.cli.streams import complain, say
-from hybond.equations.ports import law_machines, port_equations
-from hybond.equations.slots import slots_of
+from hybond.engine.outcome.apart import Apart
+from hybond.errors import CausalityError, HybondError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
 
@@ -46,10 +46,10 @@ def check(given: Namespace) -> int:
     _other_modes(graph, reference)
     ahead: list[str] = []
     conflicts = causality.conflicts
-    if law_machines(graph):
+    if _has_laws(graph):
         # the laws of junctions choose branches that have a causality; others are never entered
         conflicts = ()
-        port_equations(graph, start, slots_of(graph), {})
+        _enter_start(graph)
     elif graph.machines and len(graph.bonds) <= BONDS:
         ahead = list(ahead_lines(graph, modes_report(graph).ahead))
     for line in ahead:
@@ -66,6 +66,22 @@ def check(given: Namespace) -> int:
         plural = "s" if warnings > 1 else ""
         say(f"fine, with {warnings} warning{plural}" if warnings else "fine")
     return 2 if conflicts else 0
+
+
+def _has_laws(graph: FlatGraph) -> bool:
+    return any(m.law is not None for m in graph.machines)
+
+
+def _enter_start(graph: FlatGraph) -> None:
+    """Raise what leaves the laws of junctions nothing to decide at the start."""
+    apart = Apart(graph)
+    try:
+        apart.leaving(apart.start, graph.start_mode, graph.start_mode)
+    except CausalityError:
+        raise
+    except HybondError:
+        # of values, not of structure: a run says so
+        return
 
 
 def _counts(graph: FlatGraph) -> None:
@@ -110,7 +126,7 @@ def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
     if causality.loops:
         names = ", ".join(repr(graph.bonds[b].name) for b in causality.loops)
         lines.append(f"algebraic loop through {names} (solved at each evaluation)")
-    if causality.conflicts and law_machines(graph):
+    if causality.conflicts and _has_laws(graph):
         lines.append("no causality: the laws of its junctions do not take these branches together")
     elif causality.conflicts:
         count = len(causality.conflicts)

@@ -24,6 +24,9 @@ room to work in. Data flows so::
                               propagated: flow (which modes are linear, and their matrix, by
                               linear_rows and balance), propagate (its exponential)
     fixed                     forward Euler and the classical Runge-Kutta method
+    qss, qss_start            quantised states: steps from one quantum event to the next, qss_events
+                              (qss_band: when; qss_place: where linearly implicit ones are put);
+                              rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket
     sampling, calls           signals set at instants; inputs and blocks that are asked for

@@ -12,6 +12,7 @@ from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import Exact, make_exact
+from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.mode.mode_records import KEPT, Leakage, Mode, Ways, make_leakage, make_ways
@@ -267,6 +268,7 @@ class Engine:
     """Equations with the laws of junctions left open."""
     radau: Radau
     exact: Exact
+    quantised: Quantised
     landings: Landings
     planar: Planar
     stepping: Stepping
@@ -445,8 +447,10 @@ def make_engine(m: Model) -> Engine:
     e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
-    if m.method == 2:
+    if m.method == 2 or m.method >= QSS1:
         e.exact = make_exact(m)
+    if m.method >= QSS1:
+        e.quantised = make_quantised(m)
     return e
 
 

@@ -212,6 +212,9 @@ class Model:
     """Of each group: points of Gauss's formula for its energy; none: found with error control."""
     point_at: Floats
     point_weight: Floats
+    bend_first: Ints
+    """Of each group: values that change their sign where a law of it has a kink or a jump."""
+    bend_value: Ints
 
     # where power enters and leaves, over bonds on which effort times flow is power
     suppliers: int
@@ -316,6 +319,9 @@ class Model:
     port_breakaway_constant: Floats
     port_gap: Ints
     port_gap_constant: Floats
+    port_gap_rate: Ints
+    """How fast it opens: an expression; -1: the constant; -2: it is none, or does not change."""
+    port_gap_rate_constant: Floats
     port_gap_pair: Ints
     """The gap among the pairs; -1 if it is constant."""
     port_gate: Ints
@@ -439,7 +445,7 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5: moreau-jean."""
+    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5 to 10: qss, 11: moreau-jean."""
     step: float
     """Of the last three."""
     theta: float

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hybond.causality.orientation import base_mode
 from hybond.equations.booleans import Naming
 from hybond.equations.complementarity_ports import LawPort, law_ports
 from hybond.equations.complementarity_rows import Derived, derive_rows
@@ -30,7 +31,7 @@ from hybond.equations.display import Display
 from hybond.equations.linearised import Linearised, linearised, start_values
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.parameters import parameter_values
-from hybond.equations.ports import PortEquations, base_mode, law_machines, port_equations
+from hybond.equations.ports import PortEquations, law_machines, port_equations
 from hybond.equations.ring import Numbers, Ring, Symbols
 from hybond.equations.slots import slots_of
 from hybond.errors import EquationError

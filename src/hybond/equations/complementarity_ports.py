@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from hybond.causality.orientation import Given
 from hybond.equations.element_rows import laws_of
 from hybond.equations.ports import Port, PortEquations
-from hybond.equations.tableau import Given
 from hybond.model.expressions import Bool, Expr, Number, Pre, names, simplify, substitute, transform
 from hybond.model.graph import FlatGraph
 

@@ -18,17 +18,17 @@ by the same rows as the equations of every mode; for a nonlinear graph it is its
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.causality.reference import reference_mode
+from hybond.causality.orientation import Given, base_mode, orientation
 from hybond.equations.calculus import gradient
 from hybond.equations.mode import ModeEquations, prepare
 from hybond.equations.slots import Slots
 from hybond.equations.storage import StorageLaws
-from hybond.equations.tableau import Given, Sheet
+from hybond.equations.tableau import Sheet
 from hybond.errors import CausalityError
 from hybond.model.expressions import Number, compile_expression
 from hybond.model.graph import FlatGraph, Mode
@@ -260,33 +260,6 @@ def _product(a: Matrix, b: Matrix) -> Matrix:
 def law_machines(graph: FlatGraph) -> tuple[int, ...]:
     """Return the machines that stand for laws of junctions."""
     return tuple(m.index for m in graph.machines if m.law is not None)
-
-
-def base_mode(graph: FlatGraph, mode: Mode) -> Mode:
-    """Return the mode with every junction law in its first branch: what machines alone decide."""
-    return tuple(0 if m.law is not None else k for m, k in zip(graph.machines, mode, strict=True))
-
-
-def orientation(graph: FlatGraph, mode: Mode) -> dict[int, Given]:
-    """Return which variable of each law's pair is given, junction by junction.
-
-    The states of the other machines are those of `mode`. The choice leaves as much storage as
-    possible in integral causality: the reference mode of what the laws may do.
-    """
-    machines = tuple(
-        m
-        if m.law is not None
-        else replace(m, states=(m.states[k],), on=(m.on[k],), start=0, rules=(), fieldless=())
-        for m, k in zip(graph.machines, mode, strict=True)
-    )
-    part = replace(graph, machines=machines, reference=None, pins={})
-    best = reference_mode(part).mode
-    return {
-        law.node: "net" if m.on[k] else "common"
-        for m, k in zip(machines, best, strict=True)
-        if m.law is not None
-        for law in m.law.junctions
-    }
 
 
 def port_equations(

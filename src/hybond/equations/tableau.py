@@ -18,8 +18,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Literal
 
+from hybond.causality.orientation import Given
 from hybond.equations.calculus import gradient, rate_name, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Parts, Source, settings
 from hybond.equations.elimination import Elimination, Row
@@ -38,7 +38,6 @@ from hybond.model.graph import FlatGraph, Mode, Node, Storage
 from hybond.model.kinds import STORAGES
 from hybond.uncollected import uncollected
 
-Given = Literal["common", "net"]
 """Which variable of a junction's conjugate pair is given from outside."""
 
 

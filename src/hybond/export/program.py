@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.outcome.fitting import fitted
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.following import followed
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
@@ -156,6 +157,7 @@ def exported(
 
     `prepared` is done to its flat graph first.
     """
+    options = fitted(prepared(model.flatten()), options)
     following = followed(model, prepared, options)
     graph, tables = following.graph, following.tables
     names = Names(following)

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.orientation import base_mode
 from hybond.equations.mode import ModeEquations
-from hybond.equations.ports import base_mode
 from hybond.kernel.bytecode import Declined
 from hybond.kernel.common import Common
 from hybond.kernel.crossing import KEPT, ROWS, Ahead, Modes, log_for, mode_of

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.orientation import base_mode
 from hybond.equations.leakage import null_space, undetermined
 from hybond.equations.mode import ModeEquations
-from hybond.equations.ports import base_mode
 from hybond.equations.storage import gauss
 from hybond.equations.surfaces import Surface
 from hybond.kernel.bytecode import Book

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.causality.orientation import base_mode
 from hybond.equations.elimination import CLEAR
 from hybond.equations.mode import ModeEquations, prepare
-from hybond.equations.ports import PortEquations, base_mode, port_equations
+from hybond.equations.ports import PortEquations, port_equations
 from hybond.equations.slots import Slots, slots_of
 from hybond.equations.storage import StorageLaws
 from hybond.equations.tableau import Sheet, Tableau

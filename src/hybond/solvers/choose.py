@@ -6,7 +6,7 @@ import math
 
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
-from hybond.run_options import ALIASES, AUTO, FIXED, SOLVERS, STEPPING, check_step
+from hybond.run_options import ALIASES, AUTO, FIXED, QUANTISED, SOLVERS, STEPPING, check_step
 from hybond.solvers.base import Scale, Solver
 
 __all__ = ["ALIASES", "AUTO", "FIXED", "SOLVERS", "STEPPING", "check_step", "make_solver"]
@@ -25,11 +25,10 @@ def make_solver(
     Parameters
     ----------
     name : str
-        One of `SOLVERS` or `ALIASES`.
+        One of `SOLVERS`, but for `QUANTISED`.
     scale : callable
         ``scale(y0, y1)``: the error a step may make, per component, shape (n,); ``inf`` for a
-        component that must not influence the step size. Unused by fixed steps; the quantum of
-        quantised states.
+        component that must not influence the step size. Unused by fixed steps.
     rtol : float
         Relative tolerance behind `scale`.
     step : float or None
@@ -56,8 +55,7 @@ def make_solver(
     HB-S101: no solver 'radua'
       try: did you mean 'radau'?
     """
-    name = ALIASES.get(name, name)
-    if name not in SOLVERS:
+    if name not in SOLVERS or name in QUANTISED:
         known = (AUTO, *SOLVERS, *STEPPING)
         raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
     check_step(name, step)
@@ -84,10 +82,6 @@ def make_solver(
         from hybond.solvers.exact import Exact
 
         return Exact(scale, rtol=rtol, max_step=max_step)
-    if "qss" in name:
-        from hybond.solvers.qss import METHODS
-
-        return METHODS[name](scale, rtol=rtol, max_step=max_step)
     from hybond.solvers.dopri import DormandPrince
 
     return DormandPrince(scale, max_step=max_step)

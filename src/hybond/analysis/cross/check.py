@@ -21,16 +21,15 @@ from hybond.analysis.cross.runs import (
     watched,
 )
 from hybond.analysis.cross.verdict import Level, Verdict, agreed, hopeful, level_of, verdict_of
-from hybond.equations.ports import base_mode
+from hybond.causality.orientation import base_mode
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import RTOL
+from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING
 from hybond.simulation import simulate
-from hybond.solvers.choose import ALIASES, SOLVERS, STEPPING
 from hybond.units import parse_unit, try_quantity
 
 FIXED = ("moreau-jean", "rk4", "euler")

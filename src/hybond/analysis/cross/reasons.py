@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.cross.runs import Events, states_passed
+from hybond.causality.orientation import base_mode
 from hybond.equations.complementarity_form import complementarity
-from hybond.equations.ports import base_mode
 from hybond.errors import HybondError
 from hybond.model.expressions import Number, names
 from hybond.model.graph import FlatGraph, Machine, Mode

@@ -15,12 +15,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import gradient
 from hybond.model.expressions import Name, Number
 from hybond.model.graph import FlatGraph, Integral, Machine
 from hybond.model.planar_friction import kept_paths
-from hybond.modes.sliding.view import equations_of
-from hybond.programs.interval import Interval
 from hybond.result import Result
 from hybond.trace import Event, Segment
 
@@ -232,7 +231,7 @@ def _ends_of_steps(run: Result) -> list[Segment]:
                 assert isinstance(slope, Number)
                 letter, _, index = name.partition(":")
                 row[int(index) + (bonds if letter == "f" else 0)] = slope.value
-            columns.append((run.program.nx + i.index, row))
+            columns.append((len(run.graph.storages) + i.index, row))
     found: list[Segment] = []
     last: tuple[Vector, Vector] | None = None
     for segment in run.segments:
@@ -253,10 +252,11 @@ def _ends_of_steps(run: Result) -> list[Segment]:
 def _scales(a: Result, b: Result, names: Sequence[Quantity], left: Vector, right: Vector) -> Vector:
     """Return what each quantity is measured by, never zero."""
     both = np.maximum(np.abs(left).max(axis=0), np.abs(right).max(axis=0))
-    nx = a.program.nx
-    storage = a.program.storage
-    energy = max(a.trace.energy, *(abs(storage.energy(y[:nx])) for s in a.segments for y in s.y))
-    stiffness = np.abs(storage.own_stiffness(left[0, :nx]))
+    nx = len(a.graph.storages)
+    apart = Apart(a.graph).signals
+    energy = max(a.trace.energy, *(np.abs(apart.stored(s.y)).max() for s in a.segments))
+    own = apart.own_stiffness()
+    stiffness = np.abs(apart.after(0.0, left[0], a.segments[0].mode, own))
     with np.errstate(divide="ignore", invalid="ignore"):
         whole = np.sqrt(2.0 * energy / stiffness)
     floor = np.zeros(len(names))
@@ -287,14 +287,8 @@ def _added_up(run: Result) -> dict[tuple[str, str], float]:
         if segment.bonds is not None:
             total += h @ np.abs(segment.bonds[1:])
             continue
-        if run.trace.signals is not None:
-            wanted = [Name(f"{letter}:{k}") for letter in "ef" for k in range(len(bonds))]
-            w = np.abs(np.array(run.trace.signals.of(segment, wanted, segment.t)))
-        else:
-            assert isinstance(segment.interval, Interval)
-            equations = equations_of(run.program, segment)
-            values = run.program.evaluate_many(segment.t, segment.y, segment.interval, equations)
-            w = np.abs(values[run.program.slots.w])
+        wanted = [Name(f"{letter}:{k}") for letter in "ef" for k in range(len(bonds))]
+        w = np.abs(np.array(run.signals.of(segment, wanted, segment.t)))
         total += 0.5 * (w[:, 1:] + w[:, :-1]) @ h
     found: dict[tuple[str, str], float] = {}
     for k, bond in enumerate(bonds):

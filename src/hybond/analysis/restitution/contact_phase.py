@@ -7,22 +7,26 @@ from the approach (bodies at the impact speed, springs free), and one rule says 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hybond.analysis.restitution.branches import Branch, structure
 from hybond.analysis.restitution.contact import Contact
 from hybond.analysis.restitution.half_period import Ends, Phase
-from hybond.errors import HybondError, NumericsError
+from hybond.analysis.structure.mode_matrices import ModeMatrices
+from hybond.engine.outcome.apart import Apart
+from hybond.engine.outcome.signals import Signals
+from hybond.equations.calculus import rate_name
+from hybond.equations.descriptor import Descriptor
+from hybond.errors import EquationError, HybondError, NumericsError
 from hybond.model.expressions import Binary, Compare, Expr, Name, Neg, Number, comparisons
 from hybond.model.graph import FlatGraph, Integral, Machine, Mode, Rule, Storage
 from hybond.model.laws import Law
-from hybond.programs.interval import interval_after
-from hybond.programs.program import Program
-from hybond.programs.start import start_of
 from hybond.simulation import simulate
+
+Vector = NDArray[np.float64]
 
 RTOL, STIFF_RTOL = 1e-10, 1e-11
 """Relative tolerances of the simulated contact phase."""
@@ -82,19 +86,11 @@ def simulated_phase(
     until = 4.0 / fast if fast else 1e-9
     for _ in range(LONGEST):
         run = simulate(held, until, solver=chosen, rtol=rtol, on_error="return")
-        read = run.program.compile(closing)
+        signals = run.signals
+        assert isinstance(signals, Signals)
 
-        def value_at(
-            t: float,
-            y: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-            mode: Mode,
-            *,
-            program: Program = run.program,
-            read: Callable[..., float] = read,
-        ) -> float:
-            interval = interval_after(held, t)
-            v = program.evaluate(t, y, interval, program.equations(mode, interval, t))
-            return float(read(v))
+        def value_at(t: float, y: Vector, mode: Mode, *, signals: Signals = signals) -> float:
+            return signals.after(t, y, mode, [closing])[0]
 
         for event in run.events[1:]:
             if any(f.target == _ENDED for step in event.steps for f in step.fired):
@@ -187,16 +183,13 @@ def _vote(
             storages=_approach(graph, contact, sign, loads=True),
             machines=_parked(graph, tuple(mode)),
         )
-        program = Program(started)
-        interval = interval_after(started, 0.0)
         try:
-            equations = program.equations(tuple(mode), interval, 0.0)
-            y = start_of(program)
+            at = Apart(started)
+            y = at.start
             if not enters:
-                y = y + 1e-9 * program.field(equations, interval)(0.0, y)
-            holds[sign] = bool(
-                program.compile(compare)(program.evaluate(0.0, y, interval, equations))
-            )
+                moves = [*map(rate_name, graph.storages), *(i.rate for i in graph.integrals)]
+                y = y + 1e-9 * np.array(at.signals.after(0.0, y, tuple(mode), moves))
+            holds[sign] = bool(at.signals.after(0.0, y, tuple(mode), [compare])[0])
         except HybondError:
             # a law that has no value under tension: this is not the side that pushes
             return 0 if enters else -sign
@@ -205,30 +198,23 @@ def _vote(
 
 def is_linear(graph: FlatGraph, mode: Mode) -> bool:
     """Whether motion in `mode` is linear in stored quantities and sources."""
-    program = Program(graph)
-    equations = program.equations(mode, interval_after(graph, 0.0), 0.0)
-    return equations.linear and equations.storage.linear
+    return _matrices(graph, mode) is not None
 
 
 def rates_of(graph: FlatGraph) -> tuple[float, float]:
     """Return the fastest and the slowest rate of the start mode, 1/s; zeros if not linear."""
-    program = Program(graph)
-    interval = interval_after(graph, 0.0)
-    equations = program.equations(graph.start_mode, interval, 0.0)
-    n = program.nx
-    if not (equations.linear and equations.storage.linear):
-        return 0.0, 0.0
-    field = program.field(equations, interval)
-    zero = np.zeros(n + program.ns + 2)
-    offset = field(0.0, zero)[:n]
-    columns = []
-    for k in range(n):
-        unit = zero.copy()
-        unit[k] = 1.0
-        columns.append(field(0.0, unit)[:n] - offset)
-    sizes = np.abs(np.linalg.eigvals(np.array(columns).T)) if n else np.zeros(0)
+    found = _matrices(graph, graph.start_mode)
+    sizes = np.abs(found.poles()) if found is not None else np.zeros(0)
     moving = sizes[sizes > 1e-9 * sizes.max(initial=0.0)]
     return (float(moving.max()), float(moving.min())) if len(moving) else (0.0, 0.0)
+
+
+def _matrices(graph: FlatGraph, mode: Mode) -> Descriptor | None:
+    """Return the equations of a mode as matrices, None if it is not linear."""
+    try:
+        return ModeMatrices(graph, ()).at(mode, ())
+    except (EquationError, NumericsError):
+        return None
 
 
 # -- the graph held in contact

@@ -80,6 +80,7 @@ SHOWN int hybond_model_size(void);
 SHOWN HybondRun *hybond_begin(const Model *model);
 SHOWN void hybond_ask(void *who, HybondQuestion *question, void (*ask)(int));
 SHOWN int hybond_run(HybondRun *run, int slice);
+SHOWN int hybond_try(HybondRun *run, const int *state, int *hold);
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen);
 SHOWN void hybond_fault(const HybondRun *run, int which, HybondFault *seen);
 SHOWN void hybond_forget(HybondRun *run);
@@ -177,6 +178,16 @@ SHOWN int hybond_run(HybondRun *run, int slice)
     return run->status;
 }
 
+/* Try a mode at the start of a run that has not begun; `hold` says which rules leave it. */
+SHOWN int hybond_try(HybondRun *run, const int *state, int *hold)
+{
+    if (setjmp(run->own.arena.spent) != 0) {
+        return run->own.raised ? RAISED : SPENT;
+    }
+    run->settling = true;
+    return try_at_start(run->e, run->r, state, hold);
+}
+
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
 {
     const Engine *e = run->e;
@@ -189,7 +200,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->states = e->states;
     seen->evaluations = e->evaluations;
     seen->modes_made = e->modes_made;
-    seen->propagated = e->exact == NULL ? NULL : e->exact->found;
+    seen->propagated = e->exact == NULL || e->quantised != NULL ? NULL : e->exact->found;
     seen->steps = log->steps;
     seen->instants = log->instants;
     seen->visits = log->visits;
@@ -292,6 +303,7 @@ SHOWN int hybond_look_into(HybondLook *look, double t, const int *state, const i
                            int surfaces, const int *surface, int product, int rows,
                            const int *branch, double energy);
 SHOWN int hybond_look_modes(HybondLook *look, int *state);
+SHOWN int hybond_look_linear(HybondLook *look, int *why);
 SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
                              const int *slot, double *out);
 SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
@@ -299,6 +311,9 @@ SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int ma
 SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, double *out);
 SHOWN int hybond_look_energies(HybondLook *look, const HybondPoints *points, const double *end,
                                double *out);
+SHOWN int hybond_look_stored(HybondLook *look, int many, const double *y, double *out);
+SHOWN int hybond_look_sources(HybondLook *look, int *source, int *rated);
+SHOWN int hybond_look_by_knowns(HybondLook *look, int many, const double *known, double *out);
 SHOWN void hybond_look_fault(const HybondLook *look, const char **texts, double *t);
 SHOWN void hybond_look_end(HybondLook *look);
 
@@ -357,6 +372,16 @@ SHOWN int hybond_look_modes(HybondLook *look, int *state)
     return state == NULL ? look->e->slide->parts : parts_of(look->e, state);
 }
 
+/* Why the mode is not linear: as `why_not_linear` in look.py. */
+SHOWN int hybond_look_linear(HybondLook *look, int *why)
+{
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
+    }
+    *why = why_not_linear(look->e);
+    return OK;
+}
+
 static void take_points(HybondLook *look, const HybondPoints *p)
 {
     if (p->step != NULL) {
@@ -405,6 +430,29 @@ SHOWN int hybond_look_energies(HybondLook *look, const HybondPoints *points, con
     }
     take_points(look, points);
     return look_energies(look->e, look->l, look->meter, end, out);
+}
+
+SHOWN int hybond_look_stored(HybondLook *look, int many, const double *y, double *out)
+{
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
+    }
+    return look_stored(look->e, look->l, many, y, out);
+}
+
+/* The sources of a linear mode; how many, or NOT_LINEAR. */
+SHOWN int hybond_look_sources(HybondLook *look, int *source, int *rated)
+{
+    return look_sources(look->e, source, rated);
+}
+
+SHOWN int hybond_look_by_knowns(HybondLook *look, int many, const double *known, double *out)
+{
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
+    }
+    look_by_knowns(look->e, many, known, out);
+    return 0;
 }
 
 /* Why and when a look was refused: code, reason, place. */

@@ -60,6 +60,10 @@ class Look(ABC):
         """Return the states of machines in each of these modes."""
 
     @abstractmethod
+    def _why_not_linear(self) -> int:
+        """Return why the mode is not linear."""
+
+    @abstractmethod
     def _ask(
         self,
         what: str,
@@ -74,6 +78,18 @@ class Look(ABC):
 
         `what` is the name of the public method; `outs` are rows of these points.
         """
+
+    @abstractmethod
+    def _sources(self) -> tuple[Numbers, Numbers] | None:
+        """Return the sources of a linear mode, and which of their rates are asked for."""
+
+    @abstractmethod
+    def _by_knowns(self, known: Vector) -> Vector:
+        """Return what rows of knowns make in a linear mode."""
+
+    @abstractmethod
+    def _stored(self, y: Vector) -> Vector:
+        """Return the stored energy of each row of states."""
 
     def into(
         self,
@@ -156,6 +172,19 @@ class Look(ABC):
         self._ready()
         with self._lock:
             return self._modes()
+
+    def why_not_linear(self) -> int:
+        """Return why the mode is not linear: a reason by its number; -1: it is; -2: no motion.
+
+        The tables are those for solver ``"exact"``.
+
+        Raises
+        ------
+        MemoryError
+        """
+        self._ready()
+        with self._lock:
+            return self._why_not_linear()
 
     def values(self, points: Points | Within, slots: ArrayLike) -> Vector:
         """Return values at points, shape (points, slots).
@@ -250,6 +279,69 @@ class Look(ABC):
         out = np.zeros((len(first), 3))
         self._look("energies", points, (out,), end=last)
         return out
+
+    def stored(self, y: ArrayLike) -> Vector:
+        """Return the energy that is stored in states, J, shape (states,).
+
+        Of nonlinear storage it is counted from where nothing is stored; on bonds where effort times
+        flow is no power there is none. It does not matter what is looked into.
+
+        Parameters
+        ----------
+        y : array, shape (states, stored quantities and integrated signals)
+
+        Raises
+        ------
+        ValueError
+            For states of another model.
+        """
+        states = floats(y, 2, "y")
+        if states.shape[1] != self._states:
+            raise ValueError(f"{states.shape[1]} states, the model has {self._states}")
+        with self._lock:
+            return self._stored(states)
+
+    def sources(self) -> tuple[Numbers, Numbers] | None:
+        """Return the sources of the mode, in the order of `by_knowns`, if it is linear.
+
+        Returns
+        -------
+        sources : array of int
+            Their numbers in the tables.
+        rated : array of int
+            Of each, whether its rate is asked for.
+        """
+        self._ready()
+        with self._lock:
+            return self._sources()
+
+    def by_knowns(self, known: ArrayLike) -> Vector:
+        """Return the bond variables that are made of what is known in a linear mode.
+
+        Parameters
+        ----------
+        known : array, shape (rows, storages + 2 * sources)
+            Co-energy variables, sources and rates of sources; or derivatives of all of these.
+
+        Returns
+        -------
+        array, shape (rows, 2 * bonds)
+
+        Raises
+        ------
+        ValueError
+            For a mode that is not linear, or another number of knowns.
+        """
+        self._ready()
+        rows = np.asarray(known, dtype=np.float64, order="C")
+        with self._lock:
+            found = self._sources()
+            if found is None:
+                raise ValueError("the mode is not linear")
+            size = int(self._numbers["storages"]) + 2 * len(found[0])
+            if rows.ndim != 2 or rows.shape[1] != size:
+                raise ValueError(f"rows of {size} knowns, not shape {rows.shape}")
+            return self._by_knowns(rows)
 
     def _look(
         self,

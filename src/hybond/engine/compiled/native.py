@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
@@ -123,6 +123,7 @@ def library() -> ctypes.CDLL:
     found.hybond_begin.restype = ctypes.c_void_p
     found.hybond_begin.argtypes = [ctypes.c_void_p]
     found.hybond_run.argtypes = [ctypes.c_void_p, ctypes.c_int]
+    found.hybond_try.argtypes = [ctypes.c_void_p] * 3
     found.hybond_see.argtypes = [ctypes.c_void_p, ctypes.POINTER(Seen)]
     found.hybond_see.restype = None
     found.hybond_ask.argtypes = [ctypes.c_void_p, ctypes.POINTER(Question), CALLBACK]
@@ -440,6 +441,34 @@ class NativeRun:
             # there is none if a second interrupt came while the first one was kept
             raise self.error or KeyboardInterrupt
 
+    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
+        """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.
+
+        None if it cannot be entered: `fault` says why. The run can do nothing else any more.
+
+        Parameters
+        ----------
+        state : array of int, shape (machines,)
+
+        Raises
+        ------
+        ValueError
+            For a run that has begun.
+        MemoryError
+        """
+        asked = np.ascontiguousarray(state, dtype=np.intc)
+        hold = np.zeros(len(self.model.tables.rules), dtype=np.intc)
+        check_fresh(self.status, self.t)
+        with self._lock:
+            status = self._library.hybond_try(self._handle, asked.ctypes.data, hold.ctypes.data)
+            self._look()
+            self.status = REFUSED
+        if status == SPENT:
+            raise MemoryError
+        if self.error is not None:
+            raise self.error
+        return hold if status == OK else None
+
     def _rows(self) -> Rows:
         s = self._seen
         n, machines = s.states, self.model.record.machines
@@ -482,6 +511,17 @@ def check_slice(steps: int) -> None:
     """
     if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
         raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
+
+
+def check_fresh(status: int, t: float) -> None:
+    """Refuse to try a mode in a run that has begun.
+
+    Raises
+    ------
+    ValueError
+    """
+    if status != PAUSED or t > 0.0:
+        raise ValueError("the run has begun")
 
 
 def do_nothing() -> None:

@@ -33,10 +33,14 @@ def _looking() -> ctypes.CDLL:
             *(number, number, handle, ctypes.c_double),
         ],
         "modes": [handle, handle],
+        "linear": [handle, ctypes.POINTER(number)],
         "values": [handle, points, number, handle, handle],
         "parts": [handle, points, number, handle, handle, handle],
         "powers": [handle, points, handle],
         "energies": [handle, points, handle, handle],
+        "stored": [handle, number, handle, handle],
+        "sources": [handle, handle, handle],
+        "by_knowns": [handle, number, handle, handle],
         "fault": [handle, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(ctypes.c_double)],
         "end": [handle],
     }
@@ -110,6 +114,11 @@ class NativeLook(Look):
         self._library.hybond_look_modes(self._handle, address(found))
         return found
 
+    def _why_not_linear(self) -> int:
+        why = ctypes.c_int()
+        self._check(self._library.hybond_look_linear(self._handle, ctypes.byref(why)))
+        return why.value
+
     def _ask(
         self,
         what: str,
@@ -127,6 +136,24 @@ class NativeLook(Look):
             asked.append(address(end))
         places = (address(out) for out in outs)
         self._check(getattr(self._library, f"hybond_look_{what}")(self._handle, *asked, *places))
+
+    def _stored(self, y: Vector) -> Vector:
+        out = np.zeros(len(y))
+        given = self._handle, len(y), address(y), address(out)
+        self._check(self._library.hybond_look_stored(*given))
+        return out
+
+    def _sources(self) -> tuple[Numbers, Numbers] | None:
+        source, rated = np.zeros((2, max(self.model.record.most_sources, 1)), dtype=np.intc)
+        given = self._handle, address(source), address(rated)
+        many = self._library.hybond_look_sources(*given)
+        return None if many < 0 else (source[:many], rated[:many])
+
+    def _by_knowns(self, known: Vector) -> Vector:
+        out = np.zeros((len(known), 2 * self.model.record.bonds))
+        given = self._handle, len(known), address(known), address(out)
+        self._check(self._library.hybond_look_by_knowns(*given))
+        return out
 
     def _check(self, status: int) -> None:
         if status == OK:

@@ -17,8 +17,9 @@ from hybond.translate.modules import Program, load
 HERE = Path(__file__).parent
 ROOTS = (
     *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
-    *("make_look", "look_into", "points_at", "points_within", "ask_for"),
+    *("make_look", "look_into", "why_not_linear", "points_at", "points_within", "ask_for"),
     *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
+    *("look_stored", "look_sources", "look_by_knowns", "try_at_start"),
     *("run_code", "run_pair_code"),
 )
 """What `library.c` calls, and what evaluates expressions."""
@@ -73,7 +74,7 @@ static void call_block(Calls *c, int block, double t)
 }
 """,
 }
-LOOKING = ("asked", "look", "energies")
+LOOKING = ("asked", "look", "energies", "known")
 """Modules that exports do not have; they have `report` instead of `log`."""
 NAMES = {
     "machine_name": "machine_names",
@@ -89,7 +90,8 @@ NAMES = {
 def program() -> Program:
     """Return the engine as a program, which logs what it does."""
     looking = [ENGINE / "looking" / f"{name}.py" for name in LOOKING]
-    roots = [ENGINE / "run" / "motion.py", ENGINE / "expressions" / "code.py", *looking]
+    running = [ENGINE / "run" / f"{name}.py" for name in ("motion", "trying")]
+    roots = [*running, ENGINE / "expressions" / "code.py", *looking]
     return load(roots, portable_paths())
 
 

@@ -252,8 +252,7 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
     """
     m = e.model
     fired = 0
-    stack = e.work.stack
-    show_trial(e, stack)
+    show_trial(e, e.work.stack)
     for k in range(m.machines):
         g.target[k] = e.trial.state[k]
         if m.is_law[k] != 0:
@@ -262,27 +261,37 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if not is_asked(e, k, r, e.trial.state[k]):
                 continue
-            if e.trial.loose > 0 and is_indeterminate(e, r):
-                if m.tells != 0 and m.decided != 0:
-                    warn_of_open(e, r)
-                else:
-                    why = "a guard reads what the equations leave open"
-                    say_fault(e, "HB-J102", why, rule_text(m, r))
-                    if m.tells != 0:
-                        tell_open_rule(e, r)
-                    return -1
-            measure_trial(e, r)
-            true = holds(m, r, stack)
-            if stack.refused != 0:
-                refuse_pair(e, t, rule_text(m, r))
-                if m.tells != 0:
-                    add_fact(e.fault, float(r))
+            true = rule_holds(e, t, r)
+            if true < 0:
                 return -1
-            if true and not chosen:
+            if true > 0 and not chosen:
                 chosen = True
                 fired += 1
                 g.target[k] = m.rule_target[r]
     return fired
+
+
+def rule_holds(e: Engine, t: float, r: int) -> int:
+    """Return whether the guard of a rule holds in the trial, 1 or 0; -1 if it has no truth."""
+    m = e.model
+    if e.trial.loose > 0 and is_indeterminate(e, r):
+        if m.tells != 0 and m.decided != 0:
+            warn_of_open(e, r)
+        else:
+            why = "a guard reads what the equations leave open"
+            say_fault(e, "HB-J102", why, rule_text(m, r))
+            if m.tells != 0:
+                tell_open_rule(e, r)
+            return -1
+    stack = e.work.stack
+    measure_trial(e, r)
+    true = holds(m, r, stack)
+    if stack.refused != 0:
+        refuse_pair(e, t, rule_text(m, r))
+        if m.tells != 0:
+            add_fact(e.fault, float(r))
+        return -1
+    return 1 if true else 0
 
 
 def is_indeterminate(e: Engine, rule: int) -> bool:

@@ -12,6 +12,7 @@ from hybond.engine.compiled.points import Numbers, Points, Vector, Within
 from hybond.engine.engine import OK, make_engine
 from hybond.engine.interpreted.run import PythonModel
 from hybond.engine.looking.energies import look_energies, look_powers, make_meter
+from hybond.engine.looking.known import look_by_knowns, look_sources, look_stored
 from hybond.engine.looking.look import (
     ask_for,
     look_into,
@@ -21,6 +22,7 @@ from hybond.engine.looking.look import (
     parts_of,
     points_at,
     points_within,
+    why_not_linear,
 )
 from hybond.errors import NumericsError
 
@@ -66,6 +68,9 @@ class PythonLook(Look):
         parts_of(self._engine, found)
         return np.array(found, dtype=np.intc).reshape(self._parts, machines)
 
+    def _why_not_linear(self) -> int:
+        return why_not_linear(self._engine)
+
     def _ask(
         self,
         what: str,
@@ -93,6 +98,23 @@ class PythonLook(Look):
             self._check(look_energies, self._meter, end.tolist(), *found)
         for out, row in zip(outs, found, strict=True):
             out[...] = np.array(row).reshape(out.shape)
+
+    def _stored(self, y: Vector) -> Vector:
+        out = [0.0] * len(y)
+        look_stored(self._engine, self._own, len(y), y.ravel().tolist(), out)
+        return np.array(out)
+
+    def _sources(self) -> tuple[Numbers, Numbers] | None:
+        source, rated = ([0] * self._record.most_sources for _ in range(2))
+        many = look_sources(self._engine, source, rated)
+        if many < 0:
+            return None
+        return np.array(source[:many], dtype=np.intc), np.array(rated[:many], dtype=np.intc)
+
+    def _by_knowns(self, known: Vector) -> Vector:
+        out = [0.0] * (len(known) * 2 * self._record.bonds)
+        look_by_knowns(self._engine, len(known), known.ravel().tolist(), out)
+        return np.array(out).reshape(len(known), 2 * self._record.bonds)
 
     def _take(self, points: Points | Within, first: int, last: int) -> None:
         """Hand over points, and of steps those in which they lie."""

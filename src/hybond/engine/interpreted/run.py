@@ -12,7 +12,7 @@ from traceback import walk_tb
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import Calls
@@ -24,15 +24,17 @@ from hybond.engine.compiled.native import (
     REFUSED,
     SLICE,
     Rows,
+    check_fresh,
     check_slice,
     do_nothing,
 )
 from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.engine import Fault, make_engine
+from hybond.engine.engine import OK, Fault, make_engine
 from hybond.engine.model import Model
 from hybond.engine.run.log import forget_rows, make_report, report_broken
 from hybond.engine.run.motion import run_to_end
 from hybond.engine.run.run_records import make_run
+from hybond.engine.run.trying import try_at_start
 from hybond.engine.tables import ModelTables, answered
 
 CALLS = (Calls.value.__code__, Calls.rate.__code__, Calls.block.__code__)
@@ -207,6 +209,20 @@ class PythonRun:
         self._close_runners()
         if self.error is not None:
             raise self.error
+
+    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
+        """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.
+
+        As `hybond.engine.compiled.native.NativeRun.tried`.
+        """
+        check_fresh(self.status, self.t)
+        asked = np.asarray(state, dtype=np.intc).tolist()
+        hold = [0] * len(self.model.tables.rules)
+        with self._lock:
+            self.status = REFUSED
+            self._settling = True
+            status = try_at_start(self._engine, self._run, asked, hold)
+        return np.array(hold, dtype=np.intc) if status == OK else None
 
     def _go(self, many: int) -> None:
         self._run.slice = many

@@ -10,6 +10,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import clear, sign_at
 from hybond.engine.instant.jump import enter_mode
+from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
 from hybond.engine.mode.sizes import STORED, measure_values, seen_of
@@ -65,6 +66,9 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     e.energy = energy
     for k in range(m.storages):
         r.v[m.stored_slot + k] = r.x[k]
+    if found == OK and not r.gaps_known:
+        r.gaps_known = True
+        found = check_gaps(e, r)
     return found
 
 

@@ -203,6 +203,8 @@ class Laws:
     broken: int
     broken_machine: Ints
     broken_target: Ints
+    gaps_known: bool
+    """Whether gaps were held against what their bonds close."""
     sweep: bool
     """Whether approaches that are only rounding are taken away, as guards ask in vain."""
     rules_held: int

@@ -11,6 +11,9 @@ from hybond.engine.methods.control import (
     controlled_step,
 )
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
+from hybond.engine.methods.qss import qss_retry, qss_step
+from hybond.engine.methods.qss_room import QSS1
+from hybond.engine.methods.qss_start import qss_start
 from hybond.engine.methods.radau import radau_between
 from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
 from hybond.engine.words import Floats
@@ -22,6 +25,8 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
     if e.model.method == RADAU:
         return radau_start(e, t, y, t_bound, jumped)
+    if e.model.method >= QSS1:
+        return qss_start(e, t, y, t_bound, jumped)
     if e.model.method >= RK4:
         return fixed_start(e, t, y, jumped)
     return controlled_start(e, t, y, t_bound, jumped)
@@ -33,6 +38,8 @@ def step(e: Engine, t_end: float) -> int:
     e.curved = False
     if e.model.method == RADAU:
         return radau_step(e, t_end)
+    if e.model.method >= QSS1:
+        return qss_step(e, t_end)
     if e.model.method >= RK4:
         return fixed_step(e, t_end)
     return controlled_step(e, t_end)
@@ -44,6 +51,8 @@ def retry(e: Engine, t_end: float) -> int:
     e.curved = False
     if e.model.method == RADAU:
         return radau_retry(e, t_end)
+    if e.model.method >= QSS1:
+        return qss_retry(e, t_end)
     if e.model.method >= RK4:
         return fixed_retry(e, t_end)
     return controlled_retry(e, t_end)

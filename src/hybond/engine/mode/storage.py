@@ -13,7 +13,10 @@ from hybond.engine.model import Model, value
 from hybond.engine.words import Floats, float_table
 
 PARTS: Final = 200
-"""Pieces into which the integral of an energy is divided at the most."""
+"""Pieces into which the integral of an energy is divided at the most, between two kinks."""
+KINK_SAMPLES: Final = 16
+"""Parts of the way in each of which a kink is looked for."""
+KINK_HALVINGS: Final = 60
 NODE: Final = float_table(
     0.995657163025808080735527280689003,
     0.973906528517171720077964012084452,
@@ -130,17 +133,22 @@ def energy_of(e: Engine, x: Floats) -> float:
     return total
 
 
+def place_along(e: Engine, g: int, x: Floats, part: float) -> None:
+    """Put a part of what a storage stores where its laws read it."""
+    m = e.model
+    for i in range(m.group_first[g], m.group_first[g + 1]):
+        k = m.group_storage[i]
+        e.work.values[m.stored_slot + k] = part * x[k]
+
+
 def power_at(e: Engine, g: int, x: Floats, part: float) -> float:
     """Return ``z dx`` of a storage at a part of the way from 0 to what it stores."""
     m = e.model
-    v = e.work.values
-    for i in range(m.group_first[g], m.group_first[g + 1]):
-        k = m.group_storage[i]
-        v[m.stored_slot + k] = part * x[k]
+    place_along(e, g, x, part)
     total = 0.0
     for i in range(m.group_first[g], m.group_first[g + 1]):
         k = m.group_storage[i]
-        total += value(m, m.co_energy[k], v) * x[k]
+        total += value(m, m.co_energy[k], e.work.values) * x[k]
     return total
 
 
@@ -155,11 +163,23 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
             power = power_at(e, g, x, m.point_at[first + i])
             total += m.point_weight[first + i] * power
         return total
-    # halves until each piece is as good as it can be, from the left
+    # the formulas sample: of a spring with play they may see nothing but the play
     low = 0.0
-    width = 1.0
+    while low < 1.0:
+        high = next_bend(e, g, x, low)
+        total += energy_between(e, g, x, low, high)
+        low = high
+    return total
+
+
+def energy_between(e: Engine, g: int, x: Floats, begin: float, end: float) -> float:
+    """Integrate ``z dx`` over a part of the ray without kinks."""
+    total = 0.0
+    # halves until each piece is as good as it can be, from the left
+    low = begin
+    width = end - begin
     for _ in range(PARTS):
-        if low >= 1.0:
+        if low >= end:
             break
         fine = 0.0
         coarse = 0.0
@@ -175,10 +195,56 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
         if good or width <= 1e-9:
             total += 0.5 * width * fine
             low += width
-            width = min(2.0 * width, 1.0 - low)
+            width = min(2.0 * width, end - low)
         else:
             width = 0.5 * width
     return total
+
+
+def next_bend(e: Engine, g: int, x: Floats, low: float) -> float:
+    """Return where on its ray a law of a storage next has a kink or a jump; 1: nowhere.
+
+    What changes its sign there is looked at in KINK_SAMPLES parts of the ray.
+    """
+    m = e.model
+    found = 1.0
+    for i in range(m.bend_first[g], m.bend_first[g + 1]):
+        bend = m.bend_value[i]
+        before = low
+        one = turn_at(e, g, x, bend, low)
+        for k in range(1, KINK_SAMPLES + 1):
+            after = float(k) / float(KINK_SAMPLES)
+            if after <= before or before >= found:
+                continue
+            other = turn_at(e, g, x, bend, after)
+            if other == 0.0 and after < found:
+                found = after
+            if one * other < 0.0:
+                found = min(found, root_of_turn(e, g, x, bend, before, after, one))
+            before = after
+            one = other
+    return found
+
+
+def turn_at(e: Engine, g: int, x: Floats, bend: int, part: float) -> float:
+    """Return what changes its sign at a kink, at a part of the ray."""
+    place_along(e, g, x, part)
+    return value(e.model, bend, e.work.values)
+
+
+def root_of_turn(
+    e: Engine, g: int, x: Floats, bend: int, low: float, high: float, one: float
+) -> float:
+    """Return where it changes its sign, by halves; `one` is its value at `low`."""
+    left = low
+    right = high
+    for _ in range(KINK_HALVINGS):
+        middle = 0.5 * (left + right)
+        if turn_at(e, g, x, bend, middle) * one > 0.0:
+            left = middle
+        else:
+            right = middle
+    return right
 
 
 def reach_of(e: Engine, x: Floats, energy: float, reach: Floats) -> None:

@@ -6,10 +6,14 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from types import FrameType
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.native import ACCUMULATES, REFUSED
@@ -25,6 +29,8 @@ from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.trace import Accumulation, Trace
 
+SHARED = 2
+"""Graphs whose tables are kept for the next run: the last ones."""
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
 FIRST = 1
@@ -72,32 +78,56 @@ class Settings:
     theta: float = 0.5
 
     def tables(self, graph: FlatGraph) -> ModelTables:
-        """Return the tables of a model for such a run.
+        """Return the tables of a model for such a run; runs of one graph share them.
 
         Raises
         ------
         ModelError
             As `tables_of`.
         """
-        numbers: dict[str, float] = {
-            "until": self.until,
-            "points": 1,
-            "rtol": self.rtol,
-            "atol": math.nan if self.atol is None else self.atol,
-            "max_step": self.max_step,
-            "event_tol": self.event_tol,
-            # the library counts no further
-            "max_writes": min(self.max_writes, LARGEST),
-            "max_events": min(self.max_events, LARGEST),
-            "max_steps": min(self.max_steps, LARGEST),
-            "method": METHODS[self.solver],
-            "step": self.step or 0.0,
-            "theta": self.theta,
-            "slides": int(self.slides),
-            "impact": IMPACTS[self.impact[0]],
-            "impact_exponent": self.impact[1],
-        }
-        return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
+        return _tables_for(_Asked(graph, self))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Asked:
+    """What tables are asked for; a graph is known by its identity."""
+
+    graph: FlatGraph
+    settings: Settings
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Asked):
+            return NotImplemented
+        return self.graph is other.graph and self.settings == other.settings
+
+    def __hash__(self) -> int:
+        return hash((id(self.graph), self.settings))
+
+
+@lru_cache(maxsize=SHARED)
+def _tables_for(asked: _Asked) -> ModelTables:
+    s = asked.settings
+    numbers: dict[str, float] = {
+        "until": s.until,
+        "points": 1,
+        "rtol": s.rtol,
+        "atol": math.nan if s.atol is None else s.atol,
+        "max_step": s.max_step,
+        "event_tol": s.event_tol,
+        # the library counts no further
+        "max_writes": min(s.max_writes, LARGEST),
+        "max_events": min(s.max_events, LARGEST),
+        "max_steps": min(s.max_steps, LARGEST),
+        "method": METHODS[s.solver],
+        "step": s.step or 0.0,
+        "theta": s.theta,
+        "slides": int(s.slides),
+        "impact": IMPACTS[s.impact[0]],
+        "impact_exponent": s.impact[1],
+    }
+    return tables_of(
+        asked.graph, options=Options(asked.graph, numbers, []), calling=True, tells=True
+    )
 
 
 class EngineRun:
@@ -157,6 +187,33 @@ class EngineRun:
             self._note_stuck()
             return "accumulation"
         return "ok"
+
+    def begin(self) -> None:
+        """Settle the start, and go on no further than that takes.
+
+        Raises
+        ------
+        HybondError
+            What stopped it there. The run can do nothing else any more.
+        """
+        rows = next(self._run.slices(steps=1))
+        self.records.add(rows)
+        self.records.close()
+        if not self.trace.events:
+            raise self._error()
+
+    def tried(self, mode: Sequence[int]) -> NDArray[np.intc]:
+        """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.
+
+        Raises
+        ------
+        HybondError
+            If it cannot be entered, or a guard has no truth there.
+        """
+        found = self._run.tried(mode)
+        if found is None:
+            raise self._error()
+        return found
 
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.look import Look
@@ -31,6 +32,9 @@ class SlicedRun(Protocol):
         between: Callable[[float], None] | None = None,
     ) -> Iterator[Rows]:
         """Run on to the end; yield what was written down, slice after slice."""
+
+    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
+        """Enter a mode at the start: of each rule whether it leaves it."""
 
     @property
     def t(self) -> float:

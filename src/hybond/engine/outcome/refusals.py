@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import describe_conflict
+from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
-from hybond.equations.ports import base_mode
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
@@ -237,6 +237,20 @@ def _limits(c: Case) -> Said:
     return Said(why, path, "a size: abs(...), or the other sign of the force that it follows")
 
 
+def _gap(c: Case) -> Said:
+    port, opening, closing = c.refusal.about
+    laws = [law for m in c.graph.machines if m.law is not None for law in m.law.junctions]
+    node = c.graph.nodes[laws[int(port)].node]
+    net = f"{node.path}.{'f' if node.kind == '0' else 'e'}"
+    return Said(
+        f"the gap of {node.path!r} is not the distance that its bonds close: where "
+        f"-{net} = {-closing:.6g} the gap changes by {opening:.6g} per second",
+        f"elements.{node.path}.gap",
+        f"the gap must grow at the rate -{net}: look at its sign, at the arrows of the bonds, and "
+        "at what else moves",
+    )
+
+
 def _slides_on(c: Case) -> Said:
     endless, *machines = c.numbers
     where = ", ".join(c.graph.machines[k].path for k in machines)
@@ -266,6 +280,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-N302": _no_value,
     "HB-N303": _no_jump,
     "HB-N304": _no_jump,
+    "HB-M205": _gap,
     "HB-N305": _no_sample,
     "HB-N405": _nowhere,
     "HB-N406": _in_vain,

@@ -17,7 +17,7 @@ from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Interpolants
-from hybond.model.expressions import ARRAYS, Expr, compile_expression, names, uses_pre
+from hybond.model.expressions import ARRAYS, Expr, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
 from hybond.trace import Segment, Trace
 
@@ -127,13 +127,84 @@ class Signals:
         self, t: float, state: Vector, mode: Mode, expressions: Sequence[Expr]
     ) -> list[float]:
         """Return expressions at an instant after which nothing follows, in its last mode."""
-        slots = self._read(expressions)
-        at = Points([t], state[None, : self._states], accepted=True)
         with self._lock:
             self._into = None
             self._look.into(t, list(mode), energy=self._energy)
-            columns = self._columns(slots, self._look.values(at, slots))
-        return [float(self._value(e, columns, (1,))[0]) for e in expressions]
+            found = self._at(expressions, np.array([t]), state[None])
+        return [float(values[0]) for values in found]
+
+    def at(
+        self, segment: Segment, expressions: Sequence[Expr], t: Vector, y: Vector
+    ) -> list[Vector]:
+        """Return expressions by the equations of a segment in states beside its own motion.
+
+        Parameters
+        ----------
+        segment : Segment
+        expressions : sequence of Expr
+            In canonical names.
+        t : array, shape (times,)
+        y : array, shape (times, states)
+            Taken as they are, and not put back on constraints.
+        """
+        with self._lock:
+            self._enter(segment)
+            return self._at(expressions, t, y)
+
+    def _at(self, expressions: Sequence[Expr], t: Vector, y: Vector) -> list[Vector]:
+        slots = self._read(expressions)
+        points = Points(t, y[:, : self._states], accepted=True)
+        columns = self._columns(slots, self._look.values(points, slots))
+        return [self._value(e, columns, t.shape) for e in expressions]
+
+    def stored(self, y: Vector) -> Vector:
+        """Return the energy that is stored in states, rows of `y`, J."""
+        return self._look.stored(y[:, : self._states])
+
+    def own_stiffness(self) -> list[Expr]:
+        """Return the derivative of each co-energy variable by what its storage itself stores."""
+        ints = self._model.tables.ints
+        first, other, law = (ints[name] for name in ("stiff_first", "stiff_other", "stiff_value"))
+        rows = (range(first[k], first[k + 1]) for k in range(len(self.graph.storages)))
+        return [
+            self._expression(law[i], "stiff_constant", i)
+            for k, row in enumerate(rows)
+            for i in row
+            if other[i] == k
+        ]
+
+    def _expression(self, law: int, constant: str, k: int) -> Expr:
+        """Return an entry of the tables: an expression by its number, or a constant."""
+        tables = self._model.tables
+        return tables.values.all[law] if law >= 0 else Number(tables.floats[constant][k])
+
+    def sources(self, segment: Segment) -> tuple[list[Expr], list[bool]] | None:
+        """Return the sources of a linear mode, and which of their rates are asked for.
+
+        None where bond variables are no matrix times what is known.
+        """
+        with self._lock:
+            self._enter(segment)
+            found = self._look.sources()
+        if found is None:
+            return None
+        numbers, rated = found
+        law = self._model.tables.ints["source_value"]
+        values = [self._expression(law[k], "source_constant", k) for k in numbers.tolist()]
+        return values, [bool(k) for k in rated.tolist()]
+
+    def by_knowns(self, segment: Segment, known: Vector) -> Vector:
+        """Return the bond variables that knowns make in a linear mode, shape (2 bonds, points).
+
+        Parameters
+        ----------
+        segment : Segment
+        known : array, shape (storages + 2 * sources, points)
+            Co-energy variables, values of `sources`, their rates; or derivatives of all of these.
+        """
+        with self._lock:
+            self._enter(segment)
+            return self._look.by_knowns(known.T).T
 
     def bonds(self, segment: Segment) -> Vector:
         """Return bond variables at the accepted points, shape (2 bonds, points times modes).

@@ -7,6 +7,7 @@ HB-J101    the rule, or ``-1 - k`` for integrated signal k
 HB-J102    the rule; bond variables that are open
 HB-J110    0 impulses, 1 finite values; the ports that take part
 HB-J111    the rules that held, in the order in which they were found
+HB-M205    the port; how fast its gap opens; how fast its bonds close
 HB-N201    the step, s; the state that dominates the error, or -1
 HB-N202    the step, s, 0 at the start of a motion; the state whose rate has no value, or -1
 HB-N301    the states of the mode; its elements that have laws

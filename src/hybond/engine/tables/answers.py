@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from hybond.engine.expressions import pairs
 from hybond.engine.model import Model
 from hybond.engine.tables.code import ONE, TWO
-from hybond.engine.tables.make import ModelTables
+from hybond.engine.tables.columns import ModelTables
 from hybond.model.expressions import (
     And,
     Binary,

@@ -10,7 +10,7 @@ from hybond.model.graph import FlatGraph, Sample
 from hybond.model.inputs import Called
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 BY_INPUT = 3
 """A switching surface has a slope by an input: `surface_kind`."""

@@ -18,7 +18,7 @@ from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Node, Rule
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 
 @dataclass(frozen=True, slots=True)

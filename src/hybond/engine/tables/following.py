@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from hybond.engine.tables.make import ModelTables, tables_of
-from hybond.engine.tables.options import METHODS
+from hybond.engine.tables.columns import ModelTables
+from hybond.engine.tables.make import tables_of
 from hybond.errors import HybondError
 from hybond.model.builder import Model
 from hybond.model.expressions import (
@@ -82,12 +82,10 @@ def followed(
         Of the run.
     """
 
-    def made(wanted: Collection[str], at: Values, **chosen: str) -> Following:
+    def made(wanted: Collection[str], at: Values) -> Following:
         plain = prepared(flatten(model, at))
         trail = Trail(wanted)
-        tables = tables_of(
-            prepared(flatten(model, at, trail)), plain, calling=False, **{**options, **chosen}
-        )
+        tables = tables_of(prepared(flatten(model, at, trail)), plain, calling=False, **options)
         for e in (*tables.values.all, *tables.pairs):
             _ask_squares(e)
         return Following(tables, plain, trail)
@@ -97,9 +95,7 @@ def followed(
     while True:
         base = made(wanted, {})
         base.fixed = fixed
-        # what "auto" chose for the model stays
-        solver = next(k for k, v in METHODS.items() if v == base.tables.numbers["method"])
-        proof = _Proof(base, partial(made, wanted, solver=solver))
+        proof = _Proof(base, partial(made, wanted))
         gone = {k: f"it goes into {why}" for k, why in base.trail.lost.items()} | proof.pinned
         if wanted and not gone and not proof.holds(wanted):
             gone = {k: proof.refused.get(k, UNKNOWN) for k in proof.culprits(wanted)}

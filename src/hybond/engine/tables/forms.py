@@ -28,11 +28,14 @@ from hybond.model.expressions import Expr, Number, differentiate, names
 from hybond.model.expressions.traced import give_up
 from hybond.model.expressions.tree import walk
 from hybond.model.inputs import Called, Constant, Timetable
+from hybond.run_options import QUANTISED
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 STORAGE = "nonlinear storage"
+LINEAR = [METHODS[name] for name in ("exact", *QUANTISED)]
+"""Methods that read forms."""
 LAWS = "laws that are not linear"
 _STORED = ("x:", "s:", "e:", "f:")
 _COLUMNS = {
@@ -46,7 +49,7 @@ _COLUMNS = {
 
 def put_forms(t: ModelTables, sources: list[Source], dynamics: list[Dynamic]) -> None:
     """Put the forms of a model into its tables, if it is run by the method that reads them."""
-    if t.numbers["method"] == METHODS["exact"]:
+    if t.numbers["method"] in LINEAR:
         _Making(t).put(sources, dynamics)
         return
     t.numbers.update(generators=0, generator_one=0, forms_why=-1, reasons=0)

@@ -1,4 +1,4 @@
-"""Tables of the laws of junctions: the columns `port_*` of `portable.model.Model`."""
+"""Tables of the laws of junctions: the columns `port_*` of `hybond.engine.model.Model`."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING
 
+from hybond.causality.arrays import compile_arrays
+from hybond.causality.orientation import orientation
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.options import METHODS
-from hybond.equations.calculus import gradient
-from hybond.equations.ports import orientation
+from hybond.equations.calculus import gradient, partial_time
 from hybond.errors import ModelError
-from hybond.model.expressions import Expr, Number
+from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import HEADING, SLOW
 from hybond.names import join
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 NONE = -2
 """What stands for an option that a law does not have."""
@@ -71,7 +72,12 @@ def _put_option(t: ModelTables, option: str, laws: list[JunctionLaw]) -> None:
 
 
 def _put_gaps(t: ModelTables, laws: list[JunctionLaw]) -> None:
-    """Put gaps among the pairs as well: their rounding is that of their terms."""
+    """Put how fast gaps open, and gaps among the pairs: their rounding is that of their terms."""
+    # a constant gap says that the sides touch at all times, or never
+    moving = [None if law.gap is None or not names(law.gap) else law.gap for law in laws]
+    rates = [None if e is None else t.values.entry(partial_time(e, t.graph)) for e in moving]
+    t.ints["port_gap_rate"] = [NONE if rate is None else rate[0] for rate in rates]
+    t.floats["port_gap_rate_constant"] = [0.0 if rate is None else rate[1] for rate in rates]
     pairs = []
     for law in laws:
         if law.gap is None or isinstance(law.gap, Number):
@@ -152,10 +158,11 @@ def _put_orientation(t: ModelTables) -> None:
             where=g.name,
             hint="write the diodes and contacts as machines with rules, or split the model",
         )
+    arrays = compile_arrays(g)
     known: dict[frozenset[int], list[int]] = {}
     for mode in product(*(range(k) for k in sizes)):
         on = g.on_nodes(mode)
         if on not in known:
-            given = orientation(g, mode)
+            given = orientation(g, mode, arrays)
             known[on] = [int(v == "net") for v in given.values()]
         t.ints["orient"] += known[on]

@@ -7,16 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.start import start_of
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.run_options import (
-    AUTO,
+    ALIASES,
     FIXED,
     STEPPING,
     check_step,
@@ -31,7 +28,11 @@ from hybond.run_options import (
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
-METHODS = {"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4, "moreau-jean": 5}
+METHODS = {
+    **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
+    **{"qss1": 5, "qss2": 6, "qss3": 7, "liqss1": 8, "liqss2": 9, "liqss3": 10},
+    "moreau-jean": 11,
+}
 IMPACTS = {
     "newton": NEWTON,
     "newton_simultaneous": NEWTON_SIMULTANEOUS,
@@ -49,10 +50,8 @@ class Options:
     outputs: list[tuple[str, Expr]]
 
 
-def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> Options:
+def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     """Return the options of a run: those given, else the experiment's, else defaults.
-
-    `plain` is the same graph with numbers that are nothing but numbers.
 
     Raises
     ------
@@ -64,11 +63,7 @@ def options_of(graph: FlatGraph, plain: FlatGraph, given: Mapping[str, Any]) -> 
     experiment = graph.experiment
     end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
-    if name == AUTO:
-        from hybond.modes.fitting import fitting
-        from hybond.programs.program import Program
-
-        name = fitting(Program(plain), end, np.append(start_of(plain), [0.0, 0.0])).solver
+    name = ALIASES.get(name, name)
     if name not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from hybond.model.kinds import SOURCES
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 RESISTORS = ("R", "G")
 

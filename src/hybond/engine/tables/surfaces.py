@@ -1,10 +1,10 @@
-"""Tables of switching surfaces: the columns `surface_*` of `portable.model.Model`."""
+"""Tables of switching surfaces: the columns `surface_*` of `hybond.engine.model.Model`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
@@ -12,7 +12,7 @@ from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4, "on": 5, "in": 5}
 """What a switching function reads: stored quantities, signals, time, inputs, bond variables, and
@@ -39,14 +39,14 @@ def put_surfaces(t: ModelTables) -> None:
         int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
     ]
     slopes = [_slopes(t, s) for s in surfaces]
-    t.ints["surface_first"] = _first(slopes)
+    t.ints["surface_first"] = first_of(slopes)
     t.ints["surface_kind"] = [k for row in slopes for k, _, _ in row]
     t.ints["surface_index"] = [k for row in slopes for _, k, _ in row]
     t.ints["surface_slope"] = [k for row in slopes for _, _, (k, _) in row]
     t.floats["surface_constant"] = [a for row in slopes for _, _, (_, a) in row]
     # what else the rules ask for: first of the one that leads up, then of the other
     rests = [list(rest) for s in surfaces for rest in (s.up_rest, s.down_rest)]
-    t.ints["surface_rest"] = _first(rests)
+    t.ints["surface_rest"] = first_of(rests)
     t.ints["rest_value"] = [t.values.number(e) for row in rests for e in row]
     t.ints["rest_moves"] = [int(moves(e)) for row in rests for e in row]
     _put_watched(t, [e for row in rests for e in row])
@@ -70,14 +70,6 @@ def _put_watched(t: ModelTables, rests: list[Expr]) -> None:
         tests.append(test)
         first.append(len(t.ints["atom_value"]))
     t.ints.update(rest_pair=pairs, rest_test=tests, rest_atom=first)
-
-
-def _first(rows: Sequence[Sequence[object]]) -> list[int]:
-    """Return where each row begins in all of them, and where the last ends."""
-    found = [0]
-    for row in rows:
-        found.append(found[-1] + len(row))
-    return found
 
 
 def _slopes(t: ModelTables, s: Surface) -> list[tuple[int, int, tuple[int, float]]]:

@@ -9,7 +9,7 @@ from hybond.equations.element_parts import Dynamic
 from hybond.model.expressions import Expr, Number, names
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 OUTER = ("u:", "at:", "in:", "on:")
 """Names that do not depend on the state."""

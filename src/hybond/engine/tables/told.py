@@ -10,7 +10,7 @@ from hybond.model.expressions import Expr
 from hybond.model.fieldless import reads_pre
 
 if TYPE_CHECKING:
-    from hybond.engine.tables.make import ModelTables
+    from hybond.engine.tables.columns import ModelTables
 
 
 def put_told(t: ModelTables, *, tells: bool) -> None:

@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import describe_conflict
+from hybond.causality.orientation import base_mode
 from hybond.equations.leakage import null_space
-from hybond.equations.ports import Port, PortEquations, Response, base_mode
+from hybond.equations.ports import Port, PortEquations, Response
 from hybond.errors import NumericsError
 from hybond.model.expressions import Expr, Number, compile_expression
 from hybond.model.graph import Mode

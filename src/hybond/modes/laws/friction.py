@@ -1,7 +1,4 @@
-"""Dry friction in the problem of all laws: its limits, and how it breaks loose.
-
-The same for both ways to move on: from event to event and in steps (`modes.stepping`).
-"""
+"""Dry friction in the problem of all laws: its limits, and how it breaks loose."""
 
 from __future__ import annotations
 

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.storage import StorageLaws
-from hybond.model.interval import Interval
-from hybond.modes.sliding.view import equations_of
-from hybond.programs.combined import Combined
-from hybond.programs.program import Program
-from hybond.trace import Segment, Trace
+from hybond.engine.outcome.apart import Apart
+from hybond.engine.outcome.signals import Signals
+from hybond.model.graph import FlatGraph
+from hybond.trace import Segment, SignalSource, Trace
 
 Vector = NDArray[np.float64]
 
@@ -78,16 +76,9 @@ class Audit:
         )
 
 
-def energies_of(trace: Trace, segment: Segment) -> Vector:
-    """Return energy supplied and dissipated in a segment up to its points, J, (points, 2)."""
-    if trace.signals is not None:
-        return trace.signals.energies(segment)
-    return np.asarray(segment.y[:, -2:] - segment.y[0, -2:])
-
-
-def audit(program: Program, trace: Trace) -> Audit:
+def audit(graph: FlatGraph, trace: Trace, signals: SignalSource) -> Audit:
     """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out."""
-    graph = program.graph
+    energies = signals if isinstance(signals, Signals) else Apart(graph).signals
     ends = [
         end
         for node in graph.nodes
@@ -99,7 +90,6 @@ def audit(program: Program, trace: Trace) -> Audit:
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
     largest = through = 0.0
-    storage = program.storage
     strongest, fastest = np.zeros(len(bond)), np.zeros(len(bond))
     for segment in trace.segments:
         if segment.bonds is not None:
@@ -117,7 +107,6 @@ def audit(program: Program, trace: Trace) -> Audit:
     totals: list[Vector] = []
     sizes: list[Vector] = []
     for segment in trace.segments:
-        assert isinstance(segment.interval, Interval)
         if segment.bonds is not None:
             w = segment.bonds.T
             e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
@@ -127,13 +116,11 @@ def audit(program: Program, trace: Trace) -> Audit:
             # what flows without a load feels the rounding of the largest one
             rounding = 0.1 * (e * fastest[:, None] + strongest[:, None] * f)
             sizes.append((e * f + rounding).sum(axis=0))
-            made, size_of = _created_by_steps(program, storage, segment)
+            made, size_of = _created_by_steps(energies, segment)
             created += made
             largest = max(largest, size_of)
             continue
-        signals = trace.signals
-        w = _bond_variables(program, segment) if signals is None else signals.bonds(segment)
-        metered = energies_of(trace, segment)
+        w = signals.bonds(segment)
         flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
         totals.append(total)
@@ -142,8 +129,8 @@ def audit(program: Program, trace: Trace) -> Audit:
         flux = size.reshape(len(segment.t), -1).max(axis=1)
         passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
         through = max(through, float(passing.sum()))
-        stored = np.array([storage.energy(y[: program.nx]) for y in segment.y])
-        supplied, dissipated = metered.T
+        stored = energies.stored(segment.y)
+        supplied, dissipated = signals.energies(segment).T
         balance = stored + dissipated - supplied
         passed = np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum()
         largest = max(largest, float(np.abs(stored).max(initial=0.0)), float(passed))
@@ -167,28 +154,15 @@ def audit(program: Program, trace: Trace) -> Audit:
     return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0))
 
 
-def _created_by_steps(
-    program: Program, storage: StorageLaws, segment: Segment
-) -> tuple[float, float]:
+def _created_by_steps(signals: Signals, segment: Segment) -> tuple[float, float]:
     """Return what the steps of a segment created, and the largest energy in it, J.
 
     A step loses energy in impacts, and by damping if theta is above 1/2. It should not have more at
     its end than what it began with and was supplied. It may, where a law lets go or takes hold
     within it, the less the shorter it is.
     """
-    stored = np.array([storage.energy(y[: program.nx]) for y in segment.y])
+    stored = signals.stored(segment.y)
     supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
     created = np.maximum(np.diff(stored - supplied), 0.0)
     passed = float(np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum())
     return float(created.sum()), max(float(np.abs(stored).max()), passed)
-
-
-def _bond_variables(program: Program, segment: Segment) -> Vector:
-    """Return bond variables at the points of a segment, shape (2 bonds, points times modes)."""
-    equations = equations_of(program, segment)
-    if isinstance(equations, Combined):
-        # averages of effort and flow are not the average power: each mode has its own
-        return np.asarray(equations.each(segment.t, segment.y))
-    assert isinstance(segment.interval, Interval)
-    values = program.evaluate_many(segment.t, segment.y, segment.interval, equations)
-    return np.asarray(values[program.slots.w])

@@ -1,0 +1,89 @@
+"""Whether the gap of a contact is the distance that its bonds close.
+
+The law of a contact acts on velocities, its gap is a signal that the modeller wrote. If the gap
+does not open at the speed at which the bonds separate, the contact closes at the wrong place, or
+never. The two are compared at velocities of no meaning, always the same ones.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.ports import open_mode, solve_with
+from hybond.engine.model import Model, node_name, value
+from hybond.engine.reasons.facts import add_fact
+from hybond.engine.words import Floats
+
+PROBES: Final = 3
+"""Velocities at which the two speeds are compared."""
+GAP_APART: Final = 1e-6
+"""Part of the larger of them by which they may differ."""
+NO_GAP: Final = -2
+"""What stands for a gap that is none, or that is constant: its sides touch at all times."""
+LEHMER: Final = 16807.0
+MERSENNE: Final = 2147483647.0
+"""The generator of Park and Miller: numbers without pattern, the same wherever they are made."""
+
+
+def check_gaps(e: Engine, r: Laws) -> int:
+    """Refuse a gap that does not change as fast as the bonds of its contact say: HB-M205.
+
+    `r.now` are the ports of the mode, `r.v` and `r.x` values and state there.
+    """
+    m = e.model
+    if not has_gaps(m):
+        return OK
+    mode = open_mode(e, r.now)
+    seed = 1.0
+    found = OK
+    for _ in range(PROBES):
+        for i in range(2 * m.slots):
+            r.later[i] = r.v[i]
+        for k in range(m.storages):
+            seed = math.fmod(LEHMER * seed, MERSENNE)
+            if m.storage_kind[k] == 1:
+                size = max(math.fabs(r.x[k]), 1.0)
+                r.later[m.stored_slot + k] = r.x[k] + size * (2.0 * seed / MERSENNE - 1.0)
+        for k in range(m.ports):
+            seed = math.fmod(LEHMER * seed, MERSENNE)
+            r.l[k] = 2.0 * seed / MERSENNE - 1.0
+        mode.guessed = False
+        # where laws have no value there is nothing to compare
+        if found == OK and solve_with(e, r.now, r.later, r.l) == OK:
+            found = compare_gaps(e, e.work.w, r.later)
+    mode.guessed = False
+    return found
+
+
+def has_gaps(m: Model) -> bool:
+    """Whether any contact has a gap that may change."""
+    found = False
+    for k in range(m.ports):
+        found = found or m.port_gap_rate[k] != NO_GAP
+    return found
+
+
+def compare_gaps(e: Engine, w: Floats, v: Floats) -> int:
+    """Compare how fast gaps open with how fast their contacts close, at values `v`."""
+    m = e.model
+    for k in range(m.ports):
+        if m.port_gap_rate[k] == NO_GAP:
+            continue
+        law = m.port_gap_rate[k]
+        opening = m.port_gap_rate_constant[k] if law < 0 else value(m, law, v)
+        closing = 0.0
+        for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
+            closing += m.pair_value[i] * w[m.pair_column[i]]
+        most = max(math.fabs(opening), math.fabs(closing))
+        if math.isfinite(most) and math.fabs(opening + closing) > GAP_APART * most:
+            why = "the gap of a contact is not the distance that its bonds close"
+            say_fault(e, "HB-M205", why, node_name(m, m.port_node[k]))
+            if m.tells != 0:
+                add_fact(e.fault, float(k))
+                add_fact(e.fault, opening)
+                add_fact(e.fault, closing)
+            return REFUSED
+    return OK

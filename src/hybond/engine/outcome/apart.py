@@ -1,0 +1,133 @@
+"""A model asked apart from any run: how an instant is settled from a state that somebody says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.outcome.engine_run import EngineRun, Settings
+from hybond.engine.outcome.engines import Prepared, choose_engine
+from hybond.engine.outcome.signals import Signals
+from hybond.model.graph import FlatGraph, Mode
+from hybond.run_options import impact_of
+from hybond.trace import Event, Trace
+
+Vector = NDArray[np.float64]
+MANY = 1_000_000
+
+
+@dataclass(frozen=True)
+class Apart:
+    """A model at t = 0, in any state and mode.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("relay")
+    >>> m.add(c=hb.C(1), n=hb.Zero(), f=hb.Sf(0), s=hb.One(), r=hb.R(1))
+    >>> m.bond("f -> n -> c", "n -> s -> r")
+    >>> m.machine("m", states={"off": [], "on": ["s"]}, start="off",
+    ...           rules=["off -> on when c.e > 1"])
+    >>> at = Apart(m.flatten())
+    >>> at.start, at.settled(np.array([2.0]), (0,)).steps[-1].mode
+    (array([0.]), (1,))
+    >>> at.leaving(np.array([2.0]), (0,), (0,))
+    {'m': ['c.e > 1']}
+    """
+
+    graph: FlatGraph
+
+    @cached_property
+    def _prepared(self) -> Prepared:
+        experiment = self.graph.experiment
+        settings = Settings(
+            until=1.0,
+            solver="rk45",
+            step=None,
+            rtol=1e-8,
+            atol=None,
+            max_step=math.inf,
+            event_tol=1e-12,
+            slides=False,
+            impact=impact_of(None, experiment),
+            max_events=MANY,
+            max_steps=MANY,
+            max_writes=int(experiment.get("max_writes", 1000)),
+        )
+        return choose_engine().prepare(settings.tables(self.graph))
+
+    @property
+    def start(self) -> Vector:
+        """What is stored and integrated at the start of a run, before it is settled."""
+        floats = self._prepared.tables.floats
+        return np.array([*floats["storage_start"], *floats["integral_start"]], dtype=float)
+
+    @cached_property
+    def signals(self) -> Signals:
+        """What reads signals in states that are given."""
+        return Signals(self._prepared, Trace())
+
+    def settled(self, y: Vector, mode: Mode) -> Event:
+        """Return how the start is settled from a state and a mode.
+
+        Raises
+        ------
+        HybondError
+            As a run that begins there.
+        """
+        run = self._run(y, mode)
+        run.begin()
+        return run.trace.events[0]
+
+    def leaving(self, y: Vector, mode: Mode, tried: Mode) -> dict[str, list[str]]:
+        """Return the rules that leave a mode at once if it is entered, by machine.
+
+        Parameters
+        ----------
+        y : array, shape (states,)
+        mode : Mode
+            In which time was before, with the state `y`.
+        tried : Mode
+            The mode that is entered.
+
+        Raises
+        ------
+        HybondError
+            If it cannot be entered, or a guard has no truth there.
+        """
+        tables = self._prepared.tables
+        hold = self._run(y, mode).tried(tried)
+        first = tables.ints["rule_first"]
+        return {
+            m.path: [tables.rules[k] for k in range(first[m.index], first[m.index + 1]) if hold[k]]
+            for m in self.graph.machines
+        }
+
+    def _run(self, y: Vector, mode: Mode) -> EngineRun:
+        """Return a run that begins there: the same tables with another start."""
+        tables, graph, values = self._prepared.tables, self.graph, y.tolist()
+        nx = len(graph.storages)
+        begun = replace(
+            graph,
+            storages=tuple(
+                replace(s, start=a, start_is="stored") for s, a in zip(graph.storages, values)
+            ),
+            integrals=tuple(replace(i, start=a) for i, a in zip(graph.integrals, values[nx:])),
+            machines=tuple(replace(m, start=k) for m, k in zip(graph.machines, mode, strict=True)),
+        )
+        start = {"storage_start": values[:nx], "integral_start": values[nx:]}
+        own = replace(
+            tables,
+            graph=begun,
+            floats={**tables.floats, **start},
+            ints={**tables.ints, "start": list(mode)},
+        )
+        return EngineRun(choose_engine().prepare(own))

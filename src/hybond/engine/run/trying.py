@@ -1,0 +1,43 @@
+"""A mode tried where a run begins: what a run would meet there, without going on from it."""
+
+from __future__ import annotations
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.inputs.interval import interval_after
+from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.entering import enter
+from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.settle import rule_holds
+from hybond.engine.instant.trial import a_priori, show_trial
+from hybond.engine.run.run_records import Run, begin
+from hybond.engine.words import Ints
+
+
+def try_at_start(e: Engine, r: Run, state: Ints, hold: Ints) -> int:
+    """Enter a mode from the start of a run that has not begun, and see which rules leave it.
+
+    `hold` says of each rule whether it does. REFUSED with a fault if the mode cannot be entered, or
+    a guard has no truth there.
+    """
+    m = e.model
+    g = r.settling
+    begin(e)
+    e.samples_end = e.until
+    for k in range(m.storages):
+        g.x[k] = e.y[k]
+    for k in range(m.integrals):
+        g.s[k] = e.y[m.storages + k]
+    if a_priori(e, 0.0, g.x, g.s, e.state) != OK or sample(e, g.s) != OK:
+        return REFUSED
+    interval_after(e, 0.0)
+    if enter(e, 0.0, g.x, g.s, state, True, False) != OK:
+        return REFUSED
+    show_trial(e, e.work.stack)
+    for k in range(m.machines):
+        for i in range(m.rule_first[k], m.rule_first[k + 1]):
+            hold[i] = 0
+            if m.is_law[k] == 0 and is_asked(e, k, i, e.trial.state[k]):
+                hold[i] = rule_holds(e, 0.0, i)
+                if hold[i] < 0:
+                    return REFUSED
+    return OK

@@ -1,0 +1,69 @@
+"""Tables of machines: their states, what these switch, and the rules between them."""
+
+from __future__ import annotations
+
+from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
+from hybond.engine.tables.contacts import rules_of
+from hybond.engine.tables.guards import magnitude, seen_in_motion
+from hybond.model.expressions import (
+    comparisons,
+    names,
+)
+from hybond.model.graph import FlatGraph, Machine
+
+_STILL = ("in:", "on:", "at:")
+_ZERO_IS = {"<": 1, "<=": -1, ">": -1, ">=": 1}
+"""The side of zero on which a difference has the truth that it has at zero."""
+
+
+def put_machines(t: ModelTables) -> None:
+    """Put the machines into the tables, with their rules as pairs and as values."""
+    g = t.graph
+    switches = [n.index for n in g.nodes if n.controlled]
+    place = {index: k for k, index in enumerate(switches)}
+    t.machines = [m.path for m in g.machines]
+    t.states = [s for m in g.machines for s in m.states]
+    t.ints["state_first"] = first_of([list(m.states) for m in g.machines])
+    t.ints["start"] = [m.start for m in g.machines]
+    t.ints["is_law"] = [int(m.law is not None) for m in g.machines]
+    on = [[(place[n],) for n in sorted(nodes)] for m in g.machines for nodes in m.on]
+    put_rows(t, "on_first", on, on_switch=INTS)
+    t.ints["switch_node"] = switches
+    owners = owners_of(g)
+    t.ints["switch_machine"] = [owners[k].index for k in switches]
+    forced = rules_of(g)
+    rules = [[(f.rule.source, f.rule.target, f.sign, f.reaction) for f in own] for own in forced]
+    put_rows(
+        t,
+        "rule_first",
+        rules,
+        rule_source=INTS,
+        rule_target=INTS,
+        rule_landed=INTS,
+        rule_reaction=INTS,
+    )
+    tests, watched, plain, atoms = [], [], [], []
+    for rule in (f.rule for own in forced for f in own):
+        t.pairs.append(rule.guard)
+        t.rules.append(rule.text)
+        test, differences = seen_in_motion(rule)
+        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(rule.guard)]
+        plain.append(t.values.number(rule.guard, rule.text))
+        tests.append(t.values.number(test, rule.text))
+        moves = any(not n.startswith(_STILL) for n in names(rule.guard))
+        watched.append(int(moves))
+        atoms.append(
+            [
+                (t.values.number(d), t.values.number(magnitude(d)), sign)
+                for d, sign in zip(differences, signs, strict=True)
+            ]
+            if moves
+            else []
+        )
+    t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched)
+    put_rows(t, "atom_first", atoms, atom_value=INTS, atom_size=INTS, atom_zero=INTS)
+
+
+def owners_of(g: FlatGraph) -> dict[int, Machine]:
+    """Return the machine that switches each controlled node."""
+    return {k: m for m in reversed(g.machines) for k in m.controls}

@@ -1,0 +1,118 @@
+"""Tables of the parts that elements play: rows, sources, and laws that are evaluated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
+from hybond.engine.tables.forms import put_forms
+from hybond.engine.tables.timestepping import put_steps
+from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
+from hybond.equations.element_parts import Dynamic, Part, Source
+from hybond.model.expressions import (
+    Expr,
+    Number,
+    names,
+    uses_pre,
+)
+from hybond.model.kinds import SOURCES
+
+
+def put_parts(t: ModelTables, found: list[Part]) -> None:
+    """Put parts of elements into the tables, and the sources and laws that they have."""
+    dynamics: list[Dynamic] = []
+    sources: list[Source] = []
+    rows: list[list[tuple[int, float]]] = []
+    power, laws, dynamic, source = [], [], [], []
+    for part in found:
+        power.append(len(rows))
+        rows += [sorted(r.items()) for r in part.power]
+        laws.append(len(rows))
+        rows += [sorted(r.items()) for r in part.laws]
+        dynamic.append(len(dynamics))
+        dynamics += part.dynamic
+        source.append(-1 if part.source is None else len(sources))
+        if part.source is not None:
+            sources.append(part.source)
+    t.ints.update(
+        part_power=[*power, len(rows)],
+        part_law=laws,
+        part_dynamic=[*dynamic, len(dynamics)],
+        part_source=source,
+    )
+    put_rows(t, "row_first", rows, row_column=INTS, row_value=FLOATS)
+    _dynamics(t, dynamics)
+    g = t.graph
+    entries = [t.values.entry(s.value, f"value of {g.nodes[s.node].path}") for s in sources]
+    t.numbers["sources"] = len(sources)
+    t.ints["source_node"] = [s.node for s in sources]
+    t.ints["source_bond"] = [s.bond for s in sources]
+    t.ints["source_value"] = [k for k, _ in entries]
+    t.floats["source_constant"] = [a for _, a in entries]
+    t.ints["source_rate"] = [
+        -1 if s.rate == Number(0.0) else t.values.number(s.rate, f"{g.nodes[s.node].path}, rate")
+        for s in sources
+    ]
+    slopes = [gradient(s.rate) for s in sources]
+    t.ints["source_linear"] = [int(not reads_bonds(s.rate)) for s in sources]
+    t.ints["source_curved"] = [int(any(reads_bonds(e) for e in d.values())) for d in slopes]
+    t.ints["source_timed"] = [int(_of_time(s.value)) for s in sources]
+    put_rows(
+        t,
+        "source_first",
+        [_slopes(t, d) for d in slopes],
+        source_column=INTS,
+        source_slope=INTS,
+        source_slope_constant=FLOATS,
+    )
+    put_forms(t, sources, dynamics)
+    put_steps(t, dynamics)
+
+
+def _of_time(e: Expr) -> bool:
+    return not uses_pre(e) and all(n == "time" or n.startswith("u:") for n in names(e))
+
+
+def _slopes(t: ModelTables, slopes: Any) -> list[tuple[int, int, float]]:
+    """Return derivatives by bond variables as entries: column, expression, constant."""
+    first = t.slots.w.start
+    return [(t.slots.index[n] - first, *t.values.entry(e)) for n, e in slopes.items()]
+
+
+def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
+    g = t.graph
+    first = t.slots.w.start
+    t.numbers["dynamics"] = len(rows)
+    t.ints["dynamic_kind"] = [0 if d.kind == "structure" else 1 for d in rows]
+    t.ints["dynamic_node"] = [d.node for d in rows]
+    t.ints["dynamic_source"] = [int(g.nodes[d.node].kind in SOURCES) for d in rows]
+    t.ints["dynamic_impulsive"] = [
+        int(g.nodes[d.node].impulsive and not g.nodes[d.node].implied) for d in rows
+    ]
+    t.ints["dynamic_value"] = [
+        t.values.number(d.expression, f"law of {g.nodes[d.node].path}, zero") for d in rows
+    ]
+    t.ints["dynamic_affine"] = [
+        int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
+        for d in rows
+    ]
+    free = [[(t.slots.index[n] - first,) for n in d.impulse_free] for d in rows]
+    put_rows(t, "dynamic_free", free, free_column=INTS)
+    for name in ("slope", "frozen"):
+        own = [_slopes(t, d.slopes if name == "slope" else d.frozen) for d in rows]
+        columns: dict[str, list[Any]] = {
+            f"{name}_column": INTS,
+            f"{name}_value": INTS,
+            f"{name}_constant": FLOATS,
+        }
+        put_rows(t, f"{name}_first", own, **columns)
+    drifts = [partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows]
+    t.ints["drift_value"] = [-1 if e == Number(0.0) else t.values.number(e) for e in drifts]
+    put_rows(
+        t,
+        "drift_first",
+        [_slopes(t, gradient(e)) for e in drifts],
+        drift_column=INTS,
+        drift_slope=INTS,
+        drift_constant=FLOATS,
+    )

@@ -1,0 +1,85 @@
+"""Tables of storage: where it begins, its laws and their slopes, how its energy is found."""
+
+from __future__ import annotations
+
+from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
+from hybond.engine.tables.expressions import number_of
+from hybond.engine.tables.start import start_of
+from hybond.equations.storage import EXACT, gauss, polynomial_degree
+from hybond.equations.tableau import stiffness, stored_names
+from hybond.model.expressions import (
+    Number,
+    substitute,
+    turning,
+)
+from hybond.model.expressions.traced import Traced, give_up
+from hybond.model.expressions.tree import walk
+from hybond.model.graph import FlatGraph, Storage
+
+
+def put_storages(t: ModelTables, plain: FlatGraph) -> None:
+    """Put storage into the tables; `plain` is the graph with nothing but numbers."""
+    g = t.graph
+    start = start_of(plain)
+    t.stored = [s.path for s in g.storages] + [i.path for i in g.integrals]
+    t.ints["storage_bond"] = [s.bond for s in g.storages]
+    t.ints["storage_kind"] = [int(s.kind == "I") for s in g.storages]
+    t.ints["storage_sign"] = [s.sign for s in g.storages]
+    t.floats["storage_start"] = [
+        _stored_at_start(g, s, float(a)) for s, a in zip(g.storages, start)
+    ]
+    t.ints["storage_pseudo"] = [int(g.bonds[s.bond].domain.pseudo) for s in g.storages]
+    domains = list(dict.fromkeys(b.domain.name for b in g.bonds))
+    t.numbers["classes"] = 2 * len(domains)
+    own = [domains.index(b.domain.name) for b in g.bonds]
+    t.ints["bond_class"] = [2 * k for k in own] + [2 * k + 1 for k in own]
+    t.ints["storage_class"] = [2 * own[s.bond] + int(s.kind == "C") for s in g.storages]
+    laws, rows = [], []
+    kinks: dict[int, list[tuple[int]]] = {}
+    groups: dict[int, list[int]] = {}
+    degrees: dict[int, int | None] = {}
+    together: dict[int, list[Storage]] = {}
+    for s in g.storages:
+        together.setdefault(s.node, []).append(s)
+    for s in g.storages:
+        node = g.nodes[s.node]
+        assert node.law is not None
+        siblings = together[s.node]
+        slopes = [(o, stiffness(node, s.port, o.port, g, siblings)) for o in siblings]
+        rows.append([(o.index, *t.values.entry(e)) for o, e in slopes])
+        if node.law.matrix is not None:
+            laws.append(-1)
+            continue
+        law = substitute(node.law.expressions[s.port], stored_names(node, g, siblings))
+        laws.append(t.values.number(law, f"law of {node.path}"))
+        groups.setdefault(s.node, []).append(s.index)
+        kinks.setdefault(s.node, []).extend((t.values.number(e),) for e in turning(law))
+        degree, before = polynomial_degree(law), degrees.get(s.node, 0)
+        degrees[s.node] = None if degree is None or before is None else max(degree, before)
+    t.ints["co_energy"] = laws
+    put_rows(t, "stiff_first", rows, stiff_other=INTS, stiff_value=INTS, stiff_constant=FLOATS)
+    t.numbers["groups"] = len(groups)
+    put_rows(t, "group_first", [[(k,) for k in own] for own in groups.values()], group_storage=INTS)
+    points = []
+    for node_index in groups:
+        degree = degrees[node_index]
+        exact = degree is not None and degree <= EXACT
+        points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
+    put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
+    put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
+
+
+def _stored_at_start(g: FlatGraph, s: Storage, value: float) -> float:
+    """Return what is stored at the start, `value`, with what it is made of if it is followed."""
+    law = g.nodes[s.node].law
+    assert law is not None
+    if s.start_is == "stored":
+        return number_of(s.start)
+    if law.matrix is None or len(law.matrix) > 1:
+        constants = [n.value for e in law.expressions for n, _ in walk(e) if isinstance(n, Number)]
+        own = [o.start for o in g.storages if o.node == s.node]
+        give_up((*own, *constants), "a start that is found by iteration")
+        return value
+    stored = s.start / law.matrix[0][0]
+    # the quotient may differ from what the solution of a linear system is by a rounding
+    return Traced(value, stored.tree, stored.trail) if isinstance(stored, Traced) else value

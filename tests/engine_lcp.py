@@ -1,0 +1,131 @@
+"""Complementarity problems of the engine on numbers, as Python runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hybond.engine.complementarity.friction_disk import make_disk
+from hybond.engine.complementarity.friction_disk import on_disk as find_on_disk
+from hybond.engine.complementarity.law_roles import ONE_SIDED
+from hybond.engine.complementarity.lcp import NO_CHOICE, ON_A_RAY, SOLVED, make_lcp
+from hybond.engine.complementarity.lcp_forms import make_mixed, solve_mixed
+from hybond.engine.complementarity.lemke import lemke as solve_lcp
+from hybond.engine.complementarity.lemke import ray_proves
+from hybond.engine.laws.law_records import make_doubts
+from hybond.engine.laws.law_seconds import find_second, is_indefinite
+
+Array = NDArray[np.float64]
+STATUS = {SOLVED: "solved", ON_A_RAY: "ray", NO_CHOICE: "singular"}
+
+
+@dataclass(frozen=True)
+class Found:
+    """How a problem ended: `z`, `w` and `free` of a mixed one are a, b and c."""
+
+    status: str
+    z: Array
+    w: Array
+    active: NDArray[np.bool_]
+    degenerate: tuple[int, ...]
+    pivots: int
+    infeasible: bool
+    ray: Array
+    free: Array
+
+
+def flat(a: ArrayLike) -> list[float]:
+    """Return numbers row by row."""
+    return [float(x) for x in np.asarray(a, dtype=float).ravel()]
+
+
+def guess(start: ArrayLike | None, n: int) -> list[int]:
+    """Return which pairs are guessed active, of a mask or of places."""
+    if start is None:
+        return [0] * n
+    given = np.asarray(start)
+    if given.dtype == bool:
+        return [int(a) for a in given]
+    return [int(k in given.tolist()) for k in range(n)]
+
+
+def found_in(status: int, p, z, w, free=(), active=None, infeasible: bool = False) -> Found:
+    n = len(z)
+    on = np.array(p.active[:n] if active is None else active[:n], dtype=bool)
+    ray = np.full(n, np.nan)
+    if infeasible:
+        ray = np.array(p.d[:n]) * np.array(p.right[:n])
+    return Found(
+        STATUS[status],
+        np.array(z),
+        np.array(w),
+        on,
+        tuple(np.flatnonzero(p.open[:n]).tolist()),
+        p.pivots,
+        infeasible,
+        ray,
+        np.array(free),
+    )
+
+
+def lemke(M: ArrayLike, q: ArrayLike, *, start: ArrayLike | None = None) -> Found:
+    """Solve ``z >= 0, w = M z + q >= 0, z w = 0``."""
+    n = len(np.asarray(q))
+    p = make_lcp(n)
+    status = solve_lcp(p, n, flat(M), flat(q), guess(start, n))
+    proved = status == ON_A_RAY and ray_proves(p, n)
+    return found_in(status, p, p.z, p.w, infeasible=proved)
+
+
+def mixed(
+    A: ArrayLike,
+    B: ArrayLike,
+    q: ArrayLike,
+    *,
+    C: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+) -> Found:
+    """Solve ``A a + B b + C c = q`` with ``a, b >= 0, a b = 0``."""
+    n = np.shape(A)[1]
+    free = np.zeros((len(np.asarray(q)), 0)) if C is None else np.asarray(C)
+    m = free.shape[1]
+    x = make_mixed(n, m)
+    x.whole[:] = flat(np.hstack([A, B, free]))
+    x.right[:] = flat(q)
+    status = solve_mixed(x, n, m, guess(start, n), start is not None)
+    proved = status == ON_A_RAY and ray_proves(x.lcp, n)
+    return found_in(status, x.lcp, x.a, x.b, x.c, x.active, proved)
+
+
+def second_solution(M: ArrayLike, q: ArrayLike) -> Array | None:
+    """Return z of a solution with another w than the one found first, None if none is found."""
+    n = len(np.asarray(q))
+    d = make_doubts(n)
+    p = d.problem
+    p.n = n
+    p.m[:], p.q[:] = flat(M), flat(q)
+    p.role[:] = [ONE_SIDED] * n
+    return np.array(p.l[:n]) if find_second(d, n) else None
+
+
+def positive_semidefinite(M: ArrayLike) -> bool:
+    """Whether a matrix is, to rounding."""
+    n = len(np.asarray(M))
+    return not is_indefinite(make_doubts(n), n, flat(M))
+
+
+def violation(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
+    """Return by how much z fails, each w in units of its terms."""
+    M, q, z = (np.asarray(a, dtype=float) for a in (M, q, z))
+    w, terms = M @ z + q, np.abs(M) @ np.abs(z) + np.abs(q)
+    w = np.divide(w, terms, out=np.zeros_like(w), where=terms > 0.0)
+    return float(max((-w).max(), np.abs(w[z > 0.0]).max(initial=0.0), (-z).max()))
+
+
+def on_disk(f0: ArrayLike, A: ArrayLike, limit: float, slope: ArrayLike = (0, 0)) -> Array | None:
+    """Return the direction of slip, None if there is none."""
+    d = make_disk()
+    d.f0[:], d.a[:], d.slope[:], d.limit = flat(f0), flat(A), flat(slope), limit
+    return np.array([d.x, d.y]) if find_on_disk(d) else None
