@@ -447,9 +447,10 @@ def make_engine(m: Model) -> Engine:
     e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
-    if m.method == 2 or m.method >= QSS1:
+    quantised = m.method >= QSS1 and m.method != MOREAU
+    if m.method == 2 or quantised:
         e.exact = make_exact(m)
-    if m.method >= QSS1:
+    if quantised:
         e.quantised = make_quantised(m)
     return e
 
