@@ -1,4 +1,4 @@
-"""Compiles kernel and engine when hybond is built; without a compiler it is built without them."""
+"""Compiles the engine when hybond is built; without a compiler it is built without."""
 
 import importlib
 import sys
@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parent / "src" / "hybond"
 
 def _imported(name):
     """Import what builds, and nothing that hybond needs when it runs: it is not installed yet."""
-    packages = ("engine", "engine.compiled", "engine.expressions", "kernel", "translate")
+    packages = ("engine", "engine.compiled", "engine.expressions", "translate")
     for package in ("hybond", *(f"hybond.{p}" for p in packages)):
         module = types.ModuleType(package)
         module.__path__ = [str(PACKAGE.joinpath(*package.split(".")[1:]))]
@@ -21,7 +21,7 @@ def _imported(name):
     return importlib.import_module(f"hybond.{name}")
 
 
-class KernelHook(BuildHookInterface):
+class EngineHook(BuildHookInterface):
     """Puts what was compiled into wheels, and beside its sources for an editable install."""
 
     def dependencies(self):
@@ -32,18 +32,17 @@ class KernelHook(BuildHookInterface):
         """Compile, and mark the wheel as one for this platform."""
         if self.target_name != "wheel":
             return
-        for name in ("kernel", "engine.compiled"):
-            room = _imported(f"{name}.build")
-            target = PACKAGE.joinpath(*name.split("."), room.NAME)
-            try:
-                target.unlink(missing_ok=True)
-                why = room.compile_into(target)
-            except Exception as error:  # whatever it is, hybond runs without
-                why = f"{type(error).__name__}: {error}"
-            if why:
-                self.app.display_warning(f"hybond is built without its {name}: {why}")
-                continue
-            build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
-            build_data["pure_python"] = False
-            platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-            build_data["tag"] = f"py3-none-{platform}"
+        build = _imported("engine.compiled.build")
+        target = PACKAGE / "engine" / "compiled" / build.NAME
+        try:
+            target.unlink(missing_ok=True)
+            why = build.compile_into(target)
+        except Exception as error:  # whatever it is, hybond runs without
+            why = f"{type(error).__name__}: {error}"
+        if why:
+            self.app.display_warning(f"hybond is built without its library: {why}")
+            return
+        build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
+        build_data["pure_python"] = False
+        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["tag"] = f"py3-none-{platform}"

@@ -20,7 +20,6 @@ SHARE_RUNS = (
     "engine/test_native_runs.py",
     "export/test_examples_as_programs.py",
     "export/test_units_of_examples.py",
-    "kernel/test_examples_by_kernel.py",
 )
 """Files of tests that one worker runs."""
 

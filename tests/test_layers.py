@@ -23,7 +23,7 @@ LAYERS = [
     ["causality"],
     ["equations"],
     ["run_options", "trace", "translate"],
-    ["engine", "programs", "solvers", "modes", "kernel"],
+    ["engine"],
     ["report"],
     ["simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw"],

@@ -23,7 +23,6 @@ from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from hybond.programs.program import Program
 
 Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "error"]
@@ -121,13 +120,6 @@ class Result:
         self.kernel = trace.kernel
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
-
-    @cached_property
-    def program(self) -> Program:
-        """The equations of modes, for who evaluates them apart from the run."""
-        from hybond.programs.program import Program
-
-        return Program(self.graph)
 
     # -- names
 
@@ -243,11 +235,8 @@ class Result:
     @cached_property
     def signals(self) -> SignalSource:
         """What tells the signals of the run at times of its segments."""
-        if self.trace.signals is not None:
-            return self.trace.signals
-        from hybond.modes.reading import SignalsOfModes
-
-        return SignalsOfModes(self.program, self.trace)
+        assert self.trace.signals is not None
+        return self.trace.signals
 
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
         names = list(names)

@@ -61,6 +61,27 @@ STEPPING_IMPACT = "newton_simultaneous"
 """The law of impacts that time-stepping has built in."""
 
 
+def solver_of(solver: str | None, experiment: Mapping[str, Any]) -> str:
+    """Return the solver of a run, as asked for or as the experiment says, by its own name.
+
+    Raises
+    ------
+    UsageError
+        HB-S101 if there is none of that name.
+
+    Examples
+    --------
+    >>> solver_of(None, {"solver": "qss"})
+    'qss3'
+    """
+    name = str(solver or experiment.get("solver", "rk45"))
+    name = ALIASES.get(name, name)
+    known = (AUTO, *SOLVERS, *STEPPING)
+    if name not in known:
+        raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
+    return name
+
+
 def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
     """Return when a run ends, s: as asked for, or as the experiment says.
 

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from hybond.blocks.runners import Runner, runners_of
+from hybond.blocks.runners import runners_of
 from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import EngineChoice, choose_engine
+from hybond.engine.outcome.engines import choose_engine
 from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import METHODS
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.result import Result, Status
 from hybond.run_options import (
-    ALIASES,
     AUTO,
     FIXED,
     STEPPING,
@@ -34,13 +31,13 @@ from hybond.run_options import (
     impact_of,
     seconds_of,
     sliding_of,
+    solver_of,
     stepping_step,
     stepping_theta,
     tolerances_of,
 )
-from hybond.trace import Trace
 
-ENGINE: Literal["library", "python", "reference"] | None = None
+ENGINE: Literal["library", "python"] | None = None
 """What makes runs that do not say what should."""
 
 
@@ -60,8 +57,7 @@ def simulate(
     impact: str | None = None,
     progress: Callable[[float, int], None] | None = None,
     on_error: Literal["raise", "return"] = "raise",
-    kernel: bool | None = None,
-    engine: Literal["library", "python", "reference"] | None = None,
+    engine: Literal["library", "python"] | None = None,
     keep: int | None = None,
     max_events: int | None = None,
     max_steps: int | None = None,
@@ -113,14 +109,11 @@ def simulate(
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
-    kernel : bool
-        Of the reference, which this asks for: whether its compiled kernel takes steps, and settles
-        events between them, where there is one and it was made for that.
-    engine : {"library", "python", "reference"}
-        What makes the run: the engine compiled as a library, the same engine run as Python, which
-        is many times slower, or the reference. By default the library if there is one, and else
-        Python; what the engine does not do the reference does. The results are the same but for
-        rounding; `Result.kernel` says which it was.
+    engine : {"library", "python"}
+        What makes the run: the engine compiled as a library, or the same engine run as Python,
+        which is many times slower. By default the library if there is one, and else Python. The
+        results are the same but for rounding of elementary functions; `Result.kernel` says which
+        it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
         with millions of events then needs no more memory than one with few.
@@ -163,8 +156,7 @@ def simulate(
     experiment = graph.experiment
     end = end_of(until, experiment)
     rtol, atol = tolerances_of(rtol, atol, experiment)
-    name = str(solver or experiment.get("solver", "rk45"))
-    name = ALIASES.get(name, name)
+    name = solver_of(solver, experiment)
     given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
     longest = seconds_of(
         max_step if max_step is not None else experiment.get("max_step"), "max_step"
@@ -198,47 +190,6 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
-    if name in STEPPING:
-        if engine == "reference":
-            raise UsageError(
-                f"solver {name!r} is none of the reference",
-                code="HB-S119",
-                where="engine",
-                hint="leave engine out",
-            )
-        settings = Settings(
-            until=end,
-            solver=name,
-            step=stepping_step(given_step),
-            theta=stepping_theta(theta if theta is not None else experiment.get("theta", 0.5)),
-            event_tol=event_tol,
-            max_events=int(most),
-            max_writes=writes,
-        )
-        steps_engine = choose_engine(engine)
-        runners = runners_of(graph, fmus=fmus)
-        try:
-            stepping = StepsRun(
-                graph, settings, steps_engine.prepare, progress=progress, runners=runners
-            )
-            ignored = ignored_impact(impact, experiment)
-            if ignored is not None:
-                stepping.trace.warn(ignored)
-            stepping.trace.kernel = steps_engine.said
-            return _finish(graph, stepping.trace, stepping.run, end, name, on_error)
-        finally:
-            for runner in runners.values():
-                runner.close()
-    if theta is not None:
-        raise UsageError(
-            f"theta is given, but solver {name!r} has none",
-            code="HB-S112",
-            where="theta",
-            hint='solver = "moreau-jean"',
-        )
-    why = chosen = ""
-    engine = engine or (ENGINE if kernel is None else "reference")
-    maker = None if engine == "reference" else choose_engine(engine)
     settings = Settings(
         until=end,
         solver=name,
@@ -248,141 +199,49 @@ def simulate(
         max_step=math.inf if longest is None else longest,
         event_tol=event_tol,
         slides=choice == "filippov",
-        impact=impact_of(impact, experiment),
         max_events=int(most),
         max_steps=int(steps),
         max_writes=writes,
     )
-    if name == AUTO:
-        name, reason = _fitting(graph, settings, maker)
-        chosen = f"{name} chosen: {reason}"
-    # a step written in the experiment for a fixed-step solver may stand there unused
-    own_step = given_step if name in FIXED or step is not None else None
-    if maker is not None:
-        if name in METHODS:
-            check_step(name, own_step)
-        settings = replace(settings, solver=name, step=own_step)
-        runners = runners_of(graph, fmus=fmus)
-        try:
-            run = _by_engine(
-                graph,
-                maker,
-                settings,
-                progress=progress,
-                keep=keep,
-                journal=journal,
-                runners=runners,
-            )
-            if isinstance(run, EngineRun):
-                run.trace.kernel = maker.said
-                return _finish(graph, run.trace, run.run, end, name, on_error, chosen)
-            why = run
-        finally:
-            for runner in runners.values():
-                runner.close()
-        if engine is not None:
-            raise UsageError(
-                f"the engine cannot make this run: {why}",
-                code="HB-S119",
-                where="engine",
-                hint="leave engine out: the reference takes what the engine cannot",
-            )
-    from hybond.kernel.marcher import Marcher, marcher
-    from hybond.modes.error_scale import ErrorScale
-    from hybond.modes.executive import Executive
-    from hybond.modes.motion import Limits
-    from hybond.programs.program import Program
-    from hybond.programs.start import start_of
-    from hybond.solvers import make_solver
-
-    program = Program(graph)
-    scale = ErrorScale(program, rtol, atol, end)
-    method = make_solver(
-        name,
-        scale=scale,
-        rtol=rtol,
-        step=own_step,
-        max_step=math.inf if longest is None else longest,
-    )
-    fast: Marcher | str = "the reference was asked for"
-    if kernel is not False:
-        fast = marcher(program, method, scale, reporting=progress is not None)
-    executive = Executive(
-        program,
-        method,
-        Limits(end, event_tol, int(most), int(steps)),
-        max_writes=writes,
-        progress=progress,
-        sliding=choice == "filippov",
-        impact=impact_of(impact, experiment),
-        rtol=rtol,
-        started=scale.start,
-        march=fast if isinstance(fast, Marcher) else None,
-        keep=keep,
-        journal=None if journal is None else _opened(journal, graph),
-        runners=runners_of(graph, fmus=fmus),
-    )
-    executive.trace.kernel = "" if isinstance(fast, Marcher) else f"not used: {fast}"
-    try:
-        begin = partial(executive.run, start_of(program))
-        return _finish(
-            graph,
-            executive.trace,
-            begin,
-            end,
-            name,
-            on_error,
-            chosen,
-            reference=why,
-            also=program.warnings,
+    maker = choose_engine(engine or ENGINE)
+    ignored = chosen = None
+    if name in STEPPING:
+        theta = theta if theta is not None else experiment.get("theta", 0.5)
+        settings = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
+        ignored = ignored_impact(impact, experiment)
+    elif theta is not None:
+        raise UsageError(
+            f"theta is given, but solver {name!r} has none",
+            code="HB-S112",
+            where="theta",
+            hint='solver = "moreau-jean"',
         )
-    finally:
-        executive.sampling.close()
-        if executive.journal is not None:
-            executive.journal.close()
-
-
-def _fitting(graph: FlatGraph, settings: Settings, engine: EngineChoice | None) -> tuple[str, str]:
-    """Return the solver that fits, and why; without an engine the reference is asked."""
-    if engine is not None:
-        try:
-            fit = fitting(engine.prepare(replace(settings, solver="exact").tables(graph)))
-            return fit.solver, fit.reason
-        except HybondError as error:
-            if not error.code.startswith("HB-E6"):
-                raise
-    from hybond.modes.fitting import fitting as by_reference
-    from hybond.programs.program import Program
-    from hybond.programs.start import start_of
-
-    program = Program(graph)
-    found = by_reference(program, settings.until, start_of(program))
-    return found.solver, found.reason
-
-
-def _by_engine(
-    graph: FlatGraph,
-    engine: EngineChoice,
-    settings: Settings,
-    *,
-    progress: Callable[[float, int], None] | None,
-    keep: int | None,
-    journal: str | Path | None,
-    runners: Mapping[str, Runner],
-) -> EngineRun | str:
-    """Return a run by an engine that has not begun, or why there is none."""
-    if settings.solver not in METHODS:
-        return f"solver {settings.solver!r}"
+    else:
+        settings = replace(settings, impact=impact_of(impact, experiment))
+        if name == AUTO:
+            fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
+            name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
+        # a step written in the experiment for a fixed-step solver may stand there unused
+        own_step = given_step if name in FIXED or step is not None else None
+        check_step(name, own_step)
+        settings = replace(settings, solver=name, step=own_step)
+    runners = runners_of(graph, fmus=fmus)
+    run: EngineRun | StepsRun
     try:
-        tables = settings.tables(graph)
-    except HybondError as error:
-        if not error.code.startswith("HB-E6"):
-            raise
-        return error.why
-    # last of all: it replaces the file that is there
-    opened = None if journal is None else _opened(journal, graph)
-    model = engine.prepare(tables)
-    return EngineRun(model, progress=progress, keep=keep, journal=opened, runners=runners)
+        if name in STEPPING:
+            run = StepsRun(graph, settings, maker.prepare, progress=progress, runners=runners)
+        else:
+            prepared = maker.prepare(settings.tables(graph))
+            # last of all: it replaces the file that is there
+            opened = None if journal is None else _opened(journal, graph)
+            run = EngineRun(prepared, progress=progress, keep=keep, journal=opened, runners=runners)
+        run.trace.kernel = maker.said
+        if ignored is not None:
+            run.trace.warn(ignored)
+        return _finish(graph, run, end, name, on_error, chosen)
+    finally:
+        for runner in runners.values():
+            runner.close()
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
@@ -407,34 +266,28 @@ def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
 
 def _finish(
     graph: FlatGraph,
-    trace: Trace,
-    go: Callable[[], str],
+    run: EngineRun | StepsRun,
     end: float,
     name: str,
     on_error: str,
-    chosen: str = "",
-    *,
-    reference: str = "",
-    also: Sequence[str] = (),
+    chosen: str | None,
 ) -> Result:
     """Run; return the result, also that of a run that stopped.
 
-    `chosen` says why this solver was taken, `reference` why not the library; `also` are warnings
-    beside those of the trace.
+    `chosen` says why this solver was taken.
     """
+    trace = run.trace
     status: Status = "error"
     failure: HybondError | None = None
     try:
-        status = "accumulation" if go() == "accumulation" else "ok"
+        status = "accumulation" if run.run() == "accumulation" else "ok"
     except KeyboardInterrupt:
         status = "interrupted"
     except HybondError as error:
         failure = error
-    for warning in (*graph.warnings, *also):
+    for warning in graph.warnings:
         trace.warn(warning)
     trace.method = "; ".join(t for t in (chosen, trace.method) if t)
-    if reference:
-        trace.kernel = f"the reference ({reference}); {trace.kernel}"
     result = Result(graph, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result

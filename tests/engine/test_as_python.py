@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from engine.switched_models import converter, striking
 from engine.test_calls import controlled, driven
 from engine.test_interrupts import long_run
 from engines import assert_same_states
 from example_runs import NAMES, STOPPED, example
-from kernel.switched_models import converter, striking
 
 import hybond as hb
 from hybond.engine.compiled import native

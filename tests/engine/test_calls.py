@@ -102,7 +102,7 @@ def test_pieces_are_joined_at_breaks_exactly() -> None:
         return m
 
     run = EngineRun(native(make(), 4.0))
-    instants = [t for rows in run.slices() for t, _ in rows.instant_time]
+    instants = [t for rows in run.slices() for t, *_ in rows.instant_time]
     assert instants == [0.0, 1.0, 2.5]
     assert run.y[1] == pytest.approx(0.5 + 7.5 - (16.0 - 6.25) / 2.0, rel=1e-12)
     meant = same_as_by_simulate(make, 4.0)
@@ -155,7 +155,7 @@ def test_a_function_makes_a_guard_true() -> None:
     times = [math.pi / 6, 7 * math.pi / 6, 13 * math.pi / 6, 19 * math.pi / 6]
     assert [e.t for e in meant.events[1:]] == pytest.approx([t for t in times if t < 10.0])
     run = EngineRun(native(make(), 10.0))
-    instants = [t for rows in run.slices() for t, _ in rows.instant_time]
+    instants = [t for rows in run.slices() for t, *_ in rows.instant_time]
     assert instants[1:] == pytest.approx([t for t in times if t < 10.0], rel=1e-12)
 
 

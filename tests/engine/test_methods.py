@@ -184,6 +184,9 @@ def test_a_grid_begins_anew_where_a_motion_does() -> None:
         ({"solver": "euler", "step": -1.0}, "HB-S102"),
         ({"solver": "rk45", "step": 0.1}, "HB-S104"),
         ({"solver": "exact", "step": 0.1}, "HB-S104"),
+        ({"solver": "euler", "step": math.nan}, "HB-S102"),
+        ({"solver": "rk4", "step": math.inf}, "HB-S102"),
+        ({"solver": "rk45", "max_step": 0.0}, "HB-S103"),
     ],
 )
 def test_steps_that_make_no_sense_are_refused(options: dict[str, Any], code: str) -> None:
@@ -192,6 +195,12 @@ def test_steps_that_make_no_sense_are_refused(options: dict[str, Any], code: str
     with pytest.raises(hb.UsageError) as export:
         hb.export(coil("1"), to="c", until=1.0, **options)
     assert run.value.code == export.value.code == code
+
+
+def test_a_method_that_there_is_not_is_refused() -> None:
+    with pytest.raises(hb.UsageError) as caught:
+        hb.simulate(coil("1"), 1.0, solver="rk54")
+    assert caught.value.code == "HB-S101" and "rk45" in caught.value.hint
 
 
 # -- in exports

@@ -43,7 +43,7 @@ def said_by(run: EngineRun, rows: list[Rows]) -> Said:
     said = Said(end=run.t, stopped=run.fault.code)
     for part in rows:
         visit = fired = hit = 0
-        for (when, _), place in zip(part.instant_time, part.instant_place):
+        for (when, *_), place in zip(part.instant_time, part.instant_place):
             if place[0] >= BROKEN:
                 continue  # an instant that could not be settled is no event
             for kind, transitions, hits in part.visit[visit : visit + place[1], :3]:
@@ -89,7 +89,7 @@ def test_slices_change_nothing(name: str) -> None:
     for column in Rows.__slots__:
         if column not in ("step_place",):
             joined = np.concatenate([getattr(part, column) for part in parts])
-            assert np.array_equal(joined, getattr(rows, column)), column
+            np.testing.assert_array_equal(joined, getattr(rows, column), column)
     joined = np.concatenate([part.step_place for part in parts])
     assert np.array_equal(joined, rows.step_place)
 
@@ -168,7 +168,7 @@ def test_a_guard_as_deep_as_the_stack_runs_and_a_deeper_one_is_refused(n: int) -
         assert caught.value.code == "HB-E636"
         return
     run = EngineRun(EngineModel(tables_of(m.flatten(), until=2.0)))
-    instants = [t for rows in run.slices() for t, _ in rows.instant_time]
+    instants = [t for rows in run.slices() for t, *_ in rows.instant_time]
     assert instants == [0.0, pytest.approx(np.log(2.0), rel=1e-8)]
 
 
@@ -219,8 +219,9 @@ def test_memory_is_given_back() -> None:
     for _ in range(200):
         made()
     ended = resident() - before
-    kept = [made() for _ in range(200)]
-    assert len(kept) == 200
+    # many, for some fit into what tests before have left free
+    kept = [made() for _ in range(1000)]
+    assert len(kept) == 1000
     assert resident() - before > 20.0  # MB: what is measured can be seen
     assert ended < 4.0
 
@@ -241,7 +242,7 @@ def test_impacts_come_when_the_closed_form_says() -> None:
     """A ball falls from h0; each flight takes eps times the one before."""
     graph = example("bouncing_ball_newton").flatten(parameters={"eps": 0.8})
     run = EngineRun(EngineModel(tables_of(graph, until="4 s")))
-    impacts = [t for rows in run.slices() for t, _ in rows.instant_time[1:]]
+    impacts = [t for rows in run.slices() for t, *_ in rows.instant_time[1:]]
     fall = np.sqrt(2.0 * 3.0 / 9.81)
     meant = [fall * (1.0 + 2.0 * sum(0.8**j for j in range(1, k + 1))) for k in range(len(impacts))]
     assert len(impacts) == sum(t <= 4.0 for t in meant) >= 4

@@ -161,16 +161,20 @@ def point_of(graph, mode, rng) -> Point:
     x, u, w, du = (slice(0, nx), slice(nx, nx + nu), slice(nx + nu, nx + nu + nw), slice(-nu, None))
     if not nu:
         du = slice(nx + nw, nx + nw)
-    rows = np.zeros((len(A) + len(L) + 2 * len(null), nx + 2 * nu + nw))
+    # what is the same at all times has no rate
+    constant = [not any(hb_names(e) for e in graph.nodes[n].law.expressions) for n in given]
+    still = np.eye(nu)[[k for k, n in enumerate(given) if n in off or constant[k]]]
+    rows = np.zeros((len(A) + len(L) + len(null) + len(still), nx + 2 * nu + nw))
     first, second = len(A), len(A) + len(L)
     rows[:first, w], rows[:first, x], rows[:first, u] = A[:, :nw], A[:, nw:], -B
     rows[first:second, w], rows[first:second, du] = L @ Y, -M
     rows[second : second + len(null), u] = null
-    rows[second + len(null) :, du] = null
+    rows[second + len(null) :, du] = still
     scale = np.abs(rows).max(axis=1, initial=0.0, keepdims=True)
     basis = null_space(rows / np.where(scale > 0.0, scale, 1.0), rcond=1e-10)
     point = basis @ (basis.T @ rng.normal(size=rows.shape[1]))
     loose = null_space(np.vstack([A[:, :nw], L @ Y]), rcond=1e-10)
+    point[w] -= loose @ (loose.T @ point[w])  # of what is not determined, the least
     return Point(
         x=point[x],
         z=Z @ point[x],

@@ -131,7 +131,7 @@ def _solve(
             wanted[k] = name
     if not model.bonds or not wanted:
         return {}
-    run = simulate(model, until=1.0, solver="rk45", kernel=False)
+    run = simulate(model, until=1.0, solver="rk45")
     undetermined = {
         (end, name.rpartition(".")[2])
         for event in run.events[:1]

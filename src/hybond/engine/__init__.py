@@ -33,6 +33,7 @@ room to work in. Data flows so::
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
+    gaps                      whether the gap of a contact is the distance that its bonds close
     law_instant, law_answers  what laws may do at an instant; one question to them, answered
     strike                    impacts by a law that sees all closed contacts at once: impact_laws
                               (Newton's for all, Poisson's), shares (of dependent contacts),

@@ -447,10 +447,9 @@ def make_engine(m: Model) -> Engine:
     e.planar = make_planar(m)
     if m.method == 1:
         e.radau = make_radau(e.states)
-    quantised = m.method >= QSS1 and m.method != MOREAU
-    if m.method == 2 or quantised:
+    if m.method == 2 or m.method >= QSS1:
         e.exact = make_exact(m)
-    if quantised:
+    if m.method >= QSS1:
         e.quantised = make_quantised(m)
     return e
 

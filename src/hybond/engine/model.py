@@ -445,7 +445,7 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5 to 10: qss, 11: moreau-jean."""
+    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5: moreau-jean."""
     step: float
     """Of the last three."""
     theta: float

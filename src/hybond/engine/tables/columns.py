@@ -7,9 +7,7 @@ from typing import Any
 
 from hybond.engine.tables.expressions import Expressions, number_of
 from hybond.equations.slots import Slots
-from hybond.model.expressions import (
-    Expr,
-)
+from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 
 

@@ -11,12 +11,7 @@ from hybond.engine.tables.machines import owners_of
 from hybond.engine.tables.parts import put_parts
 from hybond.equations.element_parts import Part, Parts
 from hybond.errors import ModelError
-from hybond.model.expressions import (
-    Bool,
-    Expr,
-    Number,
-    names,
-)
+from hybond.model.expressions import Bool, Expr, Number, names
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.inputs import Constant, Pwm, Timetable
 from hybond.model.interval import discrete_names

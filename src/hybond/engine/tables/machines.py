@@ -5,10 +5,7 @@ from __future__ import annotations
 from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
-from hybond.model.expressions import (
-    comparisons,
-    names,
-)
+from hybond.model.expressions import comparisons, names
 from hybond.model.graph import FlatGraph, Machine
 
 _STILL = ("in:", "on:", "at:")

@@ -30,8 +30,8 @@ POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
 METHODS = {
     **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
-    **{"qss1": 5, "qss2": 6, "qss3": 7, "liqss1": 8, "liqss2": 9, "liqss3": 10},
-    "moreau-jean": 11,
+    **{"qss1": 6, "qss2": 7, "qss3": 8, "liqss1": 9, "liqss2": 10, "liqss3": 11},
+    "moreau-jean": 5,
 }
 IMPACTS = {
     "newton": NEWTON,

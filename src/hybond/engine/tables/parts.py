@@ -9,12 +9,7 @@ from hybond.engine.tables.forms import put_forms
 from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    names,
-    uses_pre,
-)
+from hybond.model.expressions import Expr, Number, names, uses_pre
 from hybond.model.kinds import SOURCES
 
 

@@ -6,9 +6,7 @@ from hybond.engine.tables.calls import put_samples
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.elements import levels_of
 from hybond.engine.tables.expressions import number_of
-from hybond.model.expressions import (
-    Binary,
-)
+from hybond.model.expressions import Binary
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.resolve import affine_in_time
 

@@ -1,1 +1,0 @@
-"""When it switches: settling, jumps, locating events, accumulation, sliding, the audit."""

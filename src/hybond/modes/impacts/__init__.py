@@ -1,1 +1,0 @@
-"""Impact laws: what contacts that are struck at one instant exchange."""

@@ -1,1 +1,0 @@
-"""Accumulation of impacts: seen, landed on, at rest."""

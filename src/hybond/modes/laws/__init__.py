@@ -1,1 +1,0 @@
-"""The laws of junctions: which branches they take, decided together."""

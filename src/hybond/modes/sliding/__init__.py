@@ -1,1 +1,0 @@
-"""Sliding along switching surfaces, and switching in a band instead."""
