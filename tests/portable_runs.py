@@ -10,7 +10,7 @@ import pytest
 import hybond as hb
 from hybond.engine.compiled.answering import Calls
 from hybond.engine.engine import REFUSED, Engine, make_engine
-from hybond.engine.run import motion
+from hybond.engine.run import motion, run_records
 from hybond.engine.run.log import make_report
 from hybond.engine.tables import answered, tables_of
 from hybond.model.planar_friction import kept_paths
@@ -52,7 +52,7 @@ def portable(model, monkeypatch, **options) -> PortableRun:
         events.append((i.t, CAUSES[i.cause], steps))
 
     monkeypatch.setattr(motion, "report_event", note)
-    status = motion.run_to_end(e, motion.make_run(e, make_report(e)))
+    status = motion.run_to_end(e, run_records.make_run(e, make_report(e)))
     return PortableRun(events, e.t, np.array(e.y), e.fault.code if status == REFUSED else "", e)
 
 

@@ -37,7 +37,7 @@ def test_what_cannot_be_written_is_refused(tmp_path, capsys) -> None:
     assert capsys.readouterr().err.startswith("HB-E602 at --to: there is no export to 'jav'")
     assert main(["export", BALL, "--to", "c", "--out", str(tmp_path / "ball.txt")]) == 1
     assert capsys.readouterr().err.startswith("HB-X102")
-    assert main(["export", BALL, "--to", "c", "--solver", "moreau-jean", "--out", "-"]) == 1
+    assert main(["export", BALL, "--to", "c", "--solver", "heun", "--out", "-"]) == 1
     assert capsys.readouterr().err.startswith("HB-E632")
 
 

@@ -13,7 +13,7 @@ from hybond.engine.laws import law_branches
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.warned import NO_SIGN, NO_SOLUTION, NO_WAY_ON, OPEN, Warnings
-from hybond.engine.run import motion
+from hybond.engine.run import motion, run_records
 from hybond.engine.run.log import make_report
 from hybond.engine.tables import answered, tables_of
 
@@ -339,7 +339,7 @@ def test_guards_that_ask_in_vain_are_named(monkeypatch: pytest.MonkeyPatch) -> N
     graph = m.flatten()
     tables = tables_of(graph, until=1e-3, tells=True)
     engine = make_engine(answered(tables))
-    run = motion.make_run(engine, make_report(engine))
+    run = run_records.make_run(engine, make_report(engine))
     assert motion.run_to_end(engine, run) == REFUSED
     fault = engine.fault
     refusal = Refusal(

@@ -307,8 +307,11 @@ def _parser() -> Parser:
     export.add_argument("--force", action="store_true", help="replace a file that is there")
     _settings(export)
     export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
-    export.add_argument("--solver", metavar="NAME", help="rk45, radau, exact, rk4 or euler")
-    export.add_argument("--step", metavar="H", help="step of rk4 and euler")
+    export.add_argument(
+        "--solver", metavar="NAME", help="rk45, radau, exact, rk4, euler, moreau-jean"
+    )
+    export.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
+    export.add_argument("--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1")
     export.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
     export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
     export.add_argument("--max-step", metavar="H", help="longest step")

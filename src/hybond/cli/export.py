@@ -38,7 +38,18 @@ def export_model(given: Namespace) -> int:
     path = None if name == PRINTED else check_target(name, (target.suffix,), "--out")
     if path is not None:
         check_new(path, force=given.force)
-    names = ("until", "solver", "rtol", "atol", "points", "step", "max_step", "impact", "fmi")
+    names = (
+        "until",
+        "solver",
+        "rtol",
+        "atol",
+        "points",
+        "step",
+        "theta",
+        "max_step",
+        "impact",
+        "fmi",
+    )
     options = {n: getattr(given, n) for n in names if getattr(given, n) is not None}
     model = model_with(load(Path(given.file)), given.settings)
     if given.to == "fmu" and sys.stderr.isatty():

@@ -46,6 +46,9 @@ room to work in. Data flows so::
     met, ways_on, filippov    the surfaces met, how the state goes on from them: additive, crossings
     combine, corners, branches      the modes around surfaces; the branches of laws in each of them
     blend, averages, onto     their combination, as a mode is asked for; back onto the surfaces
+    step_motion, theta_step   time-stepping: the executive that locates nothing, one step: matrices,
+                              step_laws, guessed (the branches of the step before), open_shares and
+                              step_shares (who carries what), end_ports, step_event, step_shown
     log                       what is written down; in its place a program has
     report, run               what is printed; options; the program
 

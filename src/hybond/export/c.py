@@ -24,8 +24,8 @@ def to_c(model: Model, **options: object) -> str:
     ----------
     model : Model
     **options
-        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``max_step``,
-        ``impact``; those that are left out are the experiment's.
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``theta``,
+        ``max_step``, ``impact``; those that are left out are the experiment's.
 
     Returns
     -------

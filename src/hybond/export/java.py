@@ -33,8 +33,8 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     name : str
         Of the class; by default made of the model's.
     **options
-        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``max_step``,
-        ``impact``; those that are left out are the experiment's.
+        Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``theta``,
+        ``max_step``, ``impact``; those that are left out are the experiment's.
 
     Returns
     -------

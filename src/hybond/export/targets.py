@@ -37,7 +37,9 @@ class Target:
     options: frozenset[str] = frozenset()
 
 
-RUN = frozenset(("until", "solver", "rtol", "atol", "points", "step", "max_step", "impact"))
+RUN = frozenset(
+    ("until", "solver", "rtol", "atol", "points", "step", "theta", "max_step", "impact")
+)
 """Options of a run that an exported program begins with."""
 
 TARGETS: Mapping[str, Target] = {

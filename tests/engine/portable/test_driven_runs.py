@@ -6,7 +6,7 @@ from portable_runs import assert_the_same
 
 import hybond as hb
 from hybond.engine.engine import OK, make_engine
-from hybond.engine.run import motion, unit
+from hybond.engine.run import run_records, unit
 from hybond.engine.run.log import make_report
 from hybond.engine.tables import answered, tables_of
 
@@ -41,7 +41,7 @@ def test_samples_are_those_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> 
 
 def begun(model: hb.Model, until: float):
     e = make_engine(answered(tables_of(model.flatten(), until=until)))
-    r = motion.make_run(e, make_report(e))
+    r = run_records.make_run(e, make_report(e))
     assert unit.begin_unit(e, r) == OK
     return e, r
 

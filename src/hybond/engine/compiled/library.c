@@ -60,7 +60,7 @@ typedef struct HybondSeen {
     const int *step_place, *instant_place, *visit, *fired, *hit, *over, *open, *slid;
     const int *warn, *warn_first;
     int bond_rows;
-    const double *step_bonds, *step_energy;
+    const double *step_bonds, *step_energy, *instant_since;
     const int *step_bond;
 } HybondSeen;
 
@@ -246,6 +246,7 @@ SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)
     seen->bond_rows = log->bond_rows;
     seen->step_bonds = log->step_bonds->at;
     seen->step_energy = log->step_energy->at;
+    seen->instant_since = log->instant_since->at;
     seen->step_bond = log->step_bond->at;
 }
 

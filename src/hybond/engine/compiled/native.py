@@ -87,7 +87,10 @@ class Seen(ctypes.Structure):
         *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
         *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
         ("bond_rows", ctypes.c_int),
-        *((n, ctypes.POINTER(ctypes.c_double)) for n in ("step_bonds", "step_energy")),
+        *(
+            (n, ctypes.POINTER(ctypes.c_double))
+            for n in ("step_bonds", "step_energy", "instant_since")
+        ),
         ("step_bond", ctypes.POINTER(ctypes.c_int)),
     )
 
@@ -205,7 +208,7 @@ class Rows:
         The state there.
     step_dense : array, shape (steps, 4, states)
     step_place : array of int, shape (steps, 2 + 2 machines)
-    instant_time : array, shape (instants, 3)
+    instant_time : array, shape (instants, 2)
     instant_state : array, shape (instants, 2, states)
         Before and after.
     instant_place : array of int, shape (instants, 3 + 2 machines)
@@ -223,6 +226,8 @@ class Rows:
     step_bonds : array, shape (points, 2 bonds)
         Of time-stepping: bond variables where steps end, and where a motion begins.
     step_energy : array, shape (steps or 0, 3)
+    instant_since : array, shape (instants,)
+        When the step began within which it happened, s; -1 where it was located.
     step_bond : array of int, shape (steps or 0,)
     """
 
@@ -250,6 +255,7 @@ class Rows:
     about: NDArray[np.float64]
     step_bonds: NDArray[np.float64]
     step_energy: NDArray[np.float64]
+    instant_since: NDArray[np.float64]
     step_bond: NDArray[np.intc]
 
 
@@ -472,7 +478,7 @@ class NativeRun:
             _floats(s.step_state, s.steps, 3, n),
             _floats(s.step_dense, s.steps, 4, n),
             _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
-            _floats(s.instant_time, s.instants, 3),
+            _floats(s.instant_time, s.instants, 2),
             _floats(s.instant_state, s.instants, 2, n),
             _ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
             _ints(s.visit, s.visits, 5),
@@ -491,6 +497,7 @@ class NativeRun:
             _floats(s.about, s.abouts),
             _floats(s.step_bonds, s.bond_rows, 2 * self.model.record.bonds),
             _floats(s.step_energy, s.steps if s.bond_rows else 0, 3),
+            _floats(s.instant_since, s.instants),
             _ints(s.step_bond, s.steps if s.bond_rows else 0),
         )
 

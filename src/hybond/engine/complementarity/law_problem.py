@@ -49,7 +49,7 @@ def solve_laws(p: LawProblem, start: Ints) -> bool:
         if p.role[k] == TWO_SIDED or p.role[k] >= FORWARD:
             rubs = True
     if rubs:
-        return solve_with_friction(p, p.moved, start)
+        return solve_with_friction(p, p.moved, p.q, start)
     if holds_any:
         return solve_without_held(p, start)
     return solve_one_sided(p, n, p.m, p.moved, p.role, p.common, start, p.l, p.branch, p.open)
@@ -75,7 +75,7 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
     svd(p.svd, many, many, p.block)
     tied = rank_above(p.svd, many, SETTLED) < many
     # what is held may depend on the others, not on its own l alone
-    if tied and solve_with_friction(p, p.moved, start):
+    if tied and solve_with_friction(p, p.moved, p.moved, start):
         return True
     # or nothing decides some l, like voltages of switches that leave a part afloat
     wide = free + 1
@@ -143,7 +143,7 @@ def held_scale(p: LawProblem, k: int) -> float:
     return math.sqrt(max(math.fabs(p.m[k * p.n + k]), LEAST_SCALE))
 
 
-def solve_with_friction(p: LawProblem, moved: Floats, start: Ints) -> bool:
+def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints) -> bool:
     """Write the laws as rows ``A a + B b + C l = d`` with ``a, b >= 0`` and ``a b = 0``; solve."""
     n = p.n
     pairs = 0
@@ -177,7 +177,7 @@ def solve_with_friction(p: LawProblem, moved: Floats, start: Ints) -> bool:
         elif role == SHUT:
             for j in range(n):
                 x.whole[at + j] = p.m[k * n + j]
-            x.right[row] = -p.q[k]
+            x.right[row] = -held[k]
             row += 1
         elif role >= FORWARD:
             way = 1.0 if role == FORWARD else -1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import (
@@ -33,7 +32,7 @@ class Instant:
 
     t: float
     since: float
-    """When the step began within which it happened; nan: it was located."""
+    """When the step began within which it happened; -1: it was located."""
     cause: int
     steps: int
     kind: Places
@@ -96,7 +95,7 @@ def make_instant() -> Instant:
 def begin_instant(i: Instant, t: float, cause: int) -> None:
     """Forget what was written down."""
     i.t = t
-    i.since = math.nan
+    i.since = -1.0
     i.cause = cause
     i.steps = 0
     i.hits = 0

@@ -247,7 +247,7 @@ class PythonRun:
             _floats(r.step_state.at, r.steps, 3, n),
             _floats(r.step_dense.at, r.steps, 4, n),
             _ints(r.step_place.at, r.steps, MACHINES_OF_STEP + 2 * machines),
-            _floats(r.instant_time.at, r.instants, 3),
+            _floats(r.instant_time.at, r.instants, 2),
             _floats(r.instant_state.at, r.instants, 2, n),
             _ints(r.instant_place.at, r.instants, MACHINES_OF_INSTANT + 2 * machines),
             _ints(r.visit.at, r.visits, 5),
@@ -266,6 +266,7 @@ class PythonRun:
             _floats(warned.number.at, warned.numbers),
             _floats(r.step_bonds.at, r.bond_rows, r.bond_wide),
             _floats(r.step_energy.at, r.steps if r.bond_rows else 0, 3),
+            _floats(r.instant_since.at, r.instants),
             _ints(r.step_bond.at, r.steps if r.bond_rows else 0),
         )
 

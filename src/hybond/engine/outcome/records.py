@@ -343,7 +343,7 @@ class Records:
                 for m, at in zip(self.graph.machines, found.landed[k].tolist(), strict=True)
                 if at
             ),
-            None if math.isnan(rows.instant_time[k, 2]) else float(rows.instant_time[k, 2]),
+            None if rows.instant_since[k] < 0.0 else float(rows.instant_since[k]),
         )
 
     def _note_landing(self, found: Instants, f: int) -> None:

@@ -49,8 +49,8 @@ class Report:
     surfaces are slid on, and unless that is 0 whether all corners are combined, how many modes, the
     surfaces by number, the state of each machine as shown, then in each of these modes.
 
-    Of instants: `instant_time` t, the largest energy seen before, and the begin of the step within
-    which it happened, nan if it was located; `instant_state` the state
+    Of instants: `instant_time` t, and the largest energy seen before; `instant_since` the begin of
+    the step within which it happened, -1 if it was located; `instant_state` the state
     before and after; `instant_place` the cause, how many modes were visited, the number of the
     combination from there on, then the state of each machine after it, then whether it has landed.
 
@@ -72,6 +72,7 @@ class Report:
     """In the log now; `instants_before` were taken away."""
     instants_before: int
     instant_time: Block
+    instant_since: Block
     instant_state: Block
     instant_place: Places
     visits: int
@@ -126,6 +127,7 @@ def make_report(e: Engine) -> Report:
     r.step_bond = make_places(16)
     r.step_energy = make_block(16)
     r.instant_time = make_block(16)
+    r.instant_since = make_block(16)
     r.instant_state = make_block(16 * e.states)
     r.instant_place = make_places(16)
     r.visit = make_places(16)
@@ -367,12 +369,13 @@ def write_instant(e: Engine, r: Report, i: Instant, cause: int) -> None:
     machines = e.model.machines
     k = r.instants
     r.instants += 1
-    grow_block(r.instant_time, 3 * r.instants)
+    grow_block(r.instant_time, 2 * r.instants)
+    grow_block(r.instant_since, r.instants)
     grow_block(r.instant_state, 2 * n * r.instants)
     grow_places(r.instant_place, (3 + 2 * machines) * r.instants)
-    r.instant_time.at[3 * k] = i.t
-    r.instant_time.at[3 * k + 1] = r.energy
-    r.instant_time.at[3 * k + 2] = i.since
+    r.instant_time.at[2 * k] = i.t
+    r.instant_time.at[2 * k + 1] = r.energy
+    r.instant_since.at[k] = i.since
     for j in range(n):
         r.instant_state.at[2 * n * k + j] = e.y[j] if i.cause == START else r.left[j]
         r.instant_state.at[2 * n * k + n + j] = e.y[j]
