@@ -14,8 +14,9 @@ from hybond.engine.complementarity.lcp import NO_CHOICE, ON_A_RAY, SOLVED, make_
 from hybond.engine.complementarity.lcp_forms import make_mixed, solve_mixed
 from hybond.engine.complementarity.lemke import lemke as solve_lcp
 from hybond.engine.complementarity.lemke import ray_proves
+from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.laws.law_records import make_doubts
-from hybond.engine.laws.law_seconds import find_second, is_indefinite
+from hybond.engine.laws.law_seconds import find_second
 
 Array = NDArray[np.float64]
 STATUS = {SOLVED: "solved", ON_A_RAY: "ray", NO_CHOICE: "singular"}
@@ -113,7 +114,7 @@ def second_solution(M: ArrayLike, q: ArrayLike) -> Array | None:
 def positive_semidefinite(M: ArrayLike) -> bool:
     """Whether a matrix is, to rounding."""
     n = len(np.asarray(M))
-    return not is_indefinite(make_doubts(n), n, flat(M))
+    return not is_indefinite(n, flat(M), [0.0] * n, [0.0] * n, [0.0] * (n * n))
 
 
 def violation(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
