@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from dense_events import Atom, Guard, Hybrid, Law, Machine, Rule, Run
+from dense_events import Run
 from dense_oracle import Net, random_net
+from hybrid_models import Atom, Guard, Hybrid, Law, Machine, Rule
 
 import hybond as hb
 
@@ -102,8 +103,10 @@ def _within_reach(rng: np.random.Generator, h: Hybrid) -> Hybrid | None:
     for m in h.machines:
         if m.name == "pair":
             machines.append(m)
-        elif any(r.target == "s1" and r.guard.atom and r.guard.atom.op == ">" for r in m.rules) and (
-            len(m.rules) == 2 and len({next(r.guard.atoms()).terms for r in m.rules}) == 1
+        elif (
+            len(m.rules) == 2
+            and [r.guard.atom and r.guard.atom.op for r in m.rules] == [">", "<"]
+            and m.rules[0].guard.atom.terms == m.rules[1].guard.atom.terms
         ):
             # hysteresis keeps its two thresholds apart
             low, high = spread(next(m.rules[0].guard.atoms()))
@@ -119,7 +122,8 @@ def _within_reach(rng: np.random.Generator, h: Hybrid) -> Hybrid | None:
                         replace(
                             r,
                             guard=replace(
-                                r.guard, atom=replace(r.guard.atom, bound=b if r.target == "s1" else a)
+                                r.guard,
+                                atom=replace(r.guard.atom, bound=b if r.target == "s1" else a),
                             ),
                         )
                         for r in m.rules

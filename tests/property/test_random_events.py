@@ -1,0 +1,150 @@
+"""Whole runs of random hybrid models against a dense oracle that shares nothing with the package.
+
+Events, their causes and kinds, instants, states, impulses and energies; also what has no run and
+is refused. The last tests are models on which the two differ.
+"""
+
+from __future__ import annotations
+
+import pytest
+from event_comparison import differences
+from event_nets import hybrid
+
+import hybond as hb
+
+MACHINES = (2000, 2024)
+LAWS = (100, 112)
+
+
+def events(m: hb.Model, until: float = 1.0) -> list:
+    return list(hb.simulate(m, until=until).trace.events)
+
+
+@pytest.mark.parametrize("seed", range(*MACHINES))
+def test_machines_steps_and_impacts(seed: int) -> None:
+    found, _ = differences(hybrid(seed))
+    assert not found
+
+
+@pytest.mark.parametrize("seed", range(*LAWS))
+def test_diodes_and_friction(seed: int) -> None:
+    found, _ = differences(hybrid(seed, laws=True))
+    assert not found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(20))
+def test_many_machines_steps_and_impacts(block: int) -> None:
+    for seed in range(60000 + 20 * block, 60000 + 20 * block + 20):
+        found, _ = differences(hybrid(seed))
+        assert not found, seed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(10))
+def test_many_diodes_and_frictions(block: int) -> None:
+    for seed in range(70000 + 20 * block, 70000 + 20 * block + 20):
+        found, _ = differences(hybrid(seed, laws=True))
+        assert not found, seed
+
+
+def test_events_of_all_kinds_are_met() -> None:
+    """The seeds above are of use: modes of all kinds, jumps, impacts, refusals."""
+    from dense_events import Run
+
+    outcomes = [Run(hybrid(seed), 2.0).run() for seed in range(*MACHINES)]
+    visits = [v for o in outcomes for e in o.events for v in e.visits]
+    assert {v.kind for v in visits} == {"mythical", "pinnacle", "continuous"}
+    assert sum(bool(v.jump.any()) for v in visits if v.kind != "mythical") >= 5
+    assert {"end", "cycle", "sources"} <= {o.stop for o in outcomes}
+
+
+# -- where the two differ --------------------------------------------------------------------------
+
+
+@pytest.mark.xfail(strict=True, reason="impulses of a jump are dropped where bonds form a ring")
+def test_a_ring_of_bonds_keeps_its_impulses() -> None:
+    m = hb.Model("ring")
+    m.add(a=hb.Zero(), b=hb.Zero(), x=hb.C(1.0, q=0.7))
+    m.bond("x -> a", "a -> b", "a -> b")
+    m.machine("m", states={"off": [], "on": ["b"]}, start="off")
+    (step,) = events(m)[0].steps
+    # the rate of what jumps has the jump as its impulse: x.f points out of the storage
+    assert step.impulses.get("x.f") == pytest.approx(0.7, abs=1e-12)
+
+
+@pytest.mark.xfail(strict=True, reason="an impulse of 1e15 in place of one that is open")
+def test_open_impulses_have_the_size_of_the_jump() -> None:
+    m = hb.Model("ring")
+    m.add(**{f"j{k}": hb.Zero() for k in (0, 2, 3, 4, 5)}, j1=hb.One(), c0=hb.C(1.0, q=0.725))
+    m.bond("c0 -> j3", "j2 -> j5", "j4 -> j3", "j2 -> j1", "j3 -> j2", "j4 -> j0", "j1 -> j0")
+    m.machine("m", states={"s0": [], "s1": ["j5"]}, start="s0")
+    (step,) = events(m)[0].steps
+    assert all(abs(v) <= 0.725 + 1e-9 for v in step.impulses.values())
+
+
+@pytest.mark.xfail(strict=True, reason="a guard on a share of an impulse is not refused")
+def test_a_guard_on_an_open_impulse_is_refused() -> None:
+    m = hb.Model("cut")
+    m.add(n=hb.Zero(), j=hb.One(), i=hb.I(1.0, p=-0.376))
+    m.bond("i -> j", "n -> j")
+    m.machine(
+        "m", states={"on": ["j"], "off": []}, start="off", rules=["off -> on when n.e < -0.224"]
+    )
+    with pytest.raises(hb.HybondError, match="HB-J102"):
+        hb.simulate(m, until=1.0)
+
+
+@pytest.mark.xfail(strict=True, reason="rounding makes a junction's own sum look open")
+def test_a_sum_that_is_zero_by_the_junction_is_not_open() -> None:
+    m = hb.Model("sum")
+    m.add(j=hb.One(), k=hb.One(), t=hb.GY(0.51), a=hb.C(1.0, q=-0.614), b=hb.C(1.0, q=-0.605))
+    m.bond("b -> k", "k -> j", "t.1 -> j", "t.2 -> a", "k -> j")
+    m.machine("m", states={"off": [], "on": ["j"]}, start="on", rules=["on -> off when j.e > 0.0"])
+    assert hb.simulate(m, until=1.0).status == "ok"
+
+
+@pytest.mark.xfail(strict=True, reason="HB-J111 although exactly one jump obeys the law")
+def test_a_limiter_clamps_what_is_charged_above_its_limit() -> None:
+    m = hb.Model("clamp")
+    m.add(v=hb.Zero(), j=hb.One(law="coulomb", limit=0.449), c=hb.C(1.0, q=0.636))
+    m.bond("v -> c", "v -> j")
+    assert hb.simulate(m, until=1.0)["c.q"].at(0.5) == pytest.approx(0.449, abs=1e-12)
+
+
+@pytest.mark.xfail(strict=True, reason="the sign of a residue of location chooses an idle diode")
+def test_idle_diodes_stay_as_they_were() -> None:
+    m = hb.Model("idle")
+    m.add(j0=hb.One(law="diode"), j3=hb.One(law="diode"), j4=hb.Zero(law="diode"))
+    m.add(s7=hb.Se(-1.515), i8=hb.I(1.0, p=0.2))
+    m.bond("j3 -> i8", "s7 -> j3", "j0 -> j3", "j4 -> j0")
+    run = hb.simulate(m, until=1.0)
+    assert [e.t for e in run.trace.events] == pytest.approx([0.0, 0.2 / 1.515])
+
+
+@pytest.mark.xfail(strict=True, reason="a jump creates energy and nothing is said")
+def test_energy_created_in_an_impact_is_warned_of() -> None:
+    m = hb.Model("impact", domain="translational")
+    m.add(a=hb.I(1.0, f=1.0), b=hb.I(2.0, f=-0.5), s1=hb.One(), s2=hb.One(), contact=hb.Zero())
+    m.add(rebound=hb.Sf("-0.9*pre(s1.f - s2.f)"), brake=hb.Zero(), wall=hb.Sf(0.0))
+    m.bond("s1 -> a", "s2 -> b", "s1 -> contact -> s2", "contact -> rebound")
+    m.bond("s2 -> brake", "wall -> brake")
+    m.signal(gap=hb.Integral("s2.f - s1.f", start="1 m"))
+    m.machine(
+        "pair",
+        states={"apart": [], "collide": ["contact"]},
+        start="apart",
+        rules=[
+            "apart -> collide when gap <= 0 and s1.f > s2.f",
+            "collide -> apart when pre(a.f) <= pre(b.f)",
+        ],
+    )
+    m.machine(
+        "lock",
+        states={"free": [], "locked": ["brake"]},
+        start="free",
+        rules=["free -> locked when gap <= 0"],
+    )
+    run = hb.simulate(m, until=1.0)
+    lost = sum(s.energy.lost for e in run.trace.events for s in e.steps if s.energy)
+    assert lost >= 0.0 or any(" J" in w for w in run.warnings)
