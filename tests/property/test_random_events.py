@@ -19,7 +19,14 @@ MACHINES = range(2000, 2024)
 LAWS = [s for s in range(100, 113) if s != 101]
 MANY_MACHINES = range(60000, 60300)
 MANY_LAWS = range(70000, 70150)
-KNOWN: dict[int, str] = {}
+KNOWN = {
+    60081: "pre() of an open signal is not refused",
+    60082: "pre() of an open signal is not refused",
+    70028: "HB-J111 in a jump with friction",
+    70079: "friction slides in another part's jump",
+    70082: "friction slides in another part's jump",
+    70110: "friction that holds is let go at a step of a source",
+}
 """Of the many, those on which the two differ; the tests below have the same in small."""
 
 
@@ -173,6 +180,16 @@ def test_friction_that_holds_does_not_jump() -> None:
     m.add(j4=hb.One(law="diode"), t4=hb.GY(-1.69), c0=hb.C(1.0, q=-0.314))
     m.bond("t4.1 -> j4", "j1 -> j0", "t4.2 -> j2", "j3 -> j0", "j2 -> c0", "j1 -> j2")
     assert hb.simulate(m, until=1.0)["c0.q"].at(0.0) == -0.314
+
+
+@pytest.mark.xfail(strict=True, reason="friction slides in another part's jump")
+def test_friction_rests_while_another_part_jumps() -> None:
+    m = hb.Model("apart")
+    m.add(j1=hb.Zero(), j2=hb.One(law="coulomb", limit=0.867), j3=hb.One())
+    m.add(j4=hb.Zero(law="diode"), c6=hb.C(1.0, q=0.075))
+    m.bond("j3 -> j4", "j3 -> c6", "j1 -> j2")
+    m.machine("m", states={"on": ["j1"], "off": []}, start="off")
+    assert hb.simulate(m, until=1.0)["c6.q"].at(0.5) == 0.0
 
 
 @pytest.mark.xfail(strict=True, reason="the sign of a residue of location chooses an idle diode")
