@@ -6,7 +6,11 @@ from itertools import product
 
 import numpy as np
 from dense_modes import CLOSE, ROUNDING, Linear, Signals, Stop
+from scipy.linalg import expm
 from scipy.optimize import linprog
+
+SOON = 1e-4
+"""s; rates are of order one."""
 
 
 def feasible(
@@ -129,10 +133,11 @@ def still(run, x, states, t: float, prior: Signals) -> list:
         needed = conditions(run, mode, tried)
         loose = [(r, c) for r, c in needed if mode.loose(r)]
         if loose:
-            w = mode.w @ full
             rows = np.array([r for r, _ in needed])
             bounds = np.array([c for _, c in needed])
-            if not feasible(rows, w, mode.undetermined, bounds):
+            # where all is zero and zero, what comes a little later decides
+            times = (full, expm(mode.a * SOON) @ full)
+            if not all(feasible(rows, mode.w @ x, mode.undetermined, bounds) for x in times):
                 continue
         if all(mode.loose(r) or lexicographic(mode, r @ mode.w, c, full) for r, c in needed):
             found.append((tried, mode, bool(loose)))
