@@ -191,12 +191,6 @@ def test_most_guesses_are_answers() -> None:
     assert found > 150
 
 
-def test_the_reference_has_no_time_stepping() -> None:
-    with pytest.raises(hb.HybondError) as caught:
-        stepped(ball(), 1.0, engine="reference")
-    assert caught.value.code == "HB-S119"
-
-
 def test_many_settings_beside_laws_are_no_obstacle() -> None:
     """More settings of switches than are looked at beforehand; the diode decides all the same."""
     m = hb.Model("many", domain="electrical")

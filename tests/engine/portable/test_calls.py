@@ -26,7 +26,7 @@ def loop() -> hb.Model:
     return m
 
 
-def test_calls_are_those_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_functions_are_called_by_the_engine_as_python(monkeypatch: pytest.MonkeyPatch) -> None:
     run, _ = assert_the_same(loop(), monkeypatch, until=1.0)
     assert [event.cause for event in run.events[1:]] == ["guard"] * 3
 

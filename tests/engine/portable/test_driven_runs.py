@@ -34,7 +34,7 @@ def loop() -> hb.Model:
     return m
 
 
-def test_samples_are_those_of_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_samples_are_events_of_the_engine_as_python(monkeypatch: pytest.MonkeyPatch) -> None:
     run, _ = assert_the_same(loop(), monkeypatch, until="0.1 s")
     assert "sample" in {event.cause for event in run.events}
 
