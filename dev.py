@@ -54,13 +54,8 @@ def make_environment(extra):
     sources = [ROOT / "pyproject.toml", ROOT / "src" / "hybond" / "_version.py"]
     package = ROOT / "src" / "hybond"
     sources += [ROOT / "hatch_build.py"]
-    for room, kinds in {
-        "kernel": ("build.py", "c/*.[ch]"),
-        "engine": ("*.py", "*.c"),
-        "export/portable": ("*.py",),
-        "export/translate": ("*.py",),
-    }.items():
-        sources += [path for kind in kinds for path in sorted((package / room).glob(kind))]
+    for room in ("engine", "translate"):  # what the library is made of
+        sources += sorted((package / room).rglob("*.py")) + sorted((package / room).rglob("*.c"))
     text = b"".join(path.read_bytes() for path in sources) + str(ROOT).encode()
     digest = hashlib.sha256(text).hexdigest()
     installed = STAMP.read_text().split() if usable and STAMP.exists() else []

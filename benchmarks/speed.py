@@ -10,8 +10,7 @@ tools do it as their users write it; those that are not installed are left out.
 A time is marginal: the slope between two lengths of run, tools taking turns, the median of the
 turns. Beside it are what a run costs apart from its length (nothing where its first part is the
 cheaper one, so that there is no such number), and how far the end is from a closed form, or from a
-run of the C program with a far smaller tolerance (that of P5 has none, being exact). With
-HYBOND_KERNEL=off in the environment hybond runs without its kernel.
+run of the C program with a far smaller tolerance (that of P5 has none, being exact).
 """
 
 from __future__ import annotations

@@ -77,11 +77,10 @@ class Result:
     segments : sequence of Segment
     warnings : tuple of str
     stats : dict
-        Steps (``marched``: those that the kernel took), events (``crossed``: those that it
-        settled), evaluations, modes built (``propagated``: those that solver ``"exact"`` took).
+        Steps, events, evaluations, modes built (``propagated``: those that solver ``"exact"``
+        took).
     kernel : str
-        What made the run: the library, the engine as Python and why, or the reference, with how
-        many of the steps and events its compiled kernel took.
+        What made the run: the library, or the engine as Python and why.
     method : str
         With solver ``"exact"``: how many modes were propagated exactly, and why not more.
 

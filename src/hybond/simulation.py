@@ -105,7 +105,7 @@ def simulate(
         textbook answer for rows of balls.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
-        ``progress(t, events)`` after each step, or each few that the kernel takes.
+        ``progress(t, events)`` about twenty times a second.
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.

@@ -86,7 +86,7 @@ class Polynomial(Interpolant):
 
     def _at(self, t: float) -> FloatArray:
         x = (t - self.t0) / self._h
-        # one product after the other, as the kernel takes them: a touch is decided by the last bits
+        # one product after the other, as the engine takes them: a touch is decided by the last bits
         powers = [x]
         for _ in range(len(self.coefficients) - 1):
             powers.append(powers[-1] * x)
