@@ -13,7 +13,7 @@ from engine.laws_put_back import Laws
 from example_runs import NAMES, RTOL, example, integrated
 
 import hybond as hb
-from hybond.engine.compiled.native import Rows
+from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
 from hybond.model.graph import FlatGraph

@@ -13,7 +13,6 @@ import os
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,12 @@ from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Questio
 from hybond.engine.compiled.build import NAME
 from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
+from hybond.engine.compiled.rows import (
+    MACHINES_OF_INSTANT,
+    MACHINES_OF_STEP,
+    Rows,
+    Seen,
+)
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 
@@ -32,10 +37,6 @@ OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
 SLICE = 2000
 """Steps and instants between two looks at the world outside."""
-MACHINES_OF_STEP = 2
-"""Where the states of machines begin in a row of `step_place`."""
-MACHINES_OF_INSTANT = 3
-
 _KINDS: dict[str, Any] = {
     "int": ctypes.c_int,
     "float": ctypes.c_double,
@@ -52,47 +53,6 @@ _NAMES = {
     "stored_names": "stored",
     "output_names": "outputs",
 }
-
-
-_ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
-_COUNTS = (
-    *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
-    *("slides", "warns", "abouts"),
-)
-_FLOATS = (
-    *("step_time", "step_until", "step_state", "step_dense"),
-    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
-    *("slide_time", "warn_time", "about"),
-)
-_INTS = (
-    *("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
-    *("warn", "warn_first"),
-)
-
-
-class Seen(ctypes.Structure):
-    """What is read of a run: as `HybondSeen` in ``library.c``."""
-
-    _fields_ = (
-        ("y", ctypes.POINTER(ctypes.c_double)),
-        ("state", ctypes.POINTER(ctypes.c_int)),
-        ("tried", ctypes.POINTER(ctypes.c_int)),
-        ("t", ctypes.c_double),
-        ("energy", ctypes.c_double),
-        *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
-        ("propagated", ctypes.POINTER(ctypes.c_int)),
-        *((n, ctypes.c_int) for n in _ENDS),
-        *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
-        *((n, ctypes.c_int) for n in _COUNTS),
-        *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
-        *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
-        ("bond_rows", ctypes.c_int),
-        *(
-            (n, ctypes.POINTER(ctypes.c_double))
-            for n in ("step_bonds", "step_energy", "instant_since")
-        ),
-        ("step_bond", ctypes.POINTER(ctypes.c_int)),
-    )
 
 
 class Unavailable(Exception):
@@ -194,71 +154,6 @@ class NativeModel:
         setattr(self.record, name, column.ctypes.data_as(ctypes.POINTER(kind)))
 
 
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are.
-
-    Parameters
-    ----------
-    step_time : array, shape (steps, 3)
-        Begin and end of each step, and where it was ended, s.
-    step_until : array, shape (steps,)
-        The next timed event, s.
-    step_state : array, shape (steps, 3, states)
-        The state there.
-    step_dense : array, shape (steps, 4, states)
-    step_place : array of int, shape (steps, 2 + 2 machines)
-    instant_time : array, shape (instants, 2)
-    instant_state : array, shape (instants, 2, states)
-        Before and after.
-    instant_place : array of int, shape (instants, 3 + 2 machines)
-    visit : array of int, shape (visits, 5)
-    visit_energy : array, shape (visits, 3)
-    fired : array of int, shape (transitions, 6)
-    read : array, shape (values, 3)
-    hit : array of int, shape (hits,)
-    hit_area : array, shape (hits, 2)
-    over, open, slid : arrays of int
-    slide_time : array, shape (slides,)
-    warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
-        Their kinds, and where their numbers begin in `about`.
-    warn_time, about : array
-    step_bonds : array, shape (points, 2 bonds)
-        Of time-stepping: bond variables where steps end, and where a motion begins.
-    step_energy : array, shape (steps or 0, 3)
-    instant_since : array, shape (instants,)
-        When the step began within which it happened, s; -1 where it was located.
-    step_bond : array of int, shape (steps or 0,)
-    """
-
-    step_time: NDArray[np.float64]
-    step_until: NDArray[np.float64]
-    step_state: NDArray[np.float64]
-    step_dense: NDArray[np.float64]
-    step_place: NDArray[np.intc]
-    instant_time: NDArray[np.float64]
-    instant_state: NDArray[np.float64]
-    instant_place: NDArray[np.intc]
-    visit: NDArray[np.intc]
-    visit_energy: NDArray[np.float64]
-    fired: NDArray[np.intc]
-    read: NDArray[np.float64]
-    hit: NDArray[np.intc]
-    hit_area: NDArray[np.float64]
-    over: NDArray[np.intc]
-    open: NDArray[np.intc]
-    slid: NDArray[np.intc]
-    slide_time: NDArray[np.float64]
-    warn: NDArray[np.intc]
-    warn_first: NDArray[np.intc]
-    warn_time: NDArray[np.float64]
-    about: NDArray[np.float64]
-    step_bonds: NDArray[np.float64]
-    step_energy: NDArray[np.float64]
-    instant_since: NDArray[np.float64]
-    step_bond: NDArray[np.intc]
-
-
 class NativeRun:
     """One run of a model by the library.
 
@@ -333,7 +228,7 @@ class NativeRun:
     @property
     def y(self) -> NDArray[np.float64]:
         """The state there: stored quantities, then integrated signals."""
-        return _floats(self._seen.y, self._seen.states)
+        return copied_floats(self._seen.y, self._seen.states)
 
     @property
     def fault(self) -> Refusal:
@@ -473,32 +368,32 @@ class NativeRun:
         s = self._seen
         n, machines = s.states, self.model.record.machines
         return Rows(
-            _floats(s.step_time, s.steps, 3),
-            _floats(s.step_until, s.steps),
-            _floats(s.step_state, s.steps, 3, n),
-            _floats(s.step_dense, s.steps, 4, n),
-            _ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
-            _floats(s.instant_time, s.instants, 2),
-            _floats(s.instant_state, s.instants, 2, n),
-            _ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
-            _ints(s.visit, s.visits, 5),
-            _floats(s.visit_energy, s.visits, 3),
-            _ints(s.fired, s.fireds, 6),
-            _floats(s.read, s.reads, 3),
-            _ints(s.hit, s.hits),
-            _floats(s.hit_area, s.hits, 2),
-            _ints(s.over, s.overs),
-            _ints(s.open, s.opens),
-            _ints(s.slid, s.slids),
-            _floats(s.slide_time, s.slides),
-            _ints(s.warn, s.warns),
-            _ints(s.warn_first, s.warns + 1 if s.warns else 0),
-            _floats(s.warn_time, s.warns),
-            _floats(s.about, s.abouts),
-            _floats(s.step_bonds, s.bond_rows, 2 * self.model.record.bonds),
-            _floats(s.step_energy, s.steps if s.bond_rows else 0, 3),
-            _floats(s.instant_since, s.instants),
-            _ints(s.step_bond, s.steps if s.bond_rows else 0),
+            copied_floats(s.step_time, s.steps, 3),
+            copied_floats(s.step_until, s.steps),
+            copied_floats(s.step_state, s.steps, 3, n),
+            copied_floats(s.step_dense, s.steps, 4, n),
+            copied_ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
+            copied_floats(s.instant_time, s.instants, 2),
+            copied_floats(s.instant_state, s.instants, 2, n),
+            copied_ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
+            copied_ints(s.visit, s.visits, 5),
+            copied_floats(s.visit_energy, s.visits, 3),
+            copied_ints(s.fired, s.fireds, 6),
+            copied_floats(s.read, s.reads, 3),
+            copied_ints(s.hit, s.hits),
+            copied_floats(s.hit_area, s.hits, 2),
+            copied_ints(s.over, s.overs),
+            copied_ints(s.open, s.opens),
+            copied_ints(s.slid, s.slids),
+            copied_floats(s.slide_time, s.slides),
+            copied_ints(s.warn, s.warns),
+            copied_ints(s.warn_first, s.warns + 1 if s.warns else 0),
+            copied_floats(s.warn_time, s.warns),
+            copied_floats(s.about, s.abouts),
+            copied_floats(s.step_bonds, s.bond_rows, 2 * self.model.record.bonds),
+            copied_floats(s.step_energy, s.steps if s.bond_rows else 0, 3),
+            copied_floats(s.instant_since, s.instants),
+            copied_ints(s.step_bond, s.steps if s.bond_rows else 0),
         )
 
 
@@ -526,14 +421,3 @@ def check_fresh(status: int, t: float) -> None:
 
 def do_nothing() -> None:
     """Do nothing: a run without blocks has none to close."""
-
-
-def _floats(begin: Any, *shape: int) -> NDArray[np.float64]:
-    size = int(np.prod(shape))
-    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy() if size else np.zeros(shape)
-
-
-def _ints(begin: Any, *shape: int) -> NDArray[np.intc]:
-    if not np.prod(shape):
-        return np.zeros(shape, dtype=np.intc)
-    return np.ctypeslib.as_array(begin, (int(np.prod(shape)),)).reshape(shape).copy()

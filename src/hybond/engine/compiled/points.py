@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hybond.engine.compiled.native import Rows
+from hybond.engine.compiled.rows import Rows
 
 Vector = NDArray[np.float64]
 Numbers = NDArray[np.intc]

@@ -17,18 +17,16 @@ from numpy.typing import ArrayLike, NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import Calls
 from hybond.engine.compiled.native import (
-    MACHINES_OF_INSTANT,
-    MACHINES_OF_STEP,
     PAUSED,
     RAISED,
     REFUSED,
     SLICE,
-    Rows,
     check_fresh,
     check_slice,
     do_nothing,
 )
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
 from hybond.engine.engine import OK, Fault, make_engine
 from hybond.engine.model import Model
 from hybond.engine.run.log import forget_rows, make_report, report_broken

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import Rows
+from hybond.engine.compiled.rows import Rows
 from hybond.equations.surfaces import Surface
 from hybond.model.graph import Mode
 

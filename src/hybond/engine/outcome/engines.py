@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.look import Look
-from hybond.engine.compiled.native import NativeModel, NativeRun, Rows, Unavailable, library
+from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, library
 from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.compiled.rows import Rows
 from hybond.engine.tables import ModelTables
 from hybond.errors import UsageError
 

@@ -14,7 +14,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
+from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
 from hybond.engine.outcome.combinations import (
     ALONE,
     Combination,

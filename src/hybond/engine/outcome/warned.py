@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from hybond.engine.compiled.native import Rows
+from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
