@@ -29,6 +29,8 @@ from hybond.engine.compiled.rows import (
     MACHINES_OF_STEP,
     Rows,
     Seen,
+    copied_floats,
+    copied_ints,
 )
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 MACHINES_OF_STEP = 2
 """Where the states of machines begin in a row of `step_place`."""
 MACHINES_OF_INSTANT = 3
-
-
 _ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
 _COUNTS = (
     *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
@@ -121,11 +119,13 @@ class Rows:
 
 
 def copied_floats(begin: Any, *shape: int) -> NDArray[np.float64]:
+    """Return an array of numbers of the library as our own."""
     size = int(np.prod(shape))
     return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy() if size else np.zeros(shape)
 
 
 def copied_ints(begin: Any, *shape: int) -> NDArray[np.intc]:
+    """Return an array of whole numbers of the library as our own."""
     if not np.prod(shape):
         return np.zeros(shape, dtype=np.intc)
     return np.ctypeslib.as_array(begin, (int(np.prod(shape)),)).reshape(shape).copy()
