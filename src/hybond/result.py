@@ -79,7 +79,7 @@ class Result:
     stats : dict
         Steps, events, evaluations, modes built (``propagated``: those that solver ``"exact"``
         took).
-    kernel : str
+    engine : str
         What made the run: the library, or the engine as Python and why.
     method : str
         With solver ``"exact"``: how many modes were propagated exactly, and why not more.
@@ -116,7 +116,7 @@ class Result:
         self.events = EventTable(self.graph, trace.events)
         self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
-        self.kernel = trace.kernel
+        self.engine = trace.engine
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
 

@@ -112,7 +112,7 @@ def simulate(
     engine : {"library", "python"}
         What makes the run: the engine compiled as a library, or the same engine run as Python,
         which is many times slower. By default the library if there is one, and else Python. The
-        results are the same but for rounding of elementary functions; `Result.kernel` says which
+        results are the same but for rounding of elementary functions; `Result.engine` says which
         it was.
     keep : int
         Segments and events that the result has at the least, the last ones; None keeps all. A run
@@ -235,7 +235,7 @@ def simulate(
             # last of all: it replaces the file that is there
             opened = None if journal is None else _opened(journal, graph)
             run = EngineRun(prepared, progress=progress, keep=keep, journal=opened, runners=runners)
-        run.trace.kernel = maker.said
+        run.trace.engine = maker.said
         if ignored is not None:
             run.trace.warn(ignored)
         return _finish(graph, run, end, name, on_error, chosen)

@@ -250,8 +250,8 @@ class Trace:
     accumulations: list[Accumulation] = field(default_factory=list)
     slidings: list[Sliding] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
-    kernel: str = ""
-    """How many of the steps the compiled kernel took, and why not more."""
+    engine: str = ""
+    """What made the run."""
     method: str = ""
     """How many of the modes a solver took that is not for all, and why not more."""
     stats: dict[str, float] = field(default_factory=dict)

@@ -57,7 +57,7 @@ def told(run: hb.Result) -> list[object]:
 
 
 def assert_alike(library: hb.Result, python: hb.Result) -> None:
-    assert python.kernel.startswith("the engine as Python") and library.kernel == "the library"
+    assert python.engine.startswith("the engine as Python") and library.engine == "the library"
     assert told(python) == told(library)
     assert python.status == library.status
     assert str(python.error) == str(library.error)
@@ -291,7 +291,7 @@ def test_without_a_library_runs_are_made_by_python(
     # looked for anew, though it may be loaded
     monkeypatch.setattr(engines, "library", native.library.__wrapped__)
     run = hb.simulate(example("capacitors_joined"))
-    assert run.kernel == "the engine as Python (absent.so was not built)"
+    assert run.engine == "the engine as Python (absent.so was not built)"
     with pytest.raises(hb.UsageError, match=r"absent.so was not built") as caught:
         hb.simulate(example("capacitors_joined"), engine="library")
     assert caught.value.code == "HB-S119"
@@ -299,9 +299,9 @@ def test_without_a_library_runs_are_made_by_python(
 
 @pytest.mark.usefixtures("native")
 def test_with_a_library_python_is_what_is_asked_for() -> None:
-    assert hb.simulate(example("capacitors_joined")).kernel == "the library"
+    assert hb.simulate(example("capacitors_joined")).engine == "the library"
     run = as_python(example("capacitors_joined"))
-    assert run.kernel == "the engine as Python (as asked)"
+    assert run.engine == "the engine as Python (as asked)"
 
 
 def test_no_other_engine_is_known() -> None:

@@ -94,7 +94,7 @@ def test_rows_keep_momentum_create_no_energy_and_know_no_order(law, seed):
         eps = np.full(n - 1, eps[0])  # with others it may create some
     stiffness = rng.uniform(0.2, 9.0, n - 1)
     run = hb.simulate(row(u, mass, eps, stiffness=stiffness), until=1e-3, impact=law)
-    assert run.kernel == choose_engine(ENGINE).said
+    assert run.engine == choose_engine(ENGINE).said
     found = np.array([run[f"v{k}.f"].at(1e-3) for k in range(n)])
     assert mass @ found == pytest.approx(mass @ u, abs=1e-12)
     lost = 0.5 * mass @ (u**2 - found**2)

@@ -81,7 +81,7 @@ def run_record(
         ],
         "warnings": notes,
         "stats": {k: int(v) if float(v).is_integer() else v for k, v in run.stats.items()},
-        "kernel": run.kernel,
+        "engine": run.engine,
         **({"method": run.method} if run.method else {}),
     }
     if run.error is not None:
@@ -106,7 +106,7 @@ def failure_record(file: str, error: HybondError | None) -> dict[str, Any]:
         "final": {},
         "warnings": [],
         "stats": {},
-        "kernel": "",
+        "engine": "",
     }
     if error is not None:
         record["error"] = error.to_dict()

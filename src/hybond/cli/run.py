@@ -72,7 +72,7 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     for warning in record["warnings"]:
         say(f"warning: {warning}")
     say(stats_line(run))
-    for line in filter(None, (run.method, f"made by {run.kernel}" if run.kernel else "")):
+    for line in filter(None, (run.method, f"made by {run.engine}" if run.engine else "")):
         say(line)
     if "step_error" in run.stats:
         say(step_line(run))

@@ -83,7 +83,7 @@ def ensemble(
     progress : callable
         ``progress(done, total)``, members, in this process.
     **options
-        Of `hybond.simulate`, for all members: ``solver``, ``rtol``, ``kernel``, ...
+        Of `hybond.simulate`, for all members: ``solver``, ``rtol``, ``engine``, ...
 
     Returns
     -------
