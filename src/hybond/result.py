@@ -39,15 +39,28 @@ class Signal:
     Parameters
     ----------
     name, unit : str
-    t, y : array, shape (n,)
-        All pieces joined; at an event the time stands twice, left limit first.
     """
 
     name: str
     unit: str
-    t: Vector
-    y: Vector
     run: Result
+
+    @property
+    def t(self) -> Vector:
+        """Times of all pieces joined, s, shape (n,); at an event twice, left limit first."""
+        return self._points[0]
+
+    @property
+    def y(self) -> Vector:
+        """The values there, shape (n,)."""
+        return self._points[1]
+
+    @cached_property
+    def _points(self) -> tuple[Vector, Vector]:
+        pieces = self.run.pieces(self.name)
+        if not pieces:
+            return np.zeros(0), np.zeros(0)
+        return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
 
     def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
         """Return the value at `t`: a float for a float, an array for a sequence.
@@ -208,10 +221,7 @@ class Result:
         return unit_of(self.expression(name), self.graph)
 
     def __getitem__(self, name: str) -> Signal:
-        pieces = self.pieces(name)
-        t = np.concatenate([p[0] for p in pieces]) if pieces else np.zeros(0)
-        y = np.concatenate([p[1] for p in pieces]) if pieces else np.zeros(0)
-        return Signal(name, self.unit(name), t, y, self)
+        return Signal(name, self.unit(name), self)
 
     # -- values
 
@@ -220,7 +230,7 @@ class Result:
     ) -> list[tuple[Vector, Vector]]:
         """Return (t, y) of each segment: its accepted points and evenly spaced ones between."""
         span = max(self.t_end - self.t_begin, 1e-300)
-        found = []
+        asked = []
         for segment in self.segments:
             count = points_per_segment
             if count is None:
@@ -228,8 +238,9 @@ class Result:
             even = np.linspace(segment.t[0], segment.t[-1], count + 2)
             t = np.sort(np.concatenate([segment.t, even]))
             t = t[np.append(True, t[1:] > t[:-1])]
-            found.append((t, self._of_segment(segment, [name], t)[name]))
-        return found
+            asked.append((segment, t))
+        read = self._of(asked, [name])
+        return [(t, values[0]) for (_, t), values in zip(asked, read, strict=True)]
 
     @cached_property
     def signals(self) -> SignalSource:
@@ -237,10 +248,11 @@ class Result:
         assert self.trace.signals is not None
         return self.trace.signals
 
-    def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:
-        names = list(names)
-        values = self.signals.of(segment, [self.expression(name) for name in names], t)
-        return dict(zip(names, values, strict=True))
+    def _of(
+        self, asked: Sequence[tuple[Segment, Vector]], names: Iterable[str]
+    ) -> list[list[Vector]]:
+        """Return signals by name at times of segments."""
+        return self.signals.of_many(asked, [self.expression(name) for name in names])
 
     def sample(
         self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
@@ -269,10 +281,13 @@ class Result:
                     hint="ask for a time within it",
                 )
             by_segment.setdefault(max(before(starts, a) - 1, 0), []).append(k)
-        for index, places in by_segment.items():
-            times = np.array([t[k] for k in places], dtype=float)
-            for name, values in self._of_segment(self.segments[index], names, times).items():
-                found[name][places] = values
+        asked = [
+            (self.segments[index], np.array([t[k] for k in by_segment[index]], dtype=float))
+            for index in sorted(by_segment)
+        ]
+        for index, read in zip(sorted(by_segment), self._of(asked, names), strict=True):
+            for name, values in zip(names, read, strict=True):
+                found[name][by_segment[index]] = values
         last = self.segments[-1] if self.segments else None
         at_end = [k for k, a in enumerate(t) if a == end]
         if side == "right" and last is not None and at_end and self._settled_at_end:
@@ -399,7 +414,8 @@ class Result:
             if k + 1 < len(self.segments):
                 side[-1] = "left"
             columns["side"].append(side)
-            for name, values in self._of_segment(segment, names, segment.t).items():
+        for read in self._of([(segment, segment.t) for segment in self.segments], names):
+            for name, values in zip(names, read, strict=True):
                 columns[name].append(values)
         return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}
 

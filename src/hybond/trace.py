@@ -88,8 +88,6 @@ class Segment:
     Parameters
     ----------
     mode : Mode
-    interval : object
-        What inputs and timed comparisons are within it.
     t : array, shape (n,)
         Accepted points.
     y : array, shape (n, m)
@@ -109,7 +107,6 @@ class Segment:
     """
 
     mode: Mode
-    interval: object
     t: Vector
     y: Vector
     interpolants: Sequence[Callable[[float], Vector]]
@@ -225,6 +222,11 @@ class SignalSource(Protocol):
 
     def of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         """Return expressions in canonical names at times of a segment, each of shape (times,)."""
+
+    def of_many(
+        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
+    ) -> list[list[Vector]]:
+        """Return what `of` does, for many segments with their times."""
 
     def after(
         self, t: float, state: Vector, mode: Mode, expressions: Sequence[Expr]

@@ -306,6 +306,9 @@ SHOWN int hybond_look_modes(HybondLook *look, int *state);
 SHOWN int hybond_look_linear(HybondLook *look, int *why);
 SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int many,
                              const int *slot, double *out);
+SHOWN int hybond_look_along(HybondLook *look, const HybondPoints *points, int many,
+                            const int *slot, int motions, const int *first, const double *begin,
+                            const int *state, const int *landed, double energy, double *out);
 SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,
                             const int *slot, double *share, double *out);
 SHOWN int hybond_look_powers(HybondLook *look, const HybondPoints *points, double *out);
@@ -400,6 +403,34 @@ SHOWN int hybond_look_values(HybondLook *look, const HybondPoints *points, int m
     take_points(look, points);
     ask_for(look->l, many, slot);
     return look_values(look->e, look->l, out);
+}
+
+/* Values at points of one motion after another, where nothing is slid on. */
+SHOWN int hybond_look_along(HybondLook *look, const HybondPoints *points, int many,
+                            const int *slot, int motions, const int *first, const double *begin,
+                            const int *state, const int *landed, double energy, double *out)
+{
+    const int machines = look->model->machines;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ended(look);
+    }
+    for (int k = 0; k < motions; ++k) {
+        HybondPoints own = *points;
+        own.t += first[k];
+        own.step += first[k];
+        own.many = first[k + 1] - first[k];
+        int status = look_into(look->e, look->l, begin[k], state + k * machines,
+                               landed + k * machines, 0, NULL, 0, 0, NULL, energy);
+        if (status == OK) {
+            take_points(look, &own);
+            ask_for(look->l, many, slot);
+            status = look_values(look->e, look->l, out + (size_t)first[k] * (size_t)many);
+        }
+        if (status != OK) {
+            return status;
+        }
+    }
+    return OK;
 }
 
 SHOWN int hybond_look_parts(HybondLook *look, const HybondPoints *points, int many,

@@ -30,6 +30,29 @@ class Motion:
     energy: float
 
 
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """Motions one after the other in which nothing is slid on.
+
+    Parameters
+    ----------
+    t : array, shape (motions,)
+        When each begins, s.
+    state, landed : array of int, shape (motions, machines)
+        The states of machines, and whether each has landed.
+    first : array of int, shape (motions + 1,)
+        Where the points of each begin, and where the last ones end.
+    energy : float
+        The largest energy that the run has seen, J.
+    """
+
+    t: Vector
+    state: Numbers
+    landed: Numbers
+    first: Numbers
+    energy: float
+
+
 class Look(ABC):
     """Looks into the motion of finished runs of a model: by one thread at a time.
 
@@ -78,6 +101,10 @@ class Look(ABC):
 
         `what` is the name of the public method; `outs` are rows of these points.
         """
+
+    @abstractmethod
+    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
+        """Put there the values at points of many motions."""
 
     @abstractmethod
     def _sources(self) -> tuple[Numbers, Numbers] | None:
@@ -208,6 +235,45 @@ class Look(ABC):
         chosen = self._slots(slots)
         out = np.zeros((len(points.t), len(chosen)))
         self._look("values", points, (out,), slots=chosen)
+        return out
+
+    def values_along(self, motions: Motions, points: Within, slots: ArrayLike) -> Vector:
+        """Return values at points of many motions, shape (points, slots).
+
+        Afterwards nothing is looked into.
+
+        Parameters
+        ----------
+        motions : Motions
+        points : Within
+            Those of the first motion first.
+        slots : array of int
+            As for `values`.
+
+        Raises
+        ------
+        ValueError, NumericsError, MemoryError
+            As `into` and `values`.
+        """
+        m, many = motions, len(points.t)
+        chosen = self._slots(slots)
+        if points.states != self._states or m.state.shape != m.landed.shape:
+            raise ValueError("points or motions of another model")
+        if m.state.shape != (len(m.t), int(self._numbers["machines"])):
+            raise ValueError("motions of another model")
+        if not ((m.state >= 0) & (m.state < self._states_of)).all():
+            raise ValueError("a machine does not have that state")
+        if (self._contact_at[(self._state_first + m.state)[m.landed != 0]] < 0).any():
+            raise ValueError("a machine has landed in a state that closes no contact")
+        if not ((m.t >= 0.0) & (m.t <= self._numbers["until"])).all() or not m.energy < np.inf:
+            raise ValueError("a motion outside the run")
+        ends = np.array([0, many])
+        if (m.first[[0, -1]] != ends).any() or (np.diff(m.first) < 0).any():
+            raise ValueError("points that belong to no motion")
+        out = np.zeros((many, len(chosen)))
+        with self._lock:
+            self._parts = 0
+            self._along(motions, points, chosen, out)
         return out
 
     def parts(self, points: Points | Within, slots: ArrayLike) -> tuple[Vector, Vector]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hybond.engine.compiled.answering import Answering, Calls
-from hybond.engine.compiled.look import Look, Motion
+from hybond.engine.compiled.look import Look, Motion, Motions
 from hybond.engine.compiled.native import OK, RAISED, SPENT, NativeModel, library
 from hybond.engine.compiled.points import Numbers, Points, PointsRecord, Vector, Within, address
 from hybond.errors import NumericsError
@@ -35,6 +35,10 @@ def _looking() -> ctypes.CDLL:
         "modes": [handle, handle],
         "linear": [handle, ctypes.POINTER(number)],
         "values": [handle, points, number, handle, handle],
+        "along": [
+            *(handle, points, number, handle, number, handle, handle, handle, handle),
+            *(ctypes.c_double, handle),
+        ],
         "parts": [handle, points, number, handle, handle, handle],
         "powers": [handle, points, handle],
         "energies": [handle, points, handle, handle],
@@ -136,6 +140,16 @@ class NativeLook(Look):
             asked.append(address(end))
         places = (address(out) for out in outs)
         self._check(getattr(self._library, f"hybond_look_{what}")(self._handle, *asked, *places))
+
+    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
+        m = motions
+        self._check(
+            self._library.hybond_look_along(
+                *(self._handle, ctypes.byref(points.record(0, len(points.t)))),
+                *(len(slots), address(slots), len(m.t), address(m.first), address(m.t)),
+                *(address(m.state), address(m.landed), m.energy, address(out)),
+            )
+        )
 
     def _stored(self, y: Vector) -> Vector:
         out = np.zeros(len(y))

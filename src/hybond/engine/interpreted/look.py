@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from hybond.engine.compiled.answering import Calls
-from hybond.engine.compiled.look import Look, Motion
+from hybond.engine.compiled.look import Look, Motion, Motions
 from hybond.engine.compiled.points import Numbers, Points, Vector, Within
 from hybond.engine.engine import OK, make_engine
 from hybond.engine.interpreted.run import PythonModel
@@ -98,6 +99,15 @@ class PythonLook(Look):
             self._check(look_energies, self._meter, end.tolist(), *found)
         for out, row in zip(outs, found, strict=True):
             out[...] = np.array(row).reshape(out.shape)
+
+    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
+        m, nothing = motions, np.zeros(0, dtype=np.intc)
+        for k, (a, b) in enumerate(pairwise(m.first.tolist())):
+            rows = np.zeros((0, m.state.shape[1]), dtype=np.intc)
+            motion = Motion(float(m.t[k]), m.state[k], m.landed[k], nothing, False, rows, m.energy)
+            self._enter(motion)
+            if b > a:
+                self._ask("values", points, a, b, (out[a:b],), slots, None)
 
     def _stored(self, y: Vector) -> Vector:
         out = [0.0] * len(y)

@@ -7,11 +7,13 @@ import sys
 import threading
 from bisect import bisect_left
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.compiled.look import Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.outcome.combinations import ALONE, Combination
@@ -61,6 +63,55 @@ class Signals:
                 state, mode = self._rest(segment, float(t[k]))
                 found[:, k] = self.after(float(t[k]), state, mode, expressions)
         return list(found)
+
+    def of_many(
+        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
+    ) -> list[list[Vector]]:
+        """Return what `of` does for segments and their times; most of them are read at once."""
+        together = [k for k, (segment, t) in enumerate(asked) if _is_plain(segment, t)]
+        found: list[list[Vector]] = [[] for _ in asked]
+        if len(together) > 1:
+            read = self._along([asked[k] for k in together], expressions)
+            for k, values in zip(together, read, strict=True):
+                found[k] = values
+        return [
+            values or self.of(asked[k][0], expressions, asked[k][1])
+            for k, values in enumerate(found)
+        ]
+
+    def _along(
+        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
+    ) -> list[list[Vector]]:
+        """Return expressions at times of segments in which nothing is slid on."""
+        rows, which, before = [], [], 0
+        for segment, t in asked:
+            made = segment.interpolants
+            assert isinstance(made, Interpolants)
+            low, high = np.searchsorted(segment.t[1:], [t.min(), t.max()]).tolist()
+            low, high = min(low, len(made) - 1), min(high, len(made) - 1) + 1
+            k, steps = slice(made.first + low, made.first + high), made.steps
+            rows.append((steps.time[k], steps.state[k], steps.dense[k]))
+            which.append(before + np.searchsorted(segment.t[low + 1 : high], t))
+            before += high - low
+        joined = StepsToLook(*(np.concatenate(column) for column in zip(*rows, strict=True)))
+        first = np.concatenate([[0], np.cumsum([len(t) for _, t in asked])]).astype(np.intc)
+        times = np.concatenate([t for _, t in asked])
+        motions = Motions(
+            np.array([segment.t[0] for segment, _ in asked], dtype=float),
+            np.array([segment.mode for segment, _ in asked], dtype=np.intc).reshape(len(asked), -1),
+            np.array(
+                [[m.path in s.landed for m in self.graph.machines] for s, _ in asked], dtype=np.intc
+            ).reshape(len(asked), -1),
+            first,
+            self._energy,
+        )
+        slots = self._read(expressions)
+        with self._lock:
+            self._into = None
+            points = Within(joined, times, np.concatenate(which))
+            columns = self._columns(slots, self._look.values_along(motions, points, slots))
+        whole = [self._value(e, columns, times.shape) for e in expressions]
+        return [[v[a:b] for v in whole] for a, b in pairwise(first.tolist())]
 
     def _rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
         """Return state and mode at a time behind the last step of a segment.
@@ -321,3 +372,9 @@ class Signals:
                 flags |= {f"in:{m.index}:{k}" for k in range(len(m.states))}
                 flags |= {f"on:{k}" for on in m.on for k in on}
         return bool(flags & names(e))
+
+
+def _is_plain(segment: Segment, t: Vector) -> bool:
+    """Whether nothing is slid on, time is not stepped, and no time is behind the last step."""
+    alone = segment.combined is None and segment.sliding is None and segment.bonds is None
+    return alone and len(t) > 0 and bool(t.max() <= segment.t[-1])
