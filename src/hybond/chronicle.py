@@ -118,11 +118,28 @@ class Chronicle(Sequence[T], Generic[T]):
     def __iter__(self) -> Iterator[T]:
         return (self._item(k) for k in range(len(self)))
 
+    def origin(self, k: int) -> tuple[Callable[[int], T] | None, int]:
+        """Return what makes item k, and by which number; None if it did not have to be made.
+
+        Examples
+        --------
+        >>> squares = Chronicle(float, [0])
+        >>> squares.extend([1.0, 4.0], lambda k: (k + 1) ** 2)
+        >>> squares.origin(0), squares.origin(2)[1]
+        ((None, 0), 1)
+        """
+        at = bisect.bisect_right(self._blocks, k, key=_begin) - 1
+        if at < 0:
+            return None, k
+        first, make = self._blocks[at]
+        return make, k - first
+
     def _item(self, k: int) -> T:
         item = self._items[k]
         if item is None:
-            first, make = self._blocks[bisect.bisect_right(self._blocks, k, key=_begin) - 1]
-            item = self._items[k] = make(k - first)
+            make, own = self.origin(k)
+            assert make is not None
+            item = self._items[k] = make(own)
         return item
 
 

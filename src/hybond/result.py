@@ -238,9 +238,8 @@ class Result:
             even = np.linspace(segment.t[0], segment.t[-1], count + 2)
             t = np.sort(np.concatenate([segment.t, even]))
             t = t[np.append(True, t[1:] > t[:-1])]
-            asked.append((segment, t))
-        read = self._of(asked, [name])
-        return [(t, values[0]) for (_, t), values in zip(asked, read, strict=True)]
+            asked.append(t)
+        return [(t, read[0]) for t, read in zip(asked, self._of_all([name], asked), strict=True)]
 
     @cached_property
     def signals(self) -> SignalSource:
@@ -249,10 +248,22 @@ class Result:
         return self.trace.signals
 
     def _of(
-        self, asked: Sequence[tuple[Segment, Vector]], names: Iterable[str]
-    ) -> list[list[Vector]]:
-        """Return signals by name at times of segments."""
-        return self.signals.of_many(asked, [self.expression(name) for name in names])
+        self, names: Iterable[str], which: Sequence[int] | NDArray[np.intp], t: Vector
+    ) -> list[Vector]:
+        """Return signals by name at points of segments, whose numbers are in order."""
+        expressions = [self.expression(name) for name in names]
+        if not len(t):
+            return [np.zeros(0) for _ in expressions]
+        segments = np.asarray(which, dtype=np.intp)
+        return self.signals.of_points(self.trace.segments, segments, t, expressions)
+
+    def _of_all(self, names: Iterable[str], times: Sequence[Vector]) -> list[list[Vector]]:
+        """Return signals by name at times of each segment."""
+        many = [len(t) for t in times]
+        which = np.repeat(np.arange(len(times)), many)
+        found = self._of(names, which, np.concatenate(times) if times else np.zeros(0))
+        cuts = np.cumsum(many)[:-1]
+        return [list(read) for read in zip(*(np.split(v, cuts) for v in found), strict=True)]
 
     def sample(
         self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
@@ -267,12 +278,12 @@ class Result:
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         found = {name: np.full(len(t), np.nan) for name in names}
-        by_segment: dict[int, list[int]] = {}
+        which = []
         begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times
         before = bisect.bisect_right if side == "right" else bisect.bisect_left
         cut = side == "left" and bool(self.trace.segments.forgotten)
-        for k, a in enumerate(t):
+        for a in t:
             if not starts or (cut and a == begin) or not begin <= a <= end:
                 raise UsageError(
                     f"the run goes from {begin:.9g} to {end:.9g} s, not to {a:g} s",
@@ -280,14 +291,13 @@ class Result:
                     where="t",
                     hint="ask for a time within it",
                 )
-            by_segment.setdefault(max(before(starts, a) - 1, 0), []).append(k)
-        asked = [
-            (self.segments[index], np.array([t[k] for k in by_segment[index]], dtype=float))
-            for index in sorted(by_segment)
-        ]
-        for index, read in zip(sorted(by_segment), self._of(asked, names), strict=True):
-            for name, values in zip(names, read, strict=True):
-                found[name][by_segment[index]] = values
+            which.append(max(before(starts, a) - 1, 0))
+        places = np.lexsort((np.asarray(t, dtype=float), np.asarray(which)))
+        times = np.asarray(t, dtype=float)[places]
+        for name, values in zip(
+            names, self._of(names, np.asarray(which, dtype=np.intp)[places], times), strict=True
+        ):
+            found[name][places] = values
         last = self.segments[-1] if self.segments else None
         at_end = [k for k, a in enumerate(t) if a == end]
         if side == "right" and last is not None and at_end and self._settled_at_end:
@@ -414,7 +424,7 @@ class Result:
             if k + 1 < len(self.segments):
                 side[-1] = "left"
             columns["side"].append(side)
-        for read in self._of([(segment, segment.t) for segment in self.segments], names):
+        for read in self._of_all(names, [segment.t for segment in self.segments]):
             for name, values in zip(names, read, strict=True):
                 columns[name].append(values)
         return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}

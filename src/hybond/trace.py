@@ -223,10 +223,14 @@ class SignalSource(Protocol):
     def of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         """Return expressions in canonical names at times of a segment, each of shape (times,)."""
 
-    def of_many(
-        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
-    ) -> list[list[Vector]]:
-        """Return what `of` does, for many segments with their times."""
+    def of_points(
+        self,
+        segments: Chronicle[Segment],
+        which: NDArray[np.intp],
+        t: Vector,
+        expressions: Sequence[Expr],
+    ) -> list[Vector]:
+        """Return expressions at points of segments, whose numbers are given in order."""
 
     def after(
         self, t: float, state: Vector, mode: Mode, expressions: Sequence[Expr]

@@ -137,6 +137,30 @@ class Interpolants(Sequence[Callable[[float], Vector]]):
         return Polynomial(t0, t1, y0, y1, self.steps.dense[n])
 
 
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Segments that are steps of one slice; made when asked for, by their number.
+
+    Parameters
+    ----------
+    steps : Steps
+    begins : array of int, shape (segments + 1,)
+        The step with which each begins, and where the last ends.
+    alone : array of bool, shape (segments,)
+        Whether its bond variables are those of its mode: nothing is slid on, time is not stepped.
+    make : callable
+    """
+
+    steps: Steps
+    begins: NDArray[np.intp]
+    alone: NDArray[np.bool_]
+    make: Callable[[int], Segment]
+
+    def __call__(self, k: int) -> Segment:
+        """Return segment k."""
+        return self.make(k)
+
+
 class Instants:
     """The instants of a slice, with where the rows behind each of them begin.
 
@@ -259,9 +283,12 @@ class Records:
         if not times:
             return
         which = [self._combinations[k] for k in steps.place[begins[:-1], 1].tolist()]
-        self.trace.segments.extend(
-            times, lambda k: self._segment(steps, begins[k], begins[k + 1], which[k])
-        )
+
+        def make(k: int) -> Segment:
+            return self._segment(steps, begins[k], begins[k + 1], which[k])
+
+        alone = np.array([sliding is None for _, sliding in which]) & (steps.points is None)
+        self.trace.segments.extend(times, Block(steps, np.array(begins), alone, make))
 
     def _segment(
         self, steps: Steps, first: int, last: int, which: tuple[Combination, int | None]

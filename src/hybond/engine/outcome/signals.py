@@ -7,18 +7,20 @@ import sys
 import threading
 from bisect import bisect_left
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.chronicle import Chronicle
 from hybond.engine.compiled.look import Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
+from hybond.engine.compiled.rows import MACHINES_OF_STEP
+from hybond.engine.outcome.along import Along
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.records import Interpolants
+from hybond.engine.outcome.records import Block, Interpolants
 from hybond.model.expressions import ARRAYS, Expr, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
 from hybond.trace import Segment, Trace
@@ -64,54 +66,82 @@ class Signals:
                 found[:, k] = self.after(float(t[k]), state, mode, expressions)
         return list(found)
 
-    def of_many(
-        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
-    ) -> list[list[Vector]]:
-        """Return what `of` does for segments and their times; most of them are read at once."""
-        together = [k for k, (segment, t) in enumerate(asked) if _is_plain(segment, t)]
-        found: list[list[Vector]] = [[] for _ in asked]
-        if len(together) > 1:
-            read = self._along([asked[k] for k in together], expressions)
-            for k, values in zip(together, read, strict=True):
-                found[k] = values
-        return [
-            values or self.of(asked[k][0], expressions, asked[k][1])
-            for k, values in enumerate(found)
-        ]
+    def of_points(
+        self,
+        segments: Chronicle[Segment],
+        which: NDArray[np.intp],
+        t: Vector,
+        expressions: Sequence[Expr],
+    ) -> list[Vector]:
+        """Return expressions at points of segments, each of shape (points,).
 
-    def _along(
-        self, asked: Sequence[tuple[Segment, Vector]], expressions: Sequence[Expr]
-    ) -> list[list[Vector]]:
-        """Return expressions at times of segments in which nothing is slid on."""
-        rows, which, before = [], [], 0
-        for segment, t in asked:
-            made = segment.interpolants
-            assert isinstance(made, Interpolants)
-            low, high = np.searchsorted(segment.t[1:], [t.min(), t.max()]).tolist()
-            low, high = min(low, len(made) - 1), min(high, len(made) - 1) + 1
-            k, steps = slice(made.first + low, made.first + high), made.steps
-            rows.append((steps.time[k], steps.state[k], steps.dense[k]))
-            which.append(before + np.searchsorted(segment.t[low + 1 : high], t))
-            before += high - low
-        joined = StepsToLook(*(np.concatenate(column) for column in zip(*rows, strict=True)))
-        first = np.concatenate([[0], np.cumsum([len(t) for _, t in asked])]).astype(np.intc)
-        times = np.concatenate([t for _, t in asked])
+        What can be is read in one call.
+
+        Parameters
+        ----------
+        segments : Chronicle of Segment
+        which : array of int, shape (points,)
+            The segment of each point, in order.
+        t : array, shape (points,)
+        expressions : sequence of Expr
+            In canonical names.
+        """
+        found = np.zeros((len(expressions), len(t)))
+        asked, first = np.unique(which, return_index=True)
+        ends = np.append(first[1:], len(t))
+        parts: dict[int, tuple[Block, list[int], list[int]]] = {}
+        for place, k in enumerate(asked.tolist()):
+            block, own = segments.origin(k)
+            if isinstance(block, Block) and block.alone[own]:
+                _, places, numbers = parts.setdefault(id(block), (block, [], []))
+                places.append(place)
+                numbers.append(own)
+            else:
+                some = slice(int(first[place]), int(ends[place]))
+                for row, values in zip(found, self.of(segments[k], expressions, t[some])):
+                    row[some] = values
+        along = [
+            Along.of(block, np.array(numbers), np.array(places), first, ends, t)
+            for block, places, numbers in parts.values()
+        ]
+        if along:
+            self._read_along(along, t, expressions, found)
+        for place in [p for a in along for p in a.resting]:
+            some = slice(int(first[place]), int(ends[place]))
+            segment = segments[int(asked[place])]
+            for row, values in zip(found, self.of(segment, expressions, t[some])):
+                row[some] = values
+        return list(found)
+
+    def _read_along(
+        self, along: list[Along], t: Vector, expressions: Sequence[Expr], found: Vector
+    ) -> None:
+        """Read points of segments in which nothing is slid on; put what they say there."""
+        machines = len(self.graph.machines)
+        before = np.concatenate([[0], np.cumsum([len(a.time) for a in along])])
+        steps = StepsToLook(
+            np.concatenate([a.time for a in along]),
+            np.concatenate([a.state for a in along]),
+            np.concatenate([a.dense for a in along]),
+        )
+        place = np.concatenate([a.place for a in along])
+        points = np.concatenate([a.points for a in along])
+        many = np.concatenate([a.many for a in along])
         motions = Motions(
-            np.array([segment.t[0] for segment, _ in asked], dtype=float),
-            np.array([segment.mode for segment, _ in asked], dtype=np.intc).reshape(len(asked), -1),
-            np.array(
-                [[m.path in s.landed for m in self.graph.machines] for s, _ in asked], dtype=np.intc
-            ).reshape(len(asked), -1),
-            first,
+            np.concatenate([a.begin for a in along]),
+            np.ascontiguousarray(place[:, MACHINES_OF_STEP : MACHINES_OF_STEP + machines]),
+            np.ascontiguousarray(place[:, MACHINES_OF_STEP + machines :]),
+            np.concatenate([[0], np.cumsum(many)]).astype(np.intc),
             self._energy,
         )
+        step = np.concatenate([a.step + k for a, k in zip(along, before.tolist(), strict=False)])
         slots = self._read(expressions)
         with self._lock:
             self._into = None
-            points = Within(joined, times, np.concatenate(which))
-            columns = self._columns(slots, self._look.values_along(motions, points, slots))
-        whole = [self._value(e, columns, times.shape) for e in expressions]
-        return [[v[a:b] for v in whole] for a, b in pairwise(first.tolist())]
+            within = Within(steps, t[points], step)
+            columns = self._columns(slots, self._look.values_along(motions, within, slots))
+        for k, e in enumerate(expressions):
+            found[k, points] = self._value(e, columns, points.shape)
 
     def _rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
         """Return state and mode at a time behind the last step of a segment.
@@ -372,9 +402,3 @@ class Signals:
                 flags |= {f"in:{m.index}:{k}" for k in range(len(m.states))}
                 flags |= {f"on:{k}" for on in m.on for k in on}
         return bool(flags & names(e))
-
-
-def _is_plain(segment: Segment, t: Vector) -> bool:
-    """Whether nothing is slid on, time is not stepped, and no time is behind the last step."""
-    alone = segment.combined is None and segment.sliding is None and segment.bonds is None
-    return alone and len(t) > 0 and bool(t.max() <= segment.t[-1])

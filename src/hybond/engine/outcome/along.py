@@ -1,0 +1,75 @@
+"""Points in many segments of one slice of a run, with the steps in which they lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.outcome.records import Block
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """Points in segments of one block, with the steps in which they lie.
+
+    Parameters
+    ----------
+    points : array of int, shape (points,)
+        Which of all points these are.
+    step : array of int, shape (points,)
+        The step of each, of those that follow.
+    time, state, dense : array
+        Steps.
+    begin, place, many : array
+        Of each segment: when it begins, the row with the states of machines, how many points.
+    resting : list of int
+        Segments left out: some of their points are behind the last step.
+    """
+
+    points: NDArray[np.intp]
+    step: NDArray[np.intp]
+    time: Vector
+    state: Vector
+    dense: Vector
+    begin: Vector
+    place: NDArray[np.intc]
+    many: NDArray[np.intp]
+    resting: list[int]
+
+    @staticmethod
+    def of(
+        block: Block,
+        numbers: NDArray[np.intp],
+        places: NDArray[np.intp],
+        first: NDArray[np.intp],
+        ends: NDArray[np.intp],
+        t: Vector,
+    ) -> Along:
+        """Return the points from ``first[place]`` to before ``ends[place]`` of segments."""
+        steps = block.steps
+        over = steps.time[block.begins[numbers + 1] - 1, 2]
+        rests = t[ends[places] - 1] > over
+        resting = places[rests].tolist()
+        numbers, places = numbers[~rests], places[~rests]
+        many = ends[places] - first[places]
+        points = np.repeat(first[places] - np.cumsum(many) + many, many) + np.arange(many.sum())
+        low = np.repeat(block.begins[numbers], many)
+        high = np.repeat(block.begins[numbers + 1] - 1, many)
+        exact = np.clip(np.searchsorted(steps.time[:, 2], t[points]), low, high)
+        rows, step = np.unique(exact, return_inverse=True)
+        begins = block.begins[numbers]
+        return Along(
+            points,
+            step,
+            steps.time[rows],
+            steps.state[rows],
+            steps.dense[rows],
+            steps.time[begins, 0],
+            steps.place[begins],
+            many,
+            resting,
+        )
