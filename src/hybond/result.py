@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.outcome.audit import Audit, audit
+from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
+from hybond.trace import Accumulation, Segment, Sliding, Trace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -77,11 +78,10 @@ class Result:
     segments : sequence of Segment
     warnings : tuple of str
     stats : dict
-        Steps (``marched``: those that the kernel took), events (``crossed``: those that it
-        settled), evaluations, modes built (``propagated``: those that solver ``"exact"`` took).
+        Steps, events, evaluations, modes built (``propagated``: those that solver ``"exact"``
+        took).
     kernel : str
-        What made the run: the library, the engine as Python and why, or the reference, with how
-        many of the steps and events its compiled kernel took.
+        What made the run: the library, or the engine as Python and why.
     method : str
         With solver ``"exact"``: how many modes were propagated exactly, and why not more.
 
@@ -233,9 +233,9 @@ class Result:
         return found
 
     @cached_property
-    def signals(self) -> SignalSource:
+    def signals(self) -> Signals:
         """What tells the signals of the run at times of its segments."""
-        assert self.trace.signals is not None
+        assert isinstance(self.trace.signals, Signals)
         return self.trace.signals
 
     def _of_segment(self, segment: Segment, names: Iterable[str], t: Vector) -> dict[str, Vector]:

@@ -29,7 +29,6 @@ from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
-from hybond.model.interval import interval_after
 from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace
 
 Vector = NDArray[np.float64]
@@ -277,7 +276,6 @@ class Records:
             return self._stepped(steps, first, last, tuple(place[:machines]))
         return Segment(
             tuple(place[:machines]),
-            interval_after(self.graph, t0),
             np.concatenate([[t0], steps.time[first:last, 2]]),
             np.vstack([steps.state[first : first + 1, 0], steps.state[first:last, 2]]),
             Interpolants(steps, first, last),
@@ -295,7 +293,6 @@ class Records:
         passed = np.vstack([points.energy[:1, :2], points.energy[:, 2:]])
         return Segment(
             mode,
-            interval_after(self.graph, t0),
             np.concatenate([[t0], steps.time[first:last, 2]]),
             np.hstack([state, passed]),
             Interpolants(steps, first, last),
