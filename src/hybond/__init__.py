@@ -20,6 +20,7 @@ from hybond._version import __version__
 
 if TYPE_CHECKING:
     from hybond import library
+    from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
     from hybond.analysis.residuals.residuals import residuals
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from hybond.circuits.bond_graph_tools import read_bond_graph
     from hybond.circuits.circuit import Conversion, read_circuit
     from hybond.draw import draw, draw_hybrid, draw_mode, draw_modes
-    from hybond.equations.complementarity_form import complementarity
     from hybond.equations.derive import state_equations
     from hybond.equations.junction_matrix import junction_matrix
     from hybond.errors import (
@@ -108,7 +108,7 @@ _HOME = {
     **dict.fromkeys(("Conversion", "read_circuit"), "hybond.circuits.circuit"),
     "read_bond_graph": "hybond.circuits.bond_graph_tools",
     "ensemble": "hybond.sweep.ensemble",
-    "complementarity": "hybond.equations.complementarity_form",
+    "complementarity": "hybond.analysis.complementarity.form",
     "junction_matrix": "hybond.equations.junction_matrix",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",

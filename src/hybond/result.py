@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.outcome.audit import Audit, audit
+from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, SignalSource, Sliding, Trace
+from hybond.trace import Accumulation, Segment, Sliding, Trace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -242,9 +243,9 @@ class Result:
         return [(t, read[0]) for t, read in zip(asked, self._of_all([name], asked), strict=True)]
 
     @cached_property
-    def signals(self) -> SignalSource:
+    def signals(self) -> Signals:
         """What tells the signals of the run at times of its segments."""
-        assert self.trace.signals is not None
+        assert isinstance(self.trace.signals, Signals)
         return self.trace.signals
 
     def _of(

@@ -1,6 +1,6 @@
 """What the executive writes down: segments of motion, events, the steps within an event.
 
-Records only; they are made by `modes` and read by results, tables and drawings.
+Records only; the engine makes them, and results, tables and drawings read them.
 """
 
 from __future__ import annotations
@@ -8,13 +8,12 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
-from hybond.model.expressions import Expr
 from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
@@ -91,8 +90,8 @@ class Segment:
     t : array, shape (n,)
         Accepted points.
     y : array, shape (n, m)
-        Stored quantities, integrated signals; then, unless the trace's `signals` tell them, energy
-        supplied and energy dissipated.
+        Stored quantities, integrated signals; then, in time-stepping, energy supplied and energy
+        dissipated.
     interpolants : sequence of callables
         One per step, n - 1.
     landed : tuple of str
@@ -100,7 +99,7 @@ class Segment:
     sliding : int or None
         Which of the trace's slidings it belongs to.
     combined : object
-        What its signals are made of while it slides: equations, or the numbers of the surfaces.
+        What its signals are made of while it slides.
     bonds : array, shape (n, 2 * bonds), or None
         Bond variables at the points, where they come from the steps themselves and not from the
         equations of the mode; such a segment has no interpolants: between points all is linear.
@@ -141,11 +140,6 @@ class Segment:
                 last, step = k, self.interpolants[k]
             found.append(np.asarray(step(t)))
         return found
-
-    def bonds_at(self, t: float) -> Vector:
-        """Return the bond variables of a step-by-step segment at a time within it."""
-        assert self.bonds is not None
-        return self._between(self.bonds, t)
 
     def _between(self, rows: Vector, t: float) -> Vector:
         k = min(max(int(np.searchsorted(self.t, t, side="left")), 1), max(len(self.t) - 1, 0))
@@ -217,36 +211,6 @@ def _instant(event: Event) -> float:
     return event.t
 
 
-class SignalSource(Protocol):
-    """What tells the signals of a run, where its maker does."""
-
-    def of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
-        """Return expressions in canonical names at times of a segment, each of shape (times,)."""
-
-    def of_points(
-        self,
-        segments: Chronicle[Segment],
-        which: NDArray[np.intp],
-        t: Vector,
-        expressions: Sequence[Expr],
-    ) -> list[Vector]:
-        """Return expressions at points of segments, whose numbers are given in order."""
-
-    def after(
-        self, t: float, state: Vector, mode: Mode, expressions: Sequence[Expr]
-    ) -> list[float]:
-        """Return expressions at an instant after which nothing follows, in a mode."""
-
-    def bonds(self, segment: Segment) -> Vector:
-        """Return bond variables at the accepted points, shape (2 bonds, points times modes)."""
-
-    def energies(self, segment: Segment) -> Vector:
-        """Return energy supplied and dissipated up to the accepted points, J, shape (points, 2)."""
-
-    def weight(self, segment: Segment, t: float, machine: int, state: int) -> float:
-        """Return the part of the time that a machine spends in a state at a time."""
-
-
 @dataclass(slots=True)
 class Trace:
     """Everything a run wrote down, in order."""
@@ -261,8 +225,8 @@ class Trace:
     method: str = ""
     """How many of the modes a solver took that is not for all, and why not more."""
     stats: dict[str, float] = field(default_factory=dict)
-    signals: SignalSource | None = None
-    """What tells signals, powers and energies; None: they follow from the equations of modes."""
+    signals: object = None
+    """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0
     """The largest energy seen, J: what rounding of stored quantities is measured by."""
 

@@ -1,10 +1,11 @@
 """Conflicts name both forcing elements, the bonds between them and the switches."""
 
 import pytest
+from mode_strokes import mode_dependent
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import chain, conflict_error, describe_conflict
-from hybond.causality.modes import changed, mode_dependent
+from hybond.causality.modes import changed
 from hybond.errors import CausalityError
 
 

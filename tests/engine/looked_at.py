@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -16,8 +17,7 @@ import hybond as hb
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
-from hybond.model.graph import FlatGraph
-from hybond.model.interval import interval_after
+from hybond.model.graph import FlatGraph, one_instant
 
 QUICK = (
     *("relay_feedback", "sliding_clutch", "tank_overflow_sliding"),
@@ -96,13 +96,24 @@ def stretches(rows: Rows) -> Iterator[slice]:
     return (slice(a, b) for a, b in pairwise(ends) if b > a)
 
 
+def next_timed(graph: FlatGraph, t: float) -> float:
+    """Return the next instant at which an input breaks, a signal is set or time is compared."""
+    ahead = [
+        *(i.waveform.next_break(t) for i in graph.inputs),
+        *(s.next_after(t) for s in graph.samples),
+        *(s for w in graph.watches for s in w.times if s > t),
+    ]
+    first = min(ahead, default=math.inf)
+    return max((s for s in ahead if one_instant(s, first)), default=first)
+
+
 def in_intervals(graph: FlatGraph, rows: Rows) -> Iterator[slice]:
     """Return stretches, cut where an input breaks with nothing happening."""
     for which in stretches(rows):
         begins = rows.step_time[which, 0]
         first = 0
         while first < len(begins):
-            end = interval_after(graph, float(begins[first])).end
+            end = next_timed(graph, float(begins[first]))
             last = max(first + 1, int(np.searchsorted(begins, end)))
             yield slice(which.start + first, which.start + last)
             first = last

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hybond.equations.symbolic.polynomial import Polynomial, divide
 from hybond.equations.symbolic.rational import ONE, ZERO, Rational
-from hybond.equations.symbolic.read import Atoms, rational_of
+from hybond.equations.symbolic.read import Atoms
 from hybond.equations.symbolic.show import to_sympy, to_text
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, parse
 
@@ -207,7 +207,7 @@ def test_value_is_that_of_the_formula(e: Expr) -> None:
 @settings(max_examples=100, deadline=None)
 @given(trees, trees)
 def test_form_is_normal(e: Expr, f: Expr) -> None:
-    r = rational_of(e) * rational_of(f) + rational_of(f)
+    r = Atoms().read(e) * Atoms().read(f) + Atoms().read(f)
     for factor, k in r.factors.items():
         assert k and len(factor) > 1
         assert factor.split() == (1, (), factor)
@@ -261,7 +261,7 @@ def test_operands_with_factors_in_common(p: Rational, q: Rational, atom: str) ->
     assert exact(p / q, POINT) == x / y
     assert ((p + q) - q - p).is_zero
     assert exact(p.derivative(atom), POINT) == slope(p, atom)
-    assert rational_of(parse(to_text(p))) == p
+    assert Atoms().read(parse(to_text(p))) == p
 
 
 def slope(p: Rational, atom: str) -> Fraction:
@@ -326,7 +326,7 @@ def test_inverse_of_a_general_matrix_is_cofactors_over_the_determinant() -> None
 @settings(max_examples=4, deadline=None)
 @given(st.lists(st.sampled_from([*ATOMS, "0", "1", "-2", "a*b", "1/a"]), min_size=16, max_size=16))
 def test_inverse_of_a_random_matrix_is_that_of_sympy(entries: list[str]) -> None:
-    rows = [[rational_of(parse(x)) for x in entries[k : k + 4]] for k in range(0, 16, 4)]
+    rows = [[Atoms().read(parse(x)) for x in entries[k : k + 4]] for k in range(0, 16, 4)]
     matrix = sympy.Matrix(4, 4, [to_sympy(x) for row in rows for x in row])
     if sympy.cancel(matrix.det(method="berkowitz")) == 0:
         with pytest.raises(StopIteration):

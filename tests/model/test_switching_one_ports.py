@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mode_strokes import mode_dependent
 
 import hybond as hb
-from hybond.causality.modes import mode_dependent
 from hybond.model.parts import MachinePart
 
 sw = hb.switching

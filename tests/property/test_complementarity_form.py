@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from test_mixed_boolean import linear_rows, modes_of, point_of, values_in
 
 import hybond as hb
-from hybond.equations.complementarity_form import complementarity
+from hybond.analysis.complementarity.form import complementarity
 
 SETTINGS = settings(
     max_examples=75,
@@ -124,15 +124,15 @@ def laws_by_path(graph):
 @SETTINGS
 @given(SEEDS, st.integers(1, 4))
 def test_a_nonlinear_graph_is_linearised_at_its_start(seed: int, size: int) -> None:
-    """Where nothing is given, rates and answers are those of the graph itself."""
+    """Rates and answers near the start are those of the graph itself, and so are their slopes."""
     form = form_of(law_net(seed, size, nonlinear=0.7), seed, symbolic=True)
     assume(form.nonlinear and form.point and not form.constraints)
     graph, laws = form.graph, laws_of(form.graph)
     m = form.numbers()
     x = np.array([form.point[n] for n in form.states])
 
-    def at(x: np.ndarray) -> tuple[np.ndarray, list[float]] | None:
-        """Return rates and answers with all l zero, by Newton on what elements say."""
+    def at(x: np.ndarray, l: np.ndarray) -> np.ndarray | None:
+        """Return rates and answers with all l given, by Newton on what elements say."""
         v = values_in(graph, laws, form.mode)
         for s, a in zip(graph.storages, x):
             v[laws.index[f"x:{s.index}"]] = a
@@ -143,17 +143,26 @@ def test_a_nonlinear_graph_is_linearised_at_its_start(seed: int, size: int) -> N
             rows = [a for a, _ in laws.off(v, form.mode, apart=own).values()]
             # of junctions with laws no more is known than that all bonds have the common variable
             shared = [sum(r) for k in own for r in laws._junction(v, graph.nodes[k], True)[:-1]]
-            return np.array([*rows, *shared, *pairs_at(form, laws, v)[0]])
+            return np.array([*rows, *shared, *(np.array(pairs_at(form, laws, v)[0]) - l)])
 
         found = least_squares(said, np.zeros(2 * len(graph.bonds)), **TIGHT)
         if np.abs(said(found.x)).max() > 1e-9 or np.linalg.matrix_rank(found.jac) < len(found.x):
             return None
-        return laws.rates(v), pairs_at(form, laws, v)[1]
+        return np.array([*laws.rates(v), *pairs_at(form, laws, v)[1]])
 
-    here = at(x)
+    nothing = np.zeros(len(form.laws))
+    here = at(x, nothing)
     assume(here is not None)
-    near(m["A"] @ x + m["a"][:, 0], here[0])
-    near(m["C"] @ x + m["c"][:, 0], here[1])
+    near(m["A"] @ x + m["a"][:, 0], here[: len(x)])
+    near(m["C"] @ x + m["c"][:, 0], here[len(x) :])
+    rng = np.random.default_rng(seed)
+    step = 1e-5
+    dx, dl = rng.normal(size=len(x)), rng.normal(size=len(nothing))
+    ahead, back = at(x + step * dx, step * dl), at(x - step * dx, -step * dl)
+    assume(ahead is not None and back is not None)
+    slope = np.concatenate([m["A"] @ dx + m["E"] @ dl, m["C"] @ dx + m["D"] @ dl])
+    found = (ahead - back) / (2 * step)
+    np.testing.assert_allclose(slope, found, rtol=0, atol=1e-6 * (1 + np.abs(found).max()))
 
 
 def test_the_seeds_reach_what_they_are_for() -> None:

@@ -15,7 +15,6 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.signals import Signals
 from hybond.equations.calculus import partial_time, rate_name
 from hybond.model.expressions import (
     Expr,
@@ -74,7 +73,6 @@ class Motion:
         self.graph = run.graph
         self.segment = segment
         self.t = t
-        assert isinstance(run.signals, Signals)
         self.signals = run.signals
         bonds = range(len(self.graph.bonds))
         self._bonds: list[Expr] = [Name(f"{kind}:{b}") for kind in "ef" for b in bonds]

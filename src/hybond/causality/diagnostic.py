@@ -14,7 +14,7 @@ elsewhere. A sensor that is used as a source of what it measures tells its junct
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -178,29 +178,6 @@ def diagnostic_causality(
         storages=storages,
         conflicts=conflicts,
     )
-
-
-def switched_strokes(graph: FlatGraph, found: Diagnostic, off: Collection[int]) -> tuple[int, ...]:
-    """Return the strokes when the controlled nodes `off` are OFF: one bond each is turned.
-
-    Examples
-    --------
-    >>> import hybond as hb
-    >>> m = hb.Model("chopper")
-    >>> m.add(V=hb.Se(10), sw=hb.One(), n=hb.Zero(), r=hb.R(1), c=hb.C(1))
-    >>> m.bond("V -> sw -> n -> c", "sw -> r")
-    >>> m.machine("S", states={"closed": ["sw"], "open": []}, start="closed")
-    >>> graph = m.flatten()
-    >>> found = diagnostic_causality(graph, sensors=["n"])
-    >>> found.strokes, switched_strokes(graph, found, [1])
-    ((1, 0, 1, 1), (1, 0, 1, 0))
-    """
-    strokes = list(found.strokes)
-    for node in off:
-        absorber = found.absorbers.get(node)
-        if absorber is not None and absorber.bond >= 0:
-            strokes[absorber.bond] = 1 - strokes[absorber.bond]
-    return tuple(strokes)
 
 
 def _sensor(graph: FlatGraph, name: str) -> int:

@@ -15,7 +15,6 @@ from hybond.names import did_you_mean
 
 _ASSIGNED = re.compile(r"([A-Za-z_][A-Za-z0-9_.]*)\s*=(?!=)")
 _SETS = re.compile(r"v\s*\(\s*([^()\s,]+)\s*\)\s*=\s*(\{[^}]*\}|'[^']*'|[^\s=]+)", re.IGNORECASE)
-_SILENT = {"print", "probe", "save", "plot"}
 _LEFT_OUT = {
     "options": "options of another simulator are left out",
     "option": "options of another simulator are left out",

@@ -5,11 +5,11 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import Any
 
+from hybond.analysis.complementarity.form import complementarity
 from hybond.cli.lists import mode_of, split
 from hybond.cli.record import to_json
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
-from hybond.equations.complementarity_form import complementarity
 from hybond.equations.derive import state_equations
 from hybond.equations.junction_matrix import JunctionMatrix, junction_matrix
 from hybond.equations.matrix import BooleanMatrix

@@ -12,9 +12,6 @@ from hybond.draw.style import look
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_PX = 72.0 / 96.0
-"""Points per pixel of a scene."""
-
 
 def draw_on_axes(scene: Scene, ax: Axes) -> None:
     """Draw `scene` on `ax`, which loses its frame and is given an equal aspect.

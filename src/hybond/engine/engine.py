@@ -72,7 +72,6 @@ class Work:
     freedom: Block
     terms: Floats
     slopes: Block
-    drift_slopes: Block
     frozen: Block
     jacobian: Block
     jacobian2: Block
@@ -343,7 +342,6 @@ def make_work(m: Model) -> Work:
     w.freedom = make_block(1)
     w.terms = floats(m.slots)
     w.slopes = make_block(1)
-    w.drift_slopes = make_block(1)
     w.frozen = make_block(1)
     w.jacobian = make_block(1)
     w.jacobian2 = make_block(1)

@@ -36,7 +36,6 @@ class Model:
     stored_slot: int
     bond_slot: int
     on_slot: int
-    state_slot: int
     at_slot: int
     most_sources: int
     """Sources that the equations of a mode may have, ports of junction laws counted."""
@@ -53,7 +52,6 @@ class Model:
     on_first: Ints
     """Of each state: what it switches on, in `on_switch`."""
     on_switch: Ints
-    switch_node: Ints
     """The node of each switch."""
     switch_machine: Ints
     rule_first: Ints
@@ -179,7 +177,6 @@ class Model:
     """0 or 1."""
     junction_switch: Ints
     """-1: not controlled."""
-    junction_node: Ints
     end_first: Ints
     """Of each junction: its bonds, and 1 where one points at it, else -1."""
     end_bond: Ints
@@ -357,7 +354,6 @@ class Model:
     last of which runs fastest."""
 
     # contacts that may come to rest, and what they then carry
-    contacts: int
     contact_at: Ints
     """Of each state: the contact that it closes by an impact law, or -1."""
     contact_machine: Ints

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
-from hybond.equations.elimination import Row
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -23,6 +22,8 @@ from hybond.model.expressions import (
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.kinds import RESISTORS, SOURCES, TWO_PORTS
 
+Row = dict[int, float]
+"""Column to coefficient: efforts of all bonds, then flows. The sum of the terms is zero."""
 KEPT = 512
 """Parts kept beyond two for each element."""
 

@@ -10,17 +10,13 @@ surface is that of the whole: ``max(a, b) = 0``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hybond.equations.element_parts import configure, settings
-from hybond.equations.slots import Slots
-from hybond.equations.stored_laws import stored_names
 from hybond.model.expressions import (
     And,
     Binary,
@@ -34,18 +30,13 @@ from hybond.model.expressions import (
     Or,
     Pre,
     compile_expression,
-    differentiate,
     names,
     simplify,
-    substitute,
     transform,
 )
 from hybond.model.expressions.traced import Traced
 from hybond.model.expressions.tree import fold, walk
-from hybond.model.graph import FlatGraph, Mode, Rule
-
-Vector = NDArray[np.float64]
-Closure = Callable[[Sequence[float]], float]
+from hybond.model.graph import FlatGraph, Rule
 
 SCALES = (1.0, 1e-4, 1e-8, 1e-12)
 """Sizes of the values at which two switching functions are compared: a small band shows."""
@@ -367,112 +358,3 @@ def with_hysteresis(surfaces: Sequence[Surface], band: float) -> dict[Rule, Expr
             beyond: Expr = Compare(">", g, Number(band))
             moved[rule] = And((beyond, *rest)) if rest else beyond
     return moved
-
-
-@dataclass(slots=True)
-class Rates:
-    """Value and slope of a switching function that is known by what is stored.
-
-    ``dg/dt = x_slopes . x' + s_slopes . s' + drift``.
-    """
-
-    value: Closure
-    x: list[tuple[int, Closure]]
-    s: list[tuple[int, Closure]]
-    drift: Closure
-
-    def along(self, v: Sequence[float], x_rates: Vector, s_rates: Vector) -> Vector:
-        """Return dg/dt along some fields, one per row, at the values `v`."""
-        total = np.full(len(x_rates), float(self.drift(v)))
-        for k, f in self.x:
-            total += float(f(v)) * x_rates[:, k]
-        for k, f in self.s:
-            total += float(f(v)) * s_rates[:, k]
-        return total
-
-
-class SurfaceLaws:
-    """The slopes of a graph's switching functions, compiled once for each structure around."""
-
-    def __init__(self, graph: FlatGraph, slots: Slots) -> None:
-        self.graph = graph
-        self.slots = slots
-        self._stored: dict[frozenset[int], dict[str, Expr]] = {}
-        self._known: dict[tuple[object, ...], Rates | None] = {}
-
-    def of(self, surface: Surface, modes: Iterable[Mode]) -> Rates | None:
-        """Return the slopes of a switching function, None if it reads what can jump.
-
-        Efforts of C and flows of I stand for what is stored, along the junctions that all `modes`
-        have ON; then g is a function of state and time alone, the same in every mode.
-        """
-        modes = list(modes)
-        off = frozenset().union(*(self.graph.off_nodes(m) for m in modes))
-        flags: dict[str, Expr] = {}
-        if any(n.startswith(("on:", "in:")) for n in names(surface.g)):
-            flags = settings(self.graph, modes[0], {})
-            for m in modes[1:]:
-                there = settings(self.graph, m, {})
-                flags = {k: e for k, e in flags.items() if there[k] == e}
-        key = (surface, off, *flags.items())
-        if key not in self._known:
-            if off not in self._stored:
-                self._stored[off] = _stored(self.graph, off)
-            g = configure(substitute(surface.g, self._stored[off]), flags)
-            self._known[key] = self._rates(g)
-        return self._known[key]
-
-    def _compiled(self, e: Expr) -> Closure:
-        slots = self.slots
-        f: Closure = compile_expression(e, slots.index, pre_offset=slots.size)
-        return f
-
-    def _rates(self, g: Expr) -> Rates | None:
-        if any(n.startswith(("e:", "f:", "on:", "in:")) for n in names(g)):
-            return None
-        x, s = [], []
-        drift: Expr = Number(0.0)
-        for name in sorted(names(g)):
-            kind, _, index = name.partition(":")
-            if kind == "at":
-                continue
-            slope = differentiate(g, name)
-            if kind == "x":
-                x.append((int(index), self._compiled(slope)))
-            elif kind == "s":
-                s.append((int(index), self._compiled(slope)))
-            else:
-                rate: Expr = Number(1.0) if kind == "time" else Name(f"du:{index}")
-                drift = Binary("+", drift, Binary("*", slope, rate))
-        return Rates(self._compiled(g), x, s, self._compiled(simplify(drift)))
-
-
-def _stored(graph: FlatGraph, off: frozenset[int]) -> dict[str, Expr]:
-    """Return bond variables that are co-energy variables, by canonical name."""
-    found: dict[str, Expr] = {}
-    for s in graph.storages:
-        node = graph.nodes[s.node]
-        assert node.law is not None
-        if node.law.matrix is not None:
-            z: Expr = Number(0.0)
-            for other in graph.storages:
-                if other.node == s.node and node.law.matrix[s.port][other.port] != 0.0:
-                    c = Number(node.law.matrix[s.port][other.port])
-                    z = Binary("+", z, Binary("*", c, Name(f"x:{other.index}")))
-        else:
-            z = substitute(node.law.expressions[s.port], stored_names(node, graph))
-        if s.kind == "I" and s.sign < 0:
-            z = Binary("-", Number(0.0), z)
-        z = simplify(z)
-        kind = "e" if s.kind == "C" else "f"
-        todo = [s.bond]
-        while todo:
-            bond = todo.pop()
-            if f"{kind}:{bond}" in found:
-                continue
-            found[f"{kind}:{bond}"] = z
-            for n in (graph.bonds[bond].tail, graph.bonds[bond].head):
-                joint = graph.nodes[n]
-                if joint.kind == ("0" if kind == "e" else "1") and n not in off:
-                    todo += [end.bond for end in joint.ends]
-    return found

@@ -7,12 +7,11 @@ pinnacle and must be left by what the write made true. Source: Mosterman & Biswa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from hybond.errors import ModelError
 from hybond.model.expressions import Expr, Name, names, posterior_names, uses_pre
-from hybond.model.graph import FlatGraph, Machine, Mode, Node
+from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.resolve import prior
 
 
@@ -35,20 +34,6 @@ def switches_of(graph: FlatGraph, node: Node) -> list[Node]:
 def active(graph: FlatGraph, node: Node, off: frozenset[int]) -> bool:
     """Whether `node`'s law acts when the nodes `off` are OFF."""
     return not any(s.index in off for s in switches_of(graph, node))
-
-
-def fieldless_laws(graph: FlatGraph, mode: Mode, laws: Sequence[Node] | None = None) -> list[Node]:
-    """Return the elements whose active law reads ``pre()`` in `mode`.
-
-    `laws` are the elements whose laws do so at all, if they are known.
-    """
-    off = graph.off_nodes(mode)
-    return [
-        n
-        for n in ([n for n in graph.nodes if reads_pre(n)] if laws is None else laws)
-        if active(graph, n, off)
-        and any(_reads_in(graph, n, m, mode[m.index]) for m in graph.machines)
-    ]
 
 
 def _reads_in(graph: FlatGraph, node: Node, machine: Machine, state: int) -> bool:

@@ -192,25 +192,6 @@ class Pwm:
         return 0.0
 
 
-def line(waveform: Waveform, t: float, piece: int) -> tuple[float, float, float]:
-    """Return an instant, the value there and the slope of a piece that is a straight line.
-
-    The instant is the one that `value` counts from, so that what follows from the three is the
-    same to the last bit.
-
-    Examples
-    --------
-    >>> line(Timetable((0.0, 2.0), (1.0, 5.0), linear=True), 1.5, 1)
-    (0.0, 1.0, 2.0)
-    >>> line(Constant(3.0), 1.5, 0)
-    (1.5, 3.0, 0.0)
-    """
-    rate = waveform.rate(t, piece)
-    if isinstance(waveform, Timetable) and rate:
-        t = waveform.begin(piece)
-    return t, waveform.value(t, piece), rate
-
-
 @dataclass(frozen=True, slots=True)
 class Called:
     """A Python callable of time, smooth except at the listed breaks (API only, never from a file).

@@ -106,7 +106,6 @@ _COMPARISONS: Mapping[type[ast.cmpop], str] = {
     ast.Is: "is",
     ast.IsNot: "is not",
 }
-COMPARISONS = frozenset(("<", "<=", ">", ">=", "==", "!="))
 MOST = 2**31 - 1
 
 

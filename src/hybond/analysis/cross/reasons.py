@@ -12,9 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.complementarity.form import complementarity
 from hybond.analysis.cross.runs import Events, states_passed
 from hybond.causality.orientation import base_mode
-from hybond.equations.complementarity_form import complementarity
 from hybond.errors import HybondError
 from hybond.model.expressions import Number, names
 from hybond.model.graph import FlatGraph, Machine, Mode
@@ -94,8 +94,8 @@ def uniqueness(graph: FlatGraph, modes: list[Mode]) -> Uniqueness:
         several |= bool(values[0] < -small)
         null = vectors[:, np.abs(values) <= small]
         moved = np.abs(null).max(axis=1, initial=0.0), np.abs(g @ null).max(axis=1, initial=0.0)
-        for k, port in enumerate(form.ports.ports):
-            own, other = ("common", "net") if port.given == "common" else ("net", "common")
+        for k, port in enumerate(form.laws):
+            own, other = ("common", "net") if port.orientation == "common" else ("net", "common")
             for which, by in ((own, moved[0][k]), (other, moved[1][k])):
                 if by > SMALL:
                     shares.add((port.path, which))

@@ -15,7 +15,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import gradient
 from hybond.model.expressions import Name, Number
 from hybond.model.graph import FlatGraph, Integral, Machine
@@ -253,10 +252,9 @@ def _scales(a: Result, b: Result, names: Sequence[Quantity], left: Vector, right
     """Return what each quantity is measured by, never zero."""
     both = np.maximum(np.abs(left).max(axis=0), np.abs(right).max(axis=0))
     nx = len(a.graph.storages)
-    apart = Apart(a.graph).signals
-    energy = max(a.trace.energy, *(np.abs(apart.stored(s.y)).max() for s in a.segments))
-    own = apart.own_stiffness()
-    stiffness = np.abs(apart.after(0.0, left[0], a.segments[0].mode, own))
+    energy = max(a.trace.energy, *(np.abs(a.signals.stored(s.y)).max() for s in a.segments))
+    own = a.signals.own_stiffness()
+    stiffness = np.abs(a.signals.after(0.0, left[0], a.segments[0].mode, own))
     with np.errstate(divide="ignore", invalid="ignore"):
         whole = np.sqrt(2.0 * energy / stiffness)
     floor = np.zeros(len(names))

@@ -87,7 +87,6 @@ def simulated_phase(
     for _ in range(LONGEST):
         run = simulate(held, until, solver=chosen, rtol=rtol, on_error="return")
         signals = run.signals
-        assert isinstance(signals, Signals)
 
         def value_at(t: float, y: Vector, mode: Mode, *, signals: Signals = signals) -> float:
             return signals.after(t, y, mode, [closing])[0]

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from hybond.analysis.restitution.restitution import DT, Rebound, Restitution, restitution
-from hybond.model.builder import Model
+from hybond.analysis.restitution.restitution import DT, Rebound, Restitution
 from hybond.model.expressions import Binary, Expr, Name, Number, names, to_latex, to_text
-from hybond.model.graph import FlatGraph
-from hybond.model.parts import Value
 from hybond.units import format_quantity, parse_unit
 
 _TIME = parse_unit("s")[1]
@@ -274,20 +269,3 @@ def markdown(found: Restitution) -> str:
     for s in derivation(found):
         lines += ["", f"({s.number}) {s.words}:", "", f"$${s.latex}$$"]
     return "\n".join(lines)
-
-
-def restitution_text(
-    model: Model | FlatGraph,
-    junction: str,
-    *,
-    dt: float | str = "1 ms",
-    speed: float | str | None = None,
-    state: str | None = None,
-    parameters: Mapping[str, Value] | None = None,
-) -> str:
-    """Return what `restitution` finds as plain text, for the terminal.
-
-    Parameters and errors are those of `restitution`.
-    """
-    given: dict[str, Any] = {"dt": dt, "speed": speed, "state": state, "parameters": parameters}
-    return plain(restitution(model, junction, **given))

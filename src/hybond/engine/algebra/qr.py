@@ -65,15 +65,6 @@ def bring_largest(m: int, n: int, a: Floats, k: int, column: Ints) -> None:
     column[best] = place
 
 
-def qr_rank(m: int, n: int, a: Floats, threshold: float) -> int:
-    """Return how many diagonal entries of R, factored with exchanges, exceed `threshold`."""
-    rank = 0
-    for k in range(min(m, n)):
-        if math.fabs(a[k * n + k]) > threshold:
-            rank += 1
-    return rank
-
-
 def qr_rotate(m: int, n: int, a: Floats, scale: Floats, back: bool, c: int, b: Floats) -> None:
     """Multiply `b`, of m rows and c columns, by Q, or with `back` by its transpose."""
     steps = min(m, n)

@@ -19,7 +19,6 @@ class Choice:
     """
 
     rows: int
-    wide: int
     table: Floats
     owner: Ints
     waiting: Ints
@@ -37,7 +36,6 @@ def make_choice(rows: int, wide: int) -> Choice:
     """Return room for such matrices."""
     c = Choice()
     c.rows = rows
-    c.wide = wide
     c.table = floats(rows * wide)
     c.owner = ints(rows)
     c.waiting = ints(wide)

@@ -24,9 +24,6 @@ LOCATING: Final = 200
 LEAST_FACTOR: Final = 0.1
 MOST_FACTOR: Final = 4.0
 
-GOES_ON: Final = 0
-ENDS: Final = 1
-
 
 def find_forces(c: Compliant) -> None:
     """Find the forces of the springs as they are."""

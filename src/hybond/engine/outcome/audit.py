@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.apart import Apart
 from hybond.engine.outcome.signals import Signals
 from hybond.model.graph import FlatGraph
-from hybond.trace import Segment, SignalSource, Trace
+from hybond.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
 
@@ -76,9 +75,8 @@ class Audit:
         )
 
 
-def audit(graph: FlatGraph, trace: Trace, signals: SignalSource) -> Audit:
+def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out."""
-    energies = signals if isinstance(signals, Signals) else Apart(graph).signals
     ends = [
         end
         for node in graph.nodes
@@ -116,7 +114,7 @@ def audit(graph: FlatGraph, trace: Trace, signals: SignalSource) -> Audit:
             # what flows without a load feels the rounding of the largest one
             rounding = 0.1 * (e * fastest[:, None] + strongest[:, None] * f)
             sizes.append((e * f + rounding).sum(axis=0))
-            made, size_of = _created_by_steps(energies, segment)
+            made, size_of = _created_by_steps(signals, segment)
             created += made
             largest = max(largest, size_of)
             continue
@@ -129,7 +127,7 @@ def audit(graph: FlatGraph, trace: Trace, signals: SignalSource) -> Audit:
         flux = size.reshape(len(segment.t), -1).max(axis=1)
         passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
         through = max(through, float(passing.sum()))
-        stored = energies.stored(segment.y)
+        stored = signals.stored(segment.y)
         supplied, dissipated = signals.energies(segment).T
         balance = stored + dissipated - supplied
         passed = np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum()

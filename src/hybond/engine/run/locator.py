@@ -105,7 +105,6 @@ class Locator:
     lost: bool
     """Whether no combination holds the state on its surfaces there."""
     at: float
-    root_low: float
     bracket_low: float
     bracket_high: float
 

@@ -30,7 +30,6 @@ from hybond.engine.words import (
     Floats,
     Text,
     floats,
-    put_int,
     put_line,
     put_number,
     put_text,
@@ -255,12 +254,4 @@ def put_fault(e: Engine) -> None:
     put_text(" (t = ")
     put_number(e.fault.t)
     put_text(" s)")
-    put_line()
-
-
-def put_count(name: Text, n: int) -> None:
-    """Print how many there were of something."""
-    put_text(name)
-    put_text(" ")
-    put_int(n)
     put_line()

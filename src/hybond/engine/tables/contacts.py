@@ -180,7 +180,6 @@ def put_contacts(t: ModelTables) -> None:
         for m in g.machines
         for k in range(len(m.states))
     ]
-    t.numbers["contacts"] = len(contacts)
     t.ints["contact_machine"] = [c.machine.index for c in contacts.values()]
     t.ints["contact_state"] = [c.state for c in contacts.values()]
     t.ints["contact_rest"] = [c.rest for c in contacts.values()]

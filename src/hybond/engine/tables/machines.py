@@ -25,7 +25,6 @@ def put_machines(t: ModelTables) -> None:
     t.ints["is_law"] = [int(m.law is not None) for m in g.machines]
     on = [[(place[n],) for n in sorted(nodes)] for m in g.machines for nodes in m.on]
     put_rows(t, "on_first", on, on_switch=INTS)
-    t.ints["switch_node"] = switches
     owners = owners_of(g)
     t.ints["switch_machine"] = [owners[k].index for k in switches]
     forced = rules_of(g)

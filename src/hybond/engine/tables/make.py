@@ -95,7 +95,6 @@ def _sizes(t: ModelTables) -> None:
         stored_slot=s.x.start,
         bond_slot=s.w.start,
         on_slot=s.on.start,
-        state_slot=s.states.start,
         at_slot=s.at.start,
         laws=sum(m.law is not None for m in g.machines),
         decided=int(g.indeterminate == "least leakage"),
@@ -111,7 +110,6 @@ def _junctions(t: ModelTables) -> None:
     t.numbers["junctions"] = len(nodes)
     t.ints["junction_kind"] = [int(n.kind) for n in nodes]
     t.ints["junction_switch"] = [switches.index(n.index) if n.controlled else -1 for n in nodes]
-    t.ints["junction_node"] = [n.index for n in nodes]
     ends = [[(end.bond, end.sign) for end in n.ends] for n in nodes]
     put_rows(t, "end_first", ends, end_bond=INTS, end_sign=INTS)
 

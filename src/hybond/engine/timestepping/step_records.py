@@ -63,7 +63,6 @@ class Guess:
     code: Ints
     way: Ints
     kept_code: Ints
-    kept_way: Ints
     unknown: Ints
     factor: Block
     right: Floats
@@ -259,7 +258,6 @@ def make_guess(n: int) -> Guess:
     g.code = ints(n)
     g.way = ints(n)
     g.kept_code = ints(n)
-    g.kept_way = ints(n)
     g.unknown = ints(n)
     g.factor = make_block(1)
     g.right = floats(n)

@@ -119,24 +119,6 @@ class Atoms:
         return found
 
 
-def rational_of(e: Expr, atoms: Atoms | None = None) -> Rational:
-    """Return `e` as a rational function; see `Atoms.read`.
-
-    Parameters
-    ----------
-    e : Expr
-    atoms : Atoms
-        Where to remember what is not rational; not needed for a rational formula.
-
-    Examples
-    --------
-    >>> from hybond.model.expressions import parse
-    >>> rational_of(parse("1/R1 + 1/R2 - (R1 + R2)/(R1*R2)")).is_zero
-    True
-    """
-    return (Atoms() if atoms is None else atoms).read(e)
-
-
 def _whole(e: Expr) -> int | None:
     """Return an exponent that is a whole number of moderate size."""
     match e:

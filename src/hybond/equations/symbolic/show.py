@@ -108,23 +108,6 @@ def to_latex(
     return expr_latex(Neg(size) if negative else size)
 
 
-def to_markdown(
-    r: Rational,
-    *,
-    name: Callable[[str], str] = str,
-    meaning: Mapping[str, Expr] | None = None,
-    order: Callable[[str], Any] = natural,
-) -> str:
-    r"""Write `r` as a formula within a line of Markdown; parameters as in `to_expr`.
-
-    Examples
-    --------
-    >>> to_markdown(1 / Rational.atom("omega_0"))
-    '$\\frac{1}{\\omega_{\\mathrm{0}}}$'
-    """
-    return f"${to_latex(r, name=name, meaning=meaning, order=order)}$"
-
-
 def to_sympy(
     r: Rational,
     *,

@@ -260,10 +260,6 @@ def _machines(graph: FlatGraph) -> Iterator[str]:
             )
 
 
-def _switched(graph: FlatGraph, node: int) -> str:
-    return graph.nodes[node].path.removesuffix(".switch")
-
-
 def _signals(model: Model) -> Iterator[str]:
     rows: list[Row] = []
     for name, signal in model.signals.items():

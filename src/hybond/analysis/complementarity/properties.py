@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.storage import StorageLaws
+from hybond.equations.storage import stiffness_at
 
 if TYPE_CHECKING:
-    from hybond.equations.complementarity_form import ComplementarityForm
+    from hybond.analysis.complementarity.form import ComplementarityForm
 
 Matrix = NDArray[np.float64]
 SMALL = 1e-9
@@ -82,12 +82,12 @@ def _semidefinite(symmetric: Matrix, terms: Matrix | None = None) -> bool:
 
 def _passive(form: ComplementarityForm, a: Matrix, e: Matrix, c: Matrix, d: Matrix) -> bool:
     """Whether ``x' K x <= l w`` for all consistent x and all l, K the slope of what is stored."""
-    storage = StorageLaws.of(form.graph, form.ports.equations.slots)
+    graph = form.graph
     x = np.array(list(form.point.values())) if form.point is not None else np.zeros(len(a))
-    k = storage.stiffness(x)
+    k = stiffness_at(graph, x)
     if not np.isfinite(k).all() or not _semidefinite(k + k.T):
         return False
-    if storage.pseudo.any():
+    if any(graph.bonds[s.bond].domain.pseudo for s in graph.storages):
         return False
     rows = form.constraint_rows
     onto = _null(rows) if len(rows) else np.eye(len(a))

@@ -7,9 +7,9 @@ from typing import Literal
 
 from hybond.causality.orientation import Given
 from hybond.equations.element_rows import laws_of
-from hybond.equations.ports import Port, PortEquations
 from hybond.model.expressions import Bool, Expr, Number, Pre, names, simplify, substitute, transform
 from hybond.model.graph import FlatGraph
+from hybond.model.laws import JunctionLaw
 
 WORDS = {
     "electrical": ("voltage", "current"),
@@ -21,6 +21,26 @@ WORDS = {
     "magnetic": ("magnetomotive force", "flux rate"),
 }
 """Effort and flow by domain."""
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A junction whose law is left open.
+
+    Parameters
+    ----------
+    machine : int
+        Its machine.
+    law : JunctionLaw
+    given : {"common", "net"}
+        What `l` is: the common variable, or minus the net variable.
+    path : str
+    """
+
+    machine: int
+    law: JunctionLaw
+    given: Given
+    path: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,15 +83,15 @@ class LawPort:
     restitution: Expr | None = None
 
 
-def law_ports(graph: FlatGraph, ports: PortEquations, *, symbolic: bool) -> tuple[LawPort, ...]:
+def law_ports(graph: FlatGraph, ports: tuple[Port, ...], *, symbolic: bool) -> tuple[LawPort, ...]:
     """Return what the pairs of the ports are, in order."""
     taken = {*graph.by_path, *graph.parameters, *graph.signals, *(i.path for i in graph.inputs)}
-    count = range(1, len(ports.ports) + 1)
+    count = range(1, len(ports) + 1)
     clash = any(f"{letter}{k}" in taken for k in count for letter in "lw")
     letters = ("λ", "ω") if clash else ("l", "w")
     return tuple(
         _port(graph, p, (f"{letters[0]}{k}", f"{letters[1]}{k}"), symbolic)
-        for k, p in zip(count, ports.ports, strict=True)
+        for k, p in zip(count, ports, strict=True)
     )
 
 

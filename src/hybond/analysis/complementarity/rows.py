@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from hybond.analysis.complementarity.ports import Port
 from hybond.equations.calculus import partial_time
 from hybond.equations.element_rows import laws_of
 from hybond.equations.peeling import Peeling
-from hybond.equations.ports import PortEquations
 from hybond.equations.ring import Ring, Row
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.errors import CausalityError
@@ -51,17 +51,14 @@ class Derived(Generic[T]):
 
 
 def derive_rows(
-    graph: FlatGraph, mode: Mode, ports: PortEquations, ring: Ring[T], *, symbolic: bool
+    graph: FlatGraph, mode: Mode, ports: tuple[Port, ...], ring: Ring[T], *, symbolic: bool
 ) -> Derived[T] | None:
     """Return the rows in a mode of the machines written by hand.
 
     None if something that the rows read stays undetermined.
     """
-    reference = list(mode)
-    for port in ports.ports:
-        reference[port.machine] = 1 if port.given == "net" else 0
-    form = switch_form(graph, ring, tuple(reference), symbolic=symbolic)
-    nodes = {p.law.node: p for p in ports.ports}
+    form = switch_form(graph, ring, reference_of(mode, ports), symbolic=symbolic)
+    nodes = {p.law.node: p for p in ports}
     own: dict[int, int] = {}
     for s in form.switches:
         column = form.column(s)
@@ -69,8 +66,8 @@ def derive_rows(
         if column.index in nodes and graph.nodes[column.index].is_junction:
             own[column.index] = s
     closed = _Closed(form, mode, set(own.values()))
-    laws = [own[p.law.node] for p in ports.ports]
-    sign = {own[p.law.node]: ring.of(1.0 if p.given == "common" else -1.0) for p in ports.ports}
+    laws = [own[p.law.node] for p in ports]
+    sign = {own[p.law.node]: ring.of(1.0 if p.given == "common" else -1.0) for p in ports}
 
     def in_l(row: Row[T]) -> Row[T]:
         return {k: sign[k] * c if k in sign else c for k, c in row.items()}  # type: ignore[operator]
@@ -79,7 +76,7 @@ def derive_rows(
         in_l(closed.reduce(form.targets[form.partner["rate", s.index, 0]])) for s in graph.storages
     ]
     answers = []
-    for p in ports.ports:
+    for p in ports:
         other = 1 if p.given == "common" else 0
         row = closed.reduce(form.closing(own[p.law.node], (other,)))
         way = ring.of(-1.0 if p.given == "common" else 1.0)
@@ -103,7 +100,7 @@ def derive_rows(
             _differentiated(row, rates, states, set(laws), form, ring, labels, formulas)
             for row in constraints
         ]
-        last = _Renumbered(ring, hidden, free)
+        last = Renumbered(ring, hidden, free)
         if any(row for row in last.constraints):
             raise _too_high(graph, mode)
         rates, answers = ([last.reduce(r) for r in rows] for rows in (rates, answers))
@@ -122,7 +119,15 @@ def derive_rows(
     )
 
 
-class _Renumbered(Generic[T]):
+def reference_of(mode: Mode, ports: tuple[Port, ...]) -> Mode:
+    """Return the mode in which each `l` is zero."""
+    reference = list(mode)
+    for port in ports:
+        reference[port.machine] = 1 if port.given == "net" else 0
+    return tuple(reference)
+
+
+class Renumbered(Generic[T]):
     """A peeling whose unknowns are some columns, wherever they stand."""
 
     def __init__(self, ring: Ring[T], rows: list[Row[T]], unknowns: list[int]) -> None:
@@ -144,7 +149,7 @@ class _Renumbered(Generic[T]):
         return self._here(self._peeling.settled(self._peeling.reduce(self._there(row))))
 
 
-class _Closed(_Renumbered[T]):
+class _Closed(Renumbered[T]):
     """The switch form with all switches closed but those of junctions with laws."""
 
     def __init__(self, form: SwitchForm[T], mode: Mode, left: set[int]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from hybond.equations.complementarity_ports import LawPort
+from hybond.analysis.complementarity.ports import LawPort
 from hybond.equations.display import joined, signed, split
 from hybond.model.expressions import Expr, Number
 from hybond.model.expressions import names as names_of
@@ -12,7 +12,7 @@ from hybond.model.expressions import to_latex as expr_latex
 from hybond.model.expressions import to_text as expr_text
 
 if TYPE_CHECKING:
-    from hybond.equations.complementarity_form import ComplementarityForm
+    from hybond.analysis.complementarity.form import ComplementarityForm
 
 
 def write_text(form: ComplementarityForm) -> str:

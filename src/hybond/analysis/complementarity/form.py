@@ -5,7 +5,7 @@ With the laws of ideal diodes, contacts and dry friction left open a graph is::
     x' = A x + B u + E l + a,     w = C x + F u + D l + c,     0 <= l, w >= 0, l w = 0 (or a box)
 
 `l` and `w` are the common variable and minus the net variable of each junction with a law, or the
-other way round (`equations.ports`); machines written by hand stay in one mode. The matrices come
+other way round (`orientation`); machines written by hand stay in one mode. The matrices come
 from the rows of the mixed-Boolean state equations: a junction's switch variable is its `l`, and
 the row that would close it is its `w`.
 
@@ -23,17 +23,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hybond.analysis.complementarity.orientation import law_machines, open_ports
+from hybond.analysis.complementarity.ports import LawPort, Port, law_ports
+from hybond.analysis.complementarity.rows import Derived, derive_rows
+from hybond.analysis.complementarity.start import nonlinear_nodes, start_values
+from hybond.analysis.complementarity.tangent import Tangent, tangent
 from hybond.causality.orientation import base_mode
 from hybond.equations.booleans import Naming
-from hybond.equations.complementarity_ports import LawPort, law_ports
-from hybond.equations.complementarity_rows import Derived, derive_rows
 from hybond.equations.display import Display
-from hybond.equations.linearised import Linearised, linearised, start_values
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.parameters import parameter_values
-from hybond.equations.ports import PortEquations, law_machines, port_equations
 from hybond.equations.ring import Numbers, Ring, Symbols
-from hybond.equations.slots import slots_of
+from hybond.equations.storage import stiffness_at
 from hybond.errors import EquationError
 from hybond.model.builder import Model, graph_of
 from hybond.model.expressions import Expr
@@ -41,7 +42,7 @@ from hybond.model.graph import AnyMode, FlatGraph, Mode
 from hybond.uncollected import uncollected
 
 if TYPE_CHECKING:
-    from hybond.equations.complementarity_properties import Properties
+    from hybond.analysis.complementarity.properties import Properties
 
 
 @dataclass
@@ -90,7 +91,6 @@ class ComplementarityForm:
     c: BooleanMatrix
     formulas: Mapping[str, Expr]
     display: Display
-    ports: PortEquations
     symbolic: bool = True
     nonlinear: tuple[str, ...] = ()
     constraints: tuple[str, ...] = ()
@@ -113,7 +113,7 @@ class ComplementarityForm:
     @cached_property
     def properties(self) -> Properties:
         """Whether D is positive semi-definite, passivity, relative degrees."""
-        from hybond.equations.complementarity_properties import properties_of
+        from hybond.analysis.complementarity.properties import properties_of
 
         return properties_of(self)
 
@@ -129,25 +129,25 @@ class ComplementarityForm:
 
     def text(self) -> str:
         """Return the system as text."""
-        from hybond.equations.complementarity_text import write_text
+        from hybond.analysis.complementarity.text import write_text
 
         return write_text(self)
 
     def latex(self) -> str:
         """Return the system as a LaTeX ``align*``."""
-        from hybond.equations.complementarity_text import write_latex
+        from hybond.analysis.complementarity.text import write_latex
 
         return write_latex(self)
 
     def markdown(self) -> str:
         """Return the system for Markdown, formulas between dollars."""
-        from hybond.equations.complementarity_text import write_markdown
+        from hybond.analysis.complementarity.text import write_markdown
 
         return write_markdown(self)
 
     def to_data(self) -> dict[str, Any]:
         """Return plain data, ready for JSON."""
-        from hybond.equations.complementarity_text import to_data
+        from hybond.analysis.complementarity.text import to_data
 
         return to_data(self)
 
@@ -229,41 +229,38 @@ def complementarity(
                 hint="state_equations writes the modes in which it sticks and slips",
             )
     chosen = base_mode(graph, graph.mode_of({} if mode is None else mode))
-    slots = slots_of(graph)
-    v, x, discrete = start_values(graph, chosen, slots)
-    ports = port_equations(graph, chosen, slots, discrete)
-    nonlinear = _nonlinear(graph, ports)
-    found: Derived[Any] | None = None
-    known = {**parameter_values(graph), **{n: v[k] for n, k in slots.index.items()}}
-    ring: Ring[Any] = Symbols(parameter_values(graph)) if symbolic else Numbers(known)
+    known = start_values(graph, chosen)
+    bent, stored = nonlinear_nodes(graph, chosen, known)
+    ports, constraints = open_ports(graph, chosen, frozenset(bent), known)
+    nonlinear = _said(graph, bent, stored)
     if not nonlinear:
+        values = parameter_values(graph)
+        ring: Ring[Any] = Symbols(values) if symbolic else Numbers({**values, **known})
         found = derive_rows(graph, chosen, ports, ring, symbolic=symbolic)
-        if found is None:
-            nonlinear = ("what the graph leaves undetermined takes the value of least leakage",)
-    if found is not None:
-        show = Display(graph, Naming(graph), ring.meaning)
-        return _from_rows(graph, chosen, ports, found, ring, show, symbolic=symbolic)
-    show = Display(graph, Naming(graph), {})
-    return _from_numbers(graph, chosen, ports, linearised(ports, v, x), x, nonlinear, show)
+        if found is not None:
+            show = Display(graph, Naming(graph), ring.meaning)
+            return _from_rows(graph, chosen, ports, found, ring, show, symbolic=symbolic)
+        nonlinear = ("what the graph leaves undetermined takes the value of least leakage",)
+    x = np.array([known[f"x:{s.index}"] for s in graph.storages])
+    rows = np.zeros((len(constraints), len(x)))
+    for i, row in enumerate(constraints):
+        for k, c in row.items():
+            rows[i, k] = c
+    held = rows @ stiffness_at(graph, x)
+    return _from_numbers(graph, chosen, ports, tangent(graph, chosen, ports), x, nonlinear, held)
 
 
-def _nonlinear(graph: FlatGraph, ports: PortEquations) -> tuple[str, ...]:
+def _said(graph: FlatGraph, bent: tuple[int, ...], stored: tuple[int, ...]) -> tuple[str, ...]:
     """Return what is not linear, by element."""
-    if ports.linear:
-        return ()
-    nodes = sorted({d.node for d in ports.equations.rows if d.node >= 0})
-    found = [f"the law of {graph.nodes[k].about.symbol} {graph.nodes[k].path}" for k in nodes]
-    stored = {
-        s.node for s in graph.storages if getattr(graph.nodes[s.node].law, "matrix", 0) is None
-    }
-    found += [f"the law of {graph.nodes[k].kind} {graph.nodes[k].path}" for k in sorted(stored)]
-    return tuple(dict.fromkeys(found))
+    found = [f"the law of {graph.nodes[k].about.symbol} {graph.nodes[k].path}" for k in bent]
+    found += [f"the law of {graph.nodes[k].kind} {graph.nodes[k].path}" for k in stored]
+    return tuple(found)
 
 
 def _from_rows(
     graph: FlatGraph,
     mode: Mode,
-    ports: PortEquations,
+    ports: tuple[Port, ...],
     found: Derived[Any],
     ring: Ring[Any],
     show: Display,
@@ -308,7 +305,6 @@ def _from_rows(
         c=matrix([], "", answers),
         formulas={found.names[k]: found.formulas[k] for k in found.inputs},
         display=show,
-        ports=ports,
         symbolic=symbolic,
         constraints=tuple(_constraint(row, found, show) for row in found.constraints),
         constraint_rows=matrix(
@@ -331,12 +327,13 @@ def _constraint(row: dict[int, Any], found: Derived[Any], show: Display) -> str:
 def _from_numbers(
     graph: FlatGraph,
     mode: Mode,
-    ports: PortEquations,
-    found: Linearised,
+    ports: tuple[Port, ...],
+    found: Tangent,
     x: Any,
     nonlinear: tuple[str, ...],
-    show: Display,
+    held: Any,
 ) -> ComplementarityForm:
+    show = Display(graph, Naming(graph), {})
     laws = law_ports(graph, ports, symbolic=False)
     states = tuple(s.path for s in graph.storages)
     given, answers = tuple(p.given for p in laws), tuple(p.answer for p in laws)
@@ -367,20 +364,8 @@ def _from_numbers(
         c=matrix(found.c[:, None], answers, ("1",)),
         formulas={},
         display=show,
-        ports=ports,
         symbolic=False,
         nonlinear=nonlinear,
-        constraint_rows=_constraint_rows(ports, x),
+        constraint_rows=held,
         point={s: float(value) for s, value in zip(states, x, strict=True)},
     )
-
-
-def _constraint_rows(ports: PortEquations, x: Any) -> Any:
-    """Return the constraints on what is stored near `x`, from the rows of its co-energy."""
-    e = ports.equations
-    rows = np.zeros((len(e.tableau.constraints), len(x)))
-    for i, row in enumerate(e.tableau.constraints):
-        for k, c in row.items():
-            if 0 <= k - e.tableau.unknowns < len(x):
-                rows[i, k - e.tableau.unknowns] = c
-    return rows @ e.storage.stiffness(x)

@@ -1,0 +1,1 @@
+"""The linear complementarity system of a model whose junctions have laws."""
