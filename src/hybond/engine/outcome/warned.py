@@ -75,8 +75,9 @@ class Warnings:
             )
         if kind == LEFT_OPEN:
             machines = len(self.graph.machines)
-            mode: Mode = tuple(numbers[1 : 1 + machines])
-            text = self.explain.guard_on_open(numbers[0], numbers[1 + machines :], mode)
+            rule, when, *rest = numbers
+            mode: Mode = tuple(rest[:machines])
+            text = self.explain.guard_on_open(rule, when, rest[machines:], mode)
             return f"{text}; least leakage decides, as the model asks"
         if kind == SHARES_OPEN:
             names = ", ".join(self.graph.nodes[self._ports[k]].path for k in numbers)
