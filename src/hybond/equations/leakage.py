@@ -20,6 +20,8 @@ Matrix = NDArray[np.float64]
 
 MOVED = 1e-9
 """A variable is undetermined if a unit of freedom moves it by more than this."""
+CANCELS = 1e-13
+"""What is below this part of its terms is what rounding leaves of zero."""
 
 
 def junction_rows(graph: FlatGraph, off: frozenset[int]) -> Matrix:
@@ -101,14 +103,24 @@ def least_leakage(freedom: Matrix, junctions: Matrix) -> Projection:
     basis = freedom
     bonds = undetermined(freedom)
     if junctions.shape[0] and basis.shape[1]:
-        seen = junctions @ basis
+        seen = without_rounding(junctions @ basis, np.abs(junctions) @ np.abs(basis))
         stages.append((basis, np.linalg.pinv(seen, rcond=MOVED) @ junctions))
-        basis = basis @ null_space(seen)
+        basis = times_orthonormal(basis, null_space(seen))
     if len(bonds) and basis.shape[1]:
         taken = np.zeros((basis.shape[1], len(basis)))
         taken[:, bonds] = np.linalg.pinv(basis[bonds], rcond=MOVED)
         stages.append((basis, taken))
     return Projection(tuple(stages))
+
+
+def without_rounding(a: Matrix, size: Matrix) -> Matrix:
+    """Return `a` with zero where it is no more than rounding of terms of that size."""
+    return np.asarray(np.where(np.abs(a) <= CANCELS * size, 0.0, a))
+
+
+def times_orthonormal(a: Matrix, basis: Matrix) -> Matrix:
+    """Return `a` times columns of length 1, by which rounding of them is measured."""
+    return without_rounding(a @ basis, np.abs(a).sum(axis=1, keepdims=True))
 
 
 def null_space(m: Matrix, *, rank: int | None = None, tolerance: float = 1e-10) -> Matrix:

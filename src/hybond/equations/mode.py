@@ -27,6 +27,7 @@ from hybond.equations.leakage import (
     junction_rows,
     least_leakage,
     null_space,
+    times_orthonormal,
     undetermined,
 )
 from hybond.equations.slots import Slots
@@ -454,7 +455,7 @@ def prepare(
         equations.freedom = equations.n2
         equations.project = least_leakage(equations.n2, equations.junctions)
     elif not equations.linear:
-        loose = equations.n2 @ _generic_null(equations)
+        loose = times_orthonormal(equations.n2, _generic_null(equations))
         if loose.shape[1]:
             equations.freedom = loose
             equations.project = least_leakage(loose, equations.junctions)
