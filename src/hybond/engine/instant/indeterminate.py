@@ -24,7 +24,7 @@ OPEN_NOW: Final = 1
 OPEN_BEFORE: Final = 2
 """What leaves a guard without truth: nothing, values or impulses at the instant, values before."""
 FAR: Final = 1e3
-"""How far values are moved, as a multiple of the largest, and of 1 at the least."""
+"""How far values are moved, as a multiple of the largest."""
 
 
 def keep_open_before(e: Engine) -> None:
@@ -51,48 +51,54 @@ def is_indeterminate(e: Engine, rule: int) -> int:
     if trial.loose == 0 and trial.was_loose == 0:
         return DECIDED
     show_trial(e, e.work.stack)
-    if turns(e, rule, e.v, trial.loose, trial.freedom.at):
+    if turns(e, rule, e.v, 1.0, trial.loose, trial.freedom.at):
         return OPEN_NOW
-    if trial.jumps and turns(e, rule, trial.jump, trial.loose, trial.freedom.at):
+    if trial.jumps and turns(e, rule, trial.jump, 0.0, trial.loose, trial.freedom.at):
         # what is free at an instant is what impulses may share without moving anything
         return OPEN_NOW
-    if turns(e, rule, e.pre, trial.was_loose, trial.was_freedom.at):
+    if turns(e, rule, e.pre, 1.0, trial.was_loose, trial.was_freedom.at):
         return OPEN_BEFORE
     return DECIDED
 
 
-def turns(e: Engine, rule: int, values: Floats, many: int, freedom: Floats) -> bool:
-    """Whether a guard, shown the trial, has another truth if `values` move as they are free to."""
+def turns(e: Engine, rule: int, values: Floats, least: float, many: int, freedom: Floats) -> bool:
+    """Whether a guard, shown the trial, has another truth if `values` move as they are free to.
+
+    They move far beyond the largest of them, and beyond `least`.
+    """
     m = e.model
     n = 2 * m.bonds
     first = m.bond_slot
     terms = e.trial.terms
     kept = e.work.generic
     measure_trial(e, rule)
-    most = 1.0
+    most = least
     for k in range(n):
         kept[k] = values[first + k]
         kept[n + k] = terms[first + k]
         most = max(most, math.fabs(values[first + k]))
-    truths = truths_of(e, rule)
+    turned = False
     for j in range(many):
-        if not reads_along(e, rule, many, freedom, j):
+        if turned or not reads_along(e, rule, many, freedom, j):
             continue
-        for side in range(2):
-            far = FAR * most * (1.0 if side == 0 else -1.0)
+        for k in range(n):
+            # what is moved is known no better than how far it is moved
+            size = 0.0
+            if freedom[k * many + j] != 0.0:
+                for i in range(many):
+                    size += math.fabs(freedom[k * many + i])
+            terms[first + k] = kept[n + k] + FAR * most * size
+        truths = 0
+        for side in range(3):
+            far = FAR * most * float(side - 1)
             for k in range(n):
                 values[first + k] = kept[k] + far * freedom[k * many + j]
-                # what is moved is known no better than how far it is moved
-                size = 0.0
-                if freedom[k * many + j] != 0.0:
-                    for i in range(many):
-                        size += math.fabs(far * freedom[k * many + i])
-                terms[first + k] = kept[n + k] + size
             truths = truths | truths_of(e, rule)
+        turned = truths == 3
     for k in range(n):
         values[first + k] = kept[k]
         terms[first + k] = kept[n + k]
-    return truths == 3
+    return turned
 
 
 def truths_of(e: Engine, rule: int) -> int:

@@ -97,7 +97,7 @@ class Warnings:
             yield (
                 f"at t = {rows.instant_time[k, 0]:.9g} s the jump into mode "
                 f"({self.graph.mode_text(mode)}) creates {made[v]:.6g} J that no source "
-                "supplies (the first that does)"
+                "supplies, a law that reads pre() being none (the first that does)"
             )
 
     def _text(self, kind: int, t: float, about: list[float]) -> str:
