@@ -140,3 +140,22 @@ def test_a_net_flow_that_two_gyrators_decide_is_not_open() -> None:
     m.machine("m0", states={"s1": ["j1"], "s2": ["j0", "j1"]}, start="s1", rules=rules)
     m.machine("m2", states={"s0": ["j4"], "s1": []}, start="s1")
     assert hb.simulate(m, until=1.0).mode["m0"] == "s1"
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e9])
+def test_a_sum_of_open_impulses_that_is_given_is_decided_at_any_size(size: float) -> None:
+    """Two closed switches in parallel discharge a capacitor: each share is open, the sum is not."""
+
+    def parallel(guard: str) -> hb.Model:
+        m = hb.Model("parallel")
+        m.add(a=hb.Zero(), b=hb.Zero(), s1=hb.One(), s2=hb.One(), x=hb.C(1.0, q=size))
+        m.bond("x -> a", "a -> s1 -> b", "a -> s2 -> b")
+        m.machine(
+            "m", states={"off": [], "on": ["b"]}, start="off", rules=[f"off -> on when {guard}"]
+        )
+        return m
+
+    assert hb.simulate(parallel("s1.f + s2.f > 0"), until=1.0).mode["m"] == "on"
+    assert hb.simulate(parallel("s1.f + s2.f < 0"), until=1.0).mode["m"] == "off"
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads s1\.f"):
+        hb.simulate(parallel("s1.f > 0"), until=1.0)
