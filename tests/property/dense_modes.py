@@ -256,9 +256,7 @@ class Signals:
         if not self.consistent:
             return self.stored(terms)
         on_x, on_w = self.mode.row(terms)
-        loose = self.mode.loose(on_w)
-        if self.jumps and self.mode.open_impulses(on_w) and not self.mode.h.least_leakage:
-            raise Stop("shares")
+        loose = self.mode.loose(on_w) or (self.jumps and self.mode.open_impulses(on_w))
         return float(on_w @ self.impulses), float(on_x @ self.full), loose
 
     def stored(self, terms) -> tuple[float, float, bool]:

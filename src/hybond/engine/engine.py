@@ -143,6 +143,9 @@ class Trial:
     loose: int
     """In how many directions bond variables are undetermined."""
     freedom: Block
+    was_loose: int
+    """In how many directions bond variables were before, as ``pre()`` reads them."""
+    was_freedom: Block
     dusted: bool
     """Whether rounding was swept out of what is stored."""
     factors: int
@@ -297,6 +300,7 @@ def make_trial(m: Model) -> Trial:
     trial.jump = floats(m.slots)
     trial.terms = floats(m.slots)
     trial.freedom = make_block(1)
+    trial.was_freedom = make_block(1)
     trial.factor = make_block(1)
     trial.through = ints(m.machines)
     return trial

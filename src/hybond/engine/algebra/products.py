@@ -1,8 +1,12 @@
 """Products of matrices, which are arrays row after row, and the largest of some numbers."""
 
 import math
+from typing import Final
 
 from hybond.engine.words import Floats
+
+CANCELS: Final = 1e-13
+"""What is below this part of its terms is what rounding leaves of zero."""
 
 
 def times_vector(m: int, n: int, a: Floats, x: Floats, y: Floats) -> None:
@@ -24,6 +28,35 @@ def times_matrix(m: int, k: int, n: int, a: Floats, b: Floats, c: Floats) -> Non
             if factor != 0.0:
                 for j in range(n):
                     c[i * n + j] += factor * b[p * n + j]
+
+
+def times_cancelling(m: int, k: int, n: int, a: Floats, b: Floats, c: Floats) -> None:
+    """Put `a` times `b` into `c`, as `times_matrix`; what rounding leaves of zero is zero."""
+    for i in range(m):
+        for j in range(n):
+            total = 0.0
+            size = 0.0
+            for p in range(k):
+                term = a[i * k + p] * b[p * n + j]
+                total += term
+                size += math.fabs(term)
+            c[i * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
+
+
+def times_orthonormal(m: int, k: int, n: int, a: Floats, b: Floats, c: Floats) -> None:
+    """Put `a` times `b`, whose columns are of length 1, into `c`.
+
+    Rounding of `b` is measured by that length, not by its entries: an entry that should be zero is
+    a small number, and what it makes of a row of `a` is zero.
+    """
+    times_matrix(m, k, n, a, b, c)
+    for i in range(m):
+        size = 0.0
+        for p in range(k):
+            size += math.fabs(a[i * k + p])
+        for j in range(n):
+            if math.fabs(c[i * n + j]) <= CANCELS * size:
+                c[i * n + j] = 0.0
 
 
 def largest(n: int, a: Floats) -> float:

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.products import largest, times_matrix
+from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
 from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
 from hybond.engine.engine import Engine, svd_room
@@ -60,7 +60,7 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
     fit(w.c, frees * frees)
     ways.many = null_space(room, rows, frees, w.row.at, 1e-10, w.c.at)
     fit(ways.directions, n * ways.many)
-    times_matrix(n, frees, ways.many, mode.power_free.at, w.c.at, ways.directions.at)
+    times_orthonormal(n, frees, ways.many, mode.power_free.at, w.c.at, ways.directions.at)
 
 
 def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
@@ -169,7 +169,7 @@ def find_shares(e: Engine, ways: Ways, n: int) -> None:
         w.a.at[i] = ways.moving.at[i]
     ways.shares = complement(many, ways.areas, w.a.at, w.c.at, w.column.at, w.b.at)
     fit(ways.share, n * ways.shares)
-    times_matrix(n, many, ways.shares, ways.directions.at, w.b.at, ways.share.at)
+    times_orthonormal(n, many, ways.shares, ways.directions.at, w.b.at, ways.share.at)
 
 
 def fit_columns(e: Engine, n: int) -> None:

@@ -8,15 +8,20 @@ Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
 
 from __future__ import annotations
 
-import math
-
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.inputs.sampling import sample
-from hybond.engine.instant.doubts import tell_open_rule, warn_of_open
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.indeterminate import (
+    DECIDED,
+    is_indeterminate,
+    keep_as_before,
+    keep_open_before,
+    tell_open_rule,
+    warn_of_open,
+)
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     MYTHICAL,
@@ -31,7 +36,7 @@ from hybond.engine.instant.instant import (
 from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, tell_trial
 from hybond.engine.instant.trial import a_priori, measure_trial, refuse_pair, show_trial
 from hybond.engine.mode.equations import is_fieldless
-from hybond.engine.model import machine_name, rule_text, value
+from hybond.engine.model import machine_name, rule_text
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -85,7 +90,10 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     g.tries = 0
     g.turn = 1
     g.marked = False
-    if a_priori(e, t, g.x, g.s, g.state) != OK or sample(e, g.s) != OK:
+    if a_priori(e, t, g.x, g.s, g.state) != OK:
+        return REFUSED
+    keep_open_before(e)
+    if sample(e, g.s) != OK:
         return REFUSED
     interval_after(e, t)
     choose_at(e, g.x, g.s)
@@ -141,6 +149,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             return REFUSED
         for k in range(m.slots):
             e.pre[k] = e.v[k]
+        keep_as_before(e, e.trial.loose, e.trial.freedom.at)
         if enter(e, t, g.x, g.s, g.state, again, True) != OK:
             return REFUSED
         by_law(e, g.state, i)
@@ -274,14 +283,15 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
 def rule_holds(e: Engine, t: float, r: int) -> int:
     """Return whether the guard of a rule holds in the trial, 1 or 0; -1 if it has no truth."""
     m = e.model
-    if e.trial.loose > 0 and is_indeterminate(e, r):
+    open_at = is_indeterminate(e, r)
+    if open_at != DECIDED:
         if m.tells != 0 and m.decided != 0:
-            warn_of_open(e, r)
+            warn_of_open(e, r, open_at)
         else:
             why = "a guard reads what the equations leave open"
             say_fault(e, "HB-J102", why, rule_text(m, r))
             if m.tells != 0:
-                tell_open_rule(e, r)
+                tell_open_rule(e, r, open_at)
             return -1
     stack = e.work.stack
     measure_trial(e, r)
@@ -292,34 +302,6 @@ def rule_holds(e: Engine, t: float, r: int) -> int:
             add_fact(e.fault, float(r))
         return -1
     return 1 if true else 0
-
-
-def is_indeterminate(e: Engine, rule: int) -> bool:
-    """Whether the truth of a guard depends on what the equations leave open.
-
-    After Settler._refuse_indeterminate.
-    """
-    m = e.model
-    n = 2 * m.bonds
-    if m.decided != 0 and m.tells == 0:
-        return False
-    most = 1.0
-    for k in range(n):
-        if e.trial.jump[m.bond_slot + k] != 0.0:
-            return False
-        most = max(most, math.fabs(e.v[m.bond_slot + k]))
-    v = e.work.generic
-    for k in range(2 * m.slots):
-        v[k] = e.v[k]
-    truths = 0
-    for direction in range(e.trial.loose):
-        for side in range(3):
-            reach = 1e3 * most * float(side - 1)
-            for k in range(n):
-                free = e.trial.freedom.at[k * e.trial.loose + direction]
-                v[m.bond_slot + k] = e.v[m.bond_slot + k] + reach * free
-            truths = truths | (2 if value(m, m.rule_value[rule], v) != 0.0 else 1)
-    return truths == 3
 
 
 def look_for_cycle(e: Engine, g: Settling) -> int:

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
-from hybond.engine.algebra.products import all_finite, times_matrix
+from hybond.engine.algebra.products import all_finite, times_matrix, times_orthonormal
 from hybond.engine.algebra.svd import null_space, rank_above, svd
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault, svd_room
 from hybond.engine.inputs.interval import configuration
@@ -107,6 +107,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.guessed = False
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
+    mode.ways.shares = 0
     mode.flow_known = False
     mode.saw = False
     mode.leakage.stages = 0
@@ -342,5 +343,5 @@ def generic_null(e: Engine, mode: Mode) -> int:
         many = null_space(d, rows, frees, w.jacobian.at, RANK_TOLERANCE, w.a.at)
         if smallest < 0 or many < smallest:
             smallest = many
-            times_matrix(n, frees, many, mode.finite_free.at, w.a.at, mode.freedom.at)
+            times_orthonormal(n, frees, many, mode.finite_free.at, w.a.at, mode.freedom.at)
     return max(smallest, 0)

@@ -9,7 +9,12 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
-from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.products import (
+    CANCELS,
+    largest,
+    times_cancelling,
+    times_orthonormal,
+)
 from hybond.engine.algebra.svd import null_space, pseudo_inverse
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Leakage, Mode
@@ -19,8 +24,6 @@ from hybond.engine.words import Floats
 MOVED: Final = 1e-9
 """A variable is undetermined if a unit of freedom moves it by more than this."""
 RANK: Final = 1e-10
-CANCELS: Final = 1e-13
-"""What is below this part of its terms is what rounding leaves of zero."""
 
 
 def junction_rows(m: Model, mode: Mode, rows: Floats) -> int:
@@ -84,13 +87,14 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
         fit(p.taken, many * n)
         for i in range(n * many):
             p.basis.at[i] = freedom[i]
-        times_matrix(rows, n, many, w.a.at, freedom, w.b.at)
+        times_cancelling(rows, n, many, w.a.at, freedom, w.b.at)
         pseudo_inverse(d, rows, many, w.b.at, MOVED, w.c.at)
-        times_matrix(many, rows, n, w.c.at, w.a.at, p.taken.at)
+        clear_rounding(many * rows, w.c.at)
+        times_cancelling(many, rows, n, w.c.at, w.a.at, p.taken.at)
         p.first = many
         p.stages = 1
         left = null_space(d, rows, many, w.b.at, RANK, w.c.at)
-        times_matrix(n, many, left, freedom, w.c.at, p.basis2.at)
+        times_orthonormal(n, many, left, freedom, w.c.at, p.basis2.at)
     else:
         for i in range(n * many):
             p.basis2.at[i] = freedom[i]
@@ -107,6 +111,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     if bonds == 0:
         return
     pseudo_inverse(d, bonds, left, w.b.at, MOVED, w.c.at)
+    clear_rounding(left * bonds, w.c.at)
     row = 0
     for k in range(n):
         moved = is_undetermined(n, many, freedom, k)
@@ -116,6 +121,14 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
             row += 1
     p.second = left
     p.stages = 2
+
+
+def clear_rounding(n: int, a: Floats) -> None:
+    """Make zero what rounding leaves of it in a pseudo-inverse: a small part of its largest."""
+    most = largest(n, a)
+    for i in range(n):
+        if math.fabs(a[i]) <= CANCELS * most:
+            a[i] = 0.0
 
 
 def project(p: Leakage, n: int, w: Floats) -> None:

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Rows, fit, row_times
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, times_orthonormal
 from hybond.engine.algebra.svd import null_space
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault, svd_room
 from hybond.engine.mode.damped import shorter_steps
@@ -228,10 +228,5 @@ def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
     d = svd_room(e, max(rows, frees), max(rows, frees))
     many = null_space(d, rows, frees, work.jacobian.at, RANK_TOLERANCE, work.a.at)
     fit(work.freedom, n * max(many, 1))
-    for k in range(n):
-        for j in range(many):
-            total = 0.0
-            for i in range(frees):
-                total += mode.finite_free.at[k * frees + i] * work.a.at[i * many + j]
-            work.freedom.at[k * many + j] = total
+    times_orthonormal(n, frees, many, mode.finite_free.at, work.a.at, work.freedom.at)
     return many

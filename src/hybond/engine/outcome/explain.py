@@ -30,6 +30,8 @@ WHY = {
     OVER_A_STEP: "complementarity over the step",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
+OPEN_BEFORE = 2
+"""When what a guard reads was open: as in `hybond.engine.instant.indeterminate`."""
 SLIDING = -1
 """The state of a machine that slides."""
 
@@ -127,16 +129,19 @@ class Explaining:
         """Return the machine of a rule."""
         return self._ruled[rule]
 
-    def guard_on_open(self, rule: int, free: Sequence[int], mode: Mode) -> str:
-        """Say that a guard reads what the equations of a mode leave open: variables `free`."""
+    def guard_on_open(self, rule: int, when: int, free: Sequence[int], mode: Mode) -> str:
+        """Say that a guard reads what the equations of a mode leave open: variables `free`.
+
+        `when` is `OPEN_BEFORE` if that was so before the instant.
+        """
         guard = self._rules[rule]
         bonds = len(self.graph.bonds)
         moved = {f"{'e' if k < bonds else 'f'}:{k % bonds}" for k in free}
-        read = ", ".join(name for name, e in guard.reads if names(e) & moved)
-        return (
-            f"the guard {guard.text!r} reads {read}, which the equations leave open "
-            f"in mode ({self.graph.mode_text(mode)})"
-        )
+        before = when == OPEN_BEFORE
+        reads = [(name, e) for name, e in guard.reads if name.startswith("pre(") == before]
+        read = ", ".join(name for name, e in reads if names(e) & moved)
+        where = "before this instant" if before else f"in mode ({self.graph.mode_text(mode)})"
+        return f"the guard {guard.text!r} reads {read}, which the equations leave open {where}"
 
     def _fired(self, found: Instants, f: int) -> Fired:
         rows = found.rows

@@ -346,6 +346,8 @@ class Records:
             self.mode = tuple(found.states[many - 1].tolist())
             self.trace.energy = max(self.trace.energy, float(rows.instant_time[many - 1, 1]))
             self.t = times[-1]
+        for text in self.warnings.of_created(found, many, self.trace.energy):
+            self.trace.warn(text)
 
     def _event(self, found: Instants, k: int) -> Event:
         """Return one event."""

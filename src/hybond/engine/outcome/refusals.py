@@ -134,9 +134,9 @@ def _function(guard: Expr) -> str:
 
 
 def _open(c: Case) -> Said:
-    rule, *free = c.numbers
+    rule, when, *free = c.numbers
     machine = c.explain.machine_of(rule)
-    return Said(c.explain.guard_on_open(rule, free, c.mode), f"{machine.path} {c.now}")
+    return Said(c.explain.guard_on_open(rule, when, free, c.mode), f"{machine.path} {c.now}")
 
 
 def _impulsive(c: Case) -> Said:

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from hybond.engine.compiled.native import Rows
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
 
 if TYPE_CHECKING:
+    from hybond.engine.outcome.records import Instants
     from hybond.equations.surfaces import Surface
 
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
@@ -24,6 +28,11 @@ REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
 """Why a contact cannot rest: as in `hybond.engine.contacts.unrest`."""
 CLEAR = 1e-9
 """A sum above this part of its terms has digits enough."""
+CREATED = 1e-9
+"""Energy of a jump is rounding below this part of the largest in the run: as in the audit."""
+MYTHICAL, STEP = 0, 5
+"""The kind of a visit that writes nothing, the cause of an instant that is the end of a step: as in
+`hybond.engine.instant.instant`."""
 REBOUND = "its rebounds do not vanish"
 
 
@@ -45,6 +54,8 @@ class Warnings:
             law.node for m in graph.machines if m.law is not None for law in m.law.junctions
         ]
         self._said: set[tuple[float, ...]] = set()
+        self._creates = False
+        """Whether it was said that a jump creates energy."""
 
     def texts(self, rows: Rows) -> Iterator[str]:
         """Yield the warnings of a slice."""
@@ -61,6 +72,35 @@ class Warnings:
                 continue
             yield self._text(kind, float(rows.warn_time[k]), about)
 
+    def of_created(self, found: Instants, many: int, largest: float) -> Iterator[str]:
+        """Yield a warning of the first jump of a run that creates energy.
+
+        Of the instants of a slice the first `many` are looked at; `largest` is the largest energy
+        of the run so far, J. What sources supply is not created.
+        """
+        if self._creates:
+            return
+        visits = int(found.visit[many])
+        rows = found.rows
+        before, after, given = rows.visit_energy[:visits].T
+        made = after - before - given
+        size = np.maximum.reduce([np.full(visits, largest), np.abs(after), np.abs(given)])
+        told = (rows.visit[:visits, 4] != 0) & (rows.visit[:visits, 0] != MYTHICAL)
+        # what a step of fixed length creates is counted with the steps
+        in_step = rows.instant_place[:many, 0] == STEP
+        told &= ~np.repeat(in_step, np.diff(found.visit[: many + 1]))
+        for v in np.flatnonzero(told & (made > CREATED * size))[:1].tolist():
+            self._creates = True
+            k = int(np.searchsorted(found.visit, v, side="right")) - 1
+            mode = found.before(k)
+            for step in range(int(found.visit[k]), v + 1):
+                mode = self.explain.entered(found, step, mode)
+            yield (
+                f"at t = {rows.instant_time[k, 0]:.9g} s the jump into mode "
+                f"({self.graph.mode_text(mode)}) creates {made[v]:.6g} J that no source "
+                "supplies, a law that reads pre() being none (the first that does)"
+            )
+
     def _text(self, kind: int, t: float, about: list[float]) -> str:
         numbers = [int(a) for a in about]
         now = f"at t = {t:.9g} s"
@@ -75,8 +115,9 @@ class Warnings:
             )
         if kind == LEFT_OPEN:
             machines = len(self.graph.machines)
-            mode: Mode = tuple(numbers[1 : 1 + machines])
-            text = self.explain.guard_on_open(numbers[0], numbers[1 + machines :], mode)
+            rule, when, *rest = numbers
+            mode: Mode = tuple(rest[:machines])
+            text = self.explain.guard_on_open(rule, when, rest[machines:], mode)
             return f"{text}; least leakage decides, as the model asks"
         if kind == SHARES_OPEN:
             names = ", ".join(self.graph.nodes[self._ports[k]].path for k in numbers)

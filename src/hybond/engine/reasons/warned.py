@@ -32,7 +32,8 @@ SECOND_ANSWER: Final = 6
 IMPULSIVE: Final = 7
 """Laws declared impulsive enter a jump. Numbers: their elements."""
 LEFT_OPEN: Final = 8
-"""A guard reads what the equations leave open. Numbers: the rule, the states, bond variables."""
+"""A guard reads what the equations leave open. Numbers: the rule, 1 at the instant or 2
+before it, the states, bond variables."""
 FAR_APART: Final = 9
 """Elements lie far apart. Numbers: the least part that counts, the most that does not, states."""
 UNREST: Final = 10

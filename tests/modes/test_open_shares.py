@@ -1,0 +1,161 @@
+"""Shares that nothing decides: impulses along rings of bonds, guards that read what is open.
+
+Least leakage gives closed forms: the sum of squares of what is shared is least.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import hybond as hb
+
+
+def events(m: hb.Model, until: float = 1.0) -> list:
+    return list(hb.simulate(m, until=until).trace.events)
+
+
+# -- impulses --------------------------------------------------------------------------------------
+
+
+def test_a_ring_of_bonds_keeps_its_impulses() -> None:
+    m = hb.Model("ring")
+    m.add(a=hb.Zero(), b=hb.Zero(), x=hb.C(1.0, q=0.7))
+    m.bond("x -> a", "a -> b", "a -> b")
+    m.machine("m", states={"off": [], "on": ["b"]}, start="off")
+    (step,) = events(m)[0].steps
+    assert all(abs(v) <= 0.7 + 1e-9 for v in step.exchanged.values())
+    # the rate of what jumps has the jump as its impulse: x.f points out of the storage
+    assert step.impulses.get("x.f") == pytest.approx(0.7, abs=1e-12)
+
+
+@pytest.mark.parametrize("many", [2, 3, 5])
+def test_parallel_bonds_share_an_impulse_equally(many: int) -> None:
+    m = hb.Model("parallel")
+    m.add(a=hb.Zero(), b=hb.Zero(), x=hb.C(1.0, q=0.7))
+    m.bond("x -> a", *(f"b{k}: a -> b" for k in range(many)))
+    m.machine("m", states={"off": [], "on": ["b"]}, start="off")
+    (step,) = events(m)[0].steps
+    assert step.exchanged == pytest.approx(
+        {f'"b{k}: a -> b".f': 0.7 / many for k in range(many)}, rel=1e-12
+    )
+    assert step.impulses == pytest.approx({"x.f": 0.7, "b.f": 0.7}, rel=1e-12)
+
+
+def test_two_ways_share_an_impulse_by_their_lengths() -> None:
+    """u^2 + 2 v^2 is least at u = 2/3 where u + v = 1."""
+    m = hb.Model("triangle")
+    m.add(a=hb.Zero(), b=hb.Zero(), d=hb.Zero(), x=hb.C(1.0, q=0.6))
+    m.bond("x -> a", "u: a -> b", "a -> d", "v: d -> b")
+    m.machine("m", states={"off": [], "on": ["b"]}, start="off")
+    (step,) = events(m)[0].steps
+    assert step.exchanged == pytest.approx({'"u: a -> b".f': 0.4, '"v: d -> b".f': 0.2}, rel=1e-12)
+
+
+def test_open_impulses_have_the_size_of_the_jump() -> None:
+    m = hb.Model("ring")
+    m.add(**{f"j{k}": hb.Zero() for k in (0, 2, 3, 4, 5)}, j1=hb.One(), c0=hb.C(1.0, q=0.725))
+    m.bond("c0 -> j3", "j2 -> j5", "j4 -> j3", "j2 -> j1", "j3 -> j2", "j4 -> j0", "j1 -> j0")
+    m.machine("m", states={"s0": [], "s1": ["j5"]}, start="s0")
+    (step,) = events(m)[0].steps
+    # j5 is OFF and takes all; the bonds of the ring share what is left to them
+    assert step.impulses == pytest.approx({"c0.f": 0.725, "j5.f": 0.725, "j1.f": -0.145}, rel=1e-12)
+
+
+# -- guards ----------------------------------------------------------------------------------------
+
+
+def beside_a_blocked_coil(guard: str) -> hb.Model:
+    """Return a coil at a junction that is OFF, and a node n whose effort is open there."""
+    m = hb.Model("cut")
+    m.add(n=hb.Zero(), j=hb.One(), i=hb.I(1.0, p=-0.376))
+    m.bond("i -> j", "n -> j")
+    rules = [f"off -> on when {guard}"]
+    m.machine("m", states={"on": ["j"], "off": []}, start="off", rules=rules)
+    return m
+
+
+def test_a_guard_on_an_open_impulse_is_refused() -> None:
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads n\.e"):
+        hb.simulate(beside_a_blocked_coil("n.e < -0.224"), until=1.0)
+
+
+def test_a_guard_on_an_open_impulse_is_decided_where_the_model_asks() -> None:
+    """The net effort that j blocks is least, i.e. zero, where n takes all of the coil's impulse."""
+    m = beside_a_blocked_coil("n.e < -0.224")
+    m.indeterminate = "least leakage"
+    run = hb.simulate(m, until=1.0)
+    assert any("reads n.e" in w for w in run.warnings)
+    assert run.trace.events[0].steps[0].impulses["n.e"] == pytest.approx(-0.376, rel=1e-12)
+    assert run.mode["m"] == "on"
+
+
+def test_a_guard_on_a_given_impulse_beside_an_open_one_is_decided() -> None:
+    assert hb.simulate(beside_a_blocked_coil("i.e > 0.2"), until=1.0).mode["m"] == "on"
+    assert hb.simulate(beside_a_blocked_coil("i.e < 0"), until=1.0).mode["m"] == "off"
+
+
+def test_a_guard_on_an_open_prior_value_is_refused() -> None:
+    m = hb.Model("before")
+    m.add(j1=hb.Zero(), j3=hb.One(), c=hb.C(1.0, q=1.0), n=hb.Zero(), r=hb.R(1.0))
+    m.bond("j1 -> j3", "n -> c", "n -> r")
+    m.machine("a", states={"off": [], "on": ["j1"]}, start="off")
+    rule = "on -> off when c.q < 0.5 and pre(j3.f) < 0.1"
+    m.machine("m", states={"off": [], "on": ["j3"]}, start="on", rules=[rule])
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads pre\(j3.f\), .* before this instant"):
+        hb.simulate(m, until=2.0)
+
+
+def test_rounding_of_a_share_fires_no_rule() -> None:
+    m = hb.Model("net")
+    m.indeterminate = "least leakage"
+    m.add(**{f"j{k}": hb.Zero() for k in (0, 2, 3, 4)}, j1=hb.One(), t0=hb.GY(1.0))
+    m.add(t2=hb.GY(1.877), c0=hb.C(1.0, q=0.817), s5=hb.Sf(-1.179))
+    m.bond("s5 -> j3", "t0.1 -> j0", "t2.2 -> j3", "j0 -> j2", "j3 -> c0", "j2 -> j4")
+    m.bond("t2.1 -> j1", "t0.2 -> j1", "j3 -> j0")
+    m.machine("m0", states={"s0": ["j0"], "s1": []}, start="s1")
+    rule = "s0 -> s1 when pre(c0.q) > -0.223"
+    m.machine("m1", states={"s0": [], "s1": ["j1", "j2"]}, start="s0", rules=[rule])
+    m.machine("m2", states={"s0": ["j3"]}, start="s0")
+    rule = "s0 -> s1 when j4.f > 0.0"
+    m.machine("m3", states={"s0": [], "s1": ["j4"]}, start="s0", rules=[rule])
+    assert hb.simulate(m, until=1.0).mode["m3"] == "s0"
+
+
+def test_a_sum_that_is_zero_by_the_junction_is_not_open() -> None:
+    m = hb.Model("sum")
+    m.add(j=hb.One(), k=hb.One(), t=hb.GY(0.51), a=hb.C(1.0, q=-0.614), b=hb.C(1.0, q=-0.605))
+    m.bond("b -> k", "k -> j", "t.1 -> j", "t.2 -> a", "k -> j")
+    m.machine("m", states={"off": [], "on": ["j"]}, start="on", rules=["on -> off when j.e > 0.0"])
+    assert hb.simulate(m, until=1.0).status == "ok"
+
+
+def test_a_net_flow_that_two_gyrators_decide_is_not_open() -> None:
+    """j1 is ON and its other flows are given: the rounding of what is open around it is zero."""
+    m = hb.Model("net")
+    m.add(j0=hb.One(), j1=hb.Zero(), j3=hb.One(), j4=hb.Zero(), t0=hb.GY(1.0), t2=hb.GY(1.0))
+    m.add(c2=hb.C(1.0, q=-0.309), s4=hb.Sf(-1.105))
+    m.bond("j3 -> c2", "j3 -> t2.2", "s4 -> j4", "j0 -> t0.1", "j1 -> t0.2", "j4 -> j1")
+    m.bond("t2.1 -> j1")
+    rules = ["s1 -> s2 when j1.f < 0.0"]
+    m.machine("m0", states={"s1": ["j1"], "s2": ["j0", "j1"]}, start="s1", rules=rules)
+    m.machine("m2", states={"s0": ["j4"], "s1": []}, start="s1")
+    assert hb.simulate(m, until=1.0).mode["m0"] == "s1"
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e9])
+def test_a_sum_of_open_impulses_that_is_given_is_decided_at_any_size(size: float) -> None:
+    """Two closed switches in parallel discharge a capacitor: each share is open, the sum is not."""
+
+    def parallel(guard: str) -> hb.Model:
+        m = hb.Model("parallel")
+        m.add(a=hb.Zero(), b=hb.Zero(), s1=hb.One(), s2=hb.One(), x=hb.C(1.0, q=size))
+        m.bond("x -> a", "a -> s1 -> b", "a -> s2 -> b")
+        m.machine(
+            "m", states={"off": [], "on": ["b"]}, start="off", rules=[f"off -> on when {guard}"]
+        )
+        return m
+
+    assert hb.simulate(parallel("s1.f + s2.f > 0"), until=1.0).mode["m"] == "on"
+    assert hb.simulate(parallel("s1.f + s2.f < 0"), until=1.0).mode["m"] == "off"
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads s1\.f"):
+        hb.simulate(parallel("s1.f > 0"), until=1.0)
