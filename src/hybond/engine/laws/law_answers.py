@@ -10,9 +10,15 @@ import math
 from typing import Final
 
 from hybond.engine.complementarity.law_problem import solve_laws
-from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
+from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, SHUT, TWO_SIDED
 from hybond.engine.engine import Engine
-from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, quantity
+from hybond.engine.laws.law_instant import (
+    NO_LAW_VALUE,
+    find_start,
+    is_on,
+    is_stored,
+    quantity,
+)
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import base_mode
@@ -197,8 +203,8 @@ def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
     m = e.model
     for k in range(m.ports):
         r.resting[k] = 0
-        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0 and r.loose[k] == 0:
-            r.resting[k] = 0 if r.now.given[k] == NET and math.fabs(r.y[k]) > 0.0 else 1
+        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0:
+            r.resting[k] = 1 if rests_now(m, r, k) else 0
     while solve_branches(e, r, q, h, False):
         if m.tells != 0:
             warn_of_second(e, r, q, h, False)
@@ -208,6 +214,36 @@ def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
                 r.resting[k] = 0
                 broken = True
         if not broken:
+            keep_answer(m, r)
+            return True
+    return False
+
+
+def rests_now(m: Model, r: Laws, k: int) -> bool:
+    """Whether a friction junction is at rest: by what is stored, else by the branch before."""
+    if r.loose[k] != 0:
+        return False
+    if r.now.given[k] == NET and is_stored(m, r, k):
+        return r.y[k] == 0.0
+    return r.state[m.port_machine[k]] == 0
+
+
+def carry(e: Engine, r: Laws, q: Floats, h: float) -> bool:
+    """Solve for impulses, with breakaway where friction is at rest, as `slide` does."""
+    m = e.model
+    for k in range(m.ports):
+        own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
+        r.resting[k] = 1 if not own or rests_now(m, r, k) else 0
+    while solve_branches(e, r, q, h, True):
+        broken = False
+        for k in range(m.ports):
+            own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
+            if own and r.resting[k] != 0 and r.problem.branch[k] != 0:
+                r.resting[k] = 0
+                broken = True
+        if not broken:
+            if m.tells != 0:
+                warn_of_second(e, r, q, h, True)
             keep_answer(m, r)
             return True
     return False
@@ -250,6 +286,13 @@ def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
     return found
 
 
+def slides_through(m: Model, r: Laws, k: int) -> bool:
+    """Whether a friction junction slides through the jump asked for, whatever else happens."""
+    if m.port_impulsive[k] != 0 or r.role[k] == TWO_SIDED:
+        return False
+    return r.now.given[k] == NET or r.role[k] == SHUT
+
+
 def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
     """Put the mode with these branches into `r.candidate`; what is open stays as it was if `keep`.
 
@@ -262,9 +305,9 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
         if m.port_planar[k] != 0:
             r.candidate[machine] = 1 if impact or branch[k] != 0 else 0
         elif m.port_two_sided[k] != 0:
-            # sticking would carry impulses, friction does not: it slides through a jump
+            # sticking could carry impulses of the net variable, friction does not
             way = branch[k]
-            if impact and m.port_impulsive[k] == 0:
+            if impact and slides_through(m, r, k):
                 way = -1 if now == 2 else 1
             r.candidate[machine] = 2 if way < 0 else way
         else:

@@ -33,11 +33,11 @@ from hybond.engine.complementarity.law_roles import (
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_answers import (
     LAW_DUST,
-    keep_answer,
+    carry,
     loosen,
     put_mode,
+    rests_now,
     slide,
-    solve_branches,
 )
 from hybond.engine.laws.law_instant import (
     LAW_ZERO,
@@ -53,7 +53,6 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws, Response
-from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import respond
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model, node_name
@@ -117,13 +116,12 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
 
 def lasting_role(m: Model, r: Laws, k: int) -> int:
     """Return how a port takes part in what lasts, `y` being decided by what is stored."""
-    n = m.ports
-    state_like = math.fabs(r.response.d[k * n + k]) == 0.0
     if m.port_two_sided[k] != 0:
-        if state_like and r.now.given[k] == NET and r.y[k] != 0.0:
+        if is_stored(m, r, k) and r.now.given[k] == NET and r.y[k] != 0.0:
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
     # a contact that still approaches is for the next jump
+    state_like = math.fabs(r.response.d[k * m.ports + k]) == 0.0
     comes = m.port_restitution[k] != NO_LAW_VALUE and state_like and r.y[k] < 0.0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
 
@@ -243,6 +241,79 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
     return found
 
 
+def jumping_role(m: Model, r: Laws, k: int) -> int:
+    """Return how friction that is no impulse takes part in a jump: its net variable has none.
+
+    Where that changes nothing but rates, its junction slides through the jump. Else it holds, or
+    slides with its limit, by an impulse of its common variable if it must. A limit of what other
+    laws give is not known before they last: then it goes on as it did.
+    """
+    common = r.now.given[k] == COMMON
+    if m.port_planar[k] != 0:
+        return SHUT if common else CUT
+    if limit_follows(m, r, k):
+        return SHUT if common and r.state[m.port_machine[k]] != 0 else CUT
+    n = m.ports
+    slow = not common
+    for j in range(n):
+        slow = slow and r.response.d[j * n + k] == 0.0
+    return CUT if slow else TWO_SIDED
+
+
+def limit_follows(m: Model, r: Laws, k: int) -> bool:
+    """Whether a limit of friction depends on what laws give."""
+    n = m.ports
+    for i in range(m.limit_first[2 * k], m.limit_first[2 * k + 2]):
+        for j in range(n):
+            if r.response.gain[m.limit_column[i] * n + j] != 0.0:
+                return True
+    return False
+
+
+def past_limit(e: Engine, r: Laws, k: int) -> float:
+    """Return by how much what is stored alone asks more of friction than it can hold.
+
+    Minus infinity where that is no matter of what is stored.
+    """
+    m = e.model
+    if m.port_planar[k] != 0 or r.now.given[k] == NET or not is_stored(m, r, k):
+        return -math.inf
+    if limit_follows(m, r, k):
+        return -math.inf
+    if m.port_breakaway[k] != NO_LAW_VALUE and rests_now(m, r, k):
+        limit = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
+    else:
+        limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
+    return math.fabs(r.y[k]) - limit
+
+
+def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
+    """Find friction that what is stored just brings to breaking loose, into `r.loose`.
+
+    To be asked where no law is violated. Where it slides with less than it held with, what is
+    stored jumps to that. Returns 1 if there is any, 0 if none, -1 for a refusal.
+    """
+    m = e.model
+    edge = False
+    for k in range(m.ports):
+        rests = m.port_breakaway[k] != NO_LAW_VALUE and m.port_two_sided[k] != 0
+        if rests and m.port_impulsive[k] == 0 and r.y[k] != 0.0 and rests_now(m, r, k):
+            edge = edge or past_limit(e, r, k) >= -LAW_ZERO * r.rounding[k]
+    if not edge:
+        return 0
+    if begin_lasting(e, r, x) != OK:
+        return -1
+    if not next_lasting(e, r):
+        return 0
+    found = 0
+    for k in range(m.ports):
+        own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
+        if own and r.answer[k] != 0 and rests_now(m, r, k):
+            r.loose[k] = r.answer[k]
+            found = 1
+    return found
+
+
 def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     """Find the mode whose branches carry impulses from the state `x`, into `r.candidate`.
 
@@ -282,10 +353,13 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         r.role[k] = passive_role(r.now, k)
         if taking:
             r.role[k] = ONE_SIDED if one_sided else TWO_SIDED
-        # friction that is no impulse lets its junction slide through a jump
         if not one_sided and m.port_impulsive[k] == 0:
-            r.role[k] = SHUT if r.now.given[k] == COMMON else CUT
-        r.resting[k] = 1
+            r.role[k] = jumping_role(m, r, k)
+            past = past_limit(e, r, k)
+            if past > LAW_ZERO * r.rounding[k]:
+                wrong = True
+                who = k
+                dust = dust and past <= LAW_DUST * r.rounding[k]
         r.rebound[k] *= r.y[k]
     if not wrong:
         return 0
@@ -293,10 +367,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     h = short_step(m, a, r.y)
     for turn in range(4):
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
-        if solve_branches(e, r, r.y, factor * h, True):
-            if m.tells != 0:
-                warn_of_second(e, r, r.y, factor * h, True)
-            keep_answer(m, r)
+        if carry(e, r, r.y, factor * h):
             put_mode(m, r, r.answer, False, True)
             return 1
     if dust:
