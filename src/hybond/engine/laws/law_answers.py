@@ -10,13 +10,13 @@ import math
 from typing import Final
 
 from hybond.engine.complementarity.law_problem import solve_laws
-from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, SHUT, TWO_SIDED
+from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
 from hybond.engine.engine import Engine
+from hybond.engine.laws.law_friction import may_rest, rests_now, slides_through, turns_round
 from hybond.engine.laws.law_instant import (
     NO_LAW_VALUE,
     find_start,
     is_on,
-    is_stored,
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
@@ -193,56 +193,35 @@ def keep_answer(m: Model, r: Laws) -> None:
         r.answer_l[k] = r.problem.l[k]
 
 
-def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
+def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     """Solve, with breakaway where a friction junction is at rest, sliding limits elsewhere.
 
     `r.loose` are junctions at rest that break loose now. What has to move although its breakaway
     limit holds slides with the limit of sliding, and the others are asked again: to let go is
-    never taken back. As Complementarity._slide.
+    never taken back. What slid, and would turn round at once, may hold as well, once. In a jump
+    friction that is an impulse holds with all it has.
     """
     m = e.model
     for k in range(m.ports):
-        r.resting[k] = 0
-        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0:
-            r.resting[k] = 1 if rests_now(m, r, k) else 0
-    while solve_branches(e, r, q, h, False):
-        if m.tells != 0:
+        own = not jump or m.port_impulsive[k] == 0
+        r.resting[k] = 1 if may_rest(m, k) and (not own or rests_now(m, r, k)) else 0
+        r.halted[k] = 0
+    while solve_branches(e, r, q, h, jump):
+        if m.tells != 0 and not jump:
             warn_of_second(e, r, q, h, False)
-        broken = False
+        again = False
         for k in range(m.ports):
+            if jump and m.port_impulsive[k] != 0:
+                continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
                 r.resting[k] = 0
-                broken = True
-        if not broken:
-            keep_answer(m, r)
-            return True
-    return False
-
-
-def rests_now(m: Model, r: Laws, k: int) -> bool:
-    """Whether a friction junction is at rest: by what is stored, else by the branch before."""
-    if r.loose[k] != 0:
-        return False
-    if r.now.given[k] == NET and is_stored(m, r, k):
-        return r.y[k] == 0.0
-    return r.state[m.port_machine[k]] == 0
-
-
-def carry(e: Engine, r: Laws, q: Floats, h: float) -> bool:
-    """Solve for impulses, with breakaway where friction is at rest, as `slide` does."""
-    m = e.model
-    for k in range(m.ports):
-        own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
-        r.resting[k] = 1 if not own or rests_now(m, r, k) else 0
-    while solve_branches(e, r, q, h, True):
-        broken = False
-        for k in range(m.ports):
-            own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
-            if own and r.resting[k] != 0 and r.problem.branch[k] != 0:
-                r.resting[k] = 0
-                broken = True
-        if not broken:
-            if m.tells != 0:
+                again = True
+            elif turns_round(m, r, k):
+                r.halted[k] = 1
+                r.resting[k] = 1
+                again = True
+        if not again:
+            if m.tells != 0 and jump:
                 warn_of_second(e, r, q, h, True)
             keep_answer(m, r)
             return True
@@ -277,20 +256,13 @@ def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
         r.start[k] = r.loose[k]
         if r.now.given[k] == NET:
             r.role[k] = FORWARD if force > 0.0 else BACKWARD
-    found = some_edge and slide(e, r, q, h)
+    found = some_edge and slide(e, r, q, h, False)
     for k in range(n):
         if found and r.loose[k] != 0:
             r.answer[k] = r.loose[k]
         r.loose[k] = 0
     find_start(m, r)
     return found
-
-
-def slides_through(m: Model, r: Laws, k: int) -> bool:
-    """Whether a friction junction slides through the jump asked for, whatever else happens."""
-    if m.port_impulsive[k] != 0 or r.role[k] == TWO_SIDED:
-        return False
-    return r.now.given[k] == NET or r.role[k] == SHUT
 
 
 def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:

@@ -33,12 +33,11 @@ from hybond.engine.complementarity.law_roles import (
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_answers import (
     LAW_DUST,
-    carry,
     loosen,
     put_mode,
-    rests_now,
     slide,
 )
+from hybond.engine.laws.law_friction import jumping_role, may_rest, past_limit, rests_now
 from hybond.engine.laws.law_instant import (
     LAW_ZERO,
     LOCATED,
@@ -54,7 +53,7 @@ from hybond.engine.laws.law_instant import (
 )
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.mode.tableau import NET
 from hybond.engine.model import Model, node_name
 from hybond.engine.planar.planar import find_disks
 from hybond.engine.reasons.facts import tell_ports
@@ -172,7 +171,7 @@ def next_lasting(e: Engine, r: Laws) -> bool:
         for k in range(n):
             r.q[k] = r.y[k] + h * a.rate[k]
         r.attempt += 1
-        found = slide(e, r, r.q, h)
+        found = slide(e, r, r.q, h, False)
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:
@@ -241,52 +240,6 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
     return found
 
 
-def jumping_role(m: Model, r: Laws, k: int) -> int:
-    """Return how friction that is no impulse takes part in a jump: its net variable has none.
-
-    Where that changes nothing but rates, its junction slides through the jump. Else it holds, or
-    slides with its limit, by an impulse of its common variable if it must. A limit of what other
-    laws give is not known before they last: then it goes on as it did.
-    """
-    common = r.now.given[k] == COMMON
-    if m.port_planar[k] != 0:
-        return SHUT if common else CUT
-    if limit_follows(m, r, k):
-        return SHUT if common and r.state[m.port_machine[k]] != 0 else CUT
-    n = m.ports
-    slow = not common
-    for j in range(n):
-        slow = slow and r.response.d[j * n + k] == 0.0
-    return CUT if slow else TWO_SIDED
-
-
-def limit_follows(m: Model, r: Laws, k: int) -> bool:
-    """Whether a limit of friction depends on what laws give."""
-    n = m.ports
-    for i in range(m.limit_first[2 * k], m.limit_first[2 * k + 2]):
-        for j in range(n):
-            if r.response.gain[m.limit_column[i] * n + j] != 0.0:
-                return True
-    return False
-
-
-def past_limit(e: Engine, r: Laws, k: int) -> float:
-    """Return by how much what is stored alone asks more of friction than it can hold.
-
-    Minus infinity where that is no matter of what is stored.
-    """
-    m = e.model
-    if m.port_planar[k] != 0 or r.now.given[k] == NET or not is_stored(m, r, k):
-        return -math.inf
-    if limit_follows(m, r, k):
-        return -math.inf
-    if m.port_breakaway[k] != NO_LAW_VALUE and rests_now(m, r, k):
-        limit = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
-    else:
-        limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
-    return math.fabs(r.y[k]) - limit
-
-
 def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
     """Find friction that what is stored just brings to breaking loose, into `r.loose`.
 
@@ -296,9 +249,8 @@ def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
     m = e.model
     edge = False
     for k in range(m.ports):
-        rests = m.port_breakaway[k] != NO_LAW_VALUE and m.port_two_sided[k] != 0
-        if rests and m.port_impulsive[k] == 0 and r.y[k] != 0.0 and rests_now(m, r, k):
-            edge = edge or past_limit(e, r, k) >= -LAW_ZERO * r.rounding[k]
+        if may_rest(m, k) and m.port_impulsive[k] == 0 and rests_now(m, r, k):
+            edge = edge or past_limit(m, r, k) >= -LAW_ZERO * r.rounding[k]
     if not edge:
         return 0
     if begin_lasting(e, r, x) != OK:
@@ -307,7 +259,7 @@ def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
         return 0
     found = 0
     for k in range(m.ports):
-        own = m.port_two_sided[k] != 0 and m.port_impulsive[k] == 0
+        own = may_rest(m, k) and m.port_impulsive[k] == 0
         if own and r.answer[k] != 0 and rests_now(m, r, k):
             r.loose[k] = r.answer[k]
             found = 1
@@ -355,7 +307,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             r.role[k] = ONE_SIDED if one_sided else TWO_SIDED
         if not one_sided and m.port_impulsive[k] == 0:
             r.role[k] = jumping_role(m, r, k)
-            past = past_limit(e, r, k)
+            past = past_limit(m, r, k)
             if past > LAW_ZERO * r.rounding[k]:
                 wrong = True
                 who = k
@@ -367,7 +319,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     h = short_step(m, a, r.y)
     for turn in range(4):
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
-        if carry(e, r, r.y, factor * h):
+        if slide(e, r, r.y, factor * h, True):
             put_mode(m, r, r.answer, False, True)
             return 1
     if dust:
