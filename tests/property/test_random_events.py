@@ -19,12 +19,7 @@ MACHINES = range(2000, 2024)
 LAWS = [s for s in range(100, 113) if s != 101]
 MANY_MACHINES = range(60000, 60300)
 MANY_LAWS = range(70000, 70150)
-KNOWN = {
-    70028: "HB-J111 in a jump with friction",
-    70079: "friction slides in another part's jump",
-    70082: "friction slides in another part's jump",
-    70110: "friction that holds is let go at a step of a source",
-}
+KNOWN: dict[int, str] = {}
 """Of the many, those on which the two differ; the tests below have the same in small."""
 
 
@@ -70,7 +65,6 @@ def test_events_of_all_kinds_are_met() -> None:
 # -- where the two differ --------------------------------------------------------------------------
 
 
-@pytest.mark.xfail(strict=True, reason="HB-J111 although exactly one jump obeys the law")
 def test_a_limiter_clamps_what_is_charged_above_its_limit() -> None:
     m = hb.Model("clamp")
     m.add(v=hb.Zero(), j=hb.One(law="coulomb", limit=0.449), c=hb.C(1.0, q=0.636))
@@ -78,7 +72,6 @@ def test_a_limiter_clamps_what_is_charged_above_its_limit() -> None:
     assert hb.simulate(m, until=1.0)["c.q"].at(0.5) == pytest.approx(0.449, abs=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="HB-J111 although blocking is the one answer")
 def test_a_diode_stops_a_coil_beside_a_limiter() -> None:
     m = hb.Model("stop")
     m.add(j0=hb.One(law="diode"), j1=hb.Zero(law="coulomb", limit=1.388), i1=hb.I(1.0, p=0.471))
@@ -86,7 +79,6 @@ def test_a_diode_stops_a_coil_beside_a_limiter() -> None:
     assert hb.simulate(m, until=1.0)["i1.p"].at(0.0) == 0.0
 
 
-@pytest.mark.xfail(strict=True, reason="HB-J110 where a limiter and a diode switch together")
 def test_a_limiter_and_a_diode_switch_together() -> None:
     m = hb.Model("together")
     m.add(j1=hb.Zero(law="coulomb", limit=0.999), j2=hb.One(law="diode"), c3=hb.C(1.0, q=0.799))
@@ -95,7 +87,6 @@ def test_a_limiter_and_a_diode_switch_together() -> None:
     assert hb.simulate(m, until=2.0).status == "ok"
 
 
-@pytest.mark.xfail(strict=True, reason="friction slides against its own sense in a jump")
 def test_friction_that_holds_does_not_jump() -> None:
     m = hb.Model("held")
     m.add(j0=hb.One(), j1=hb.Zero(), j2=hb.One(), j3=hb.One(law="coulomb", limit=0.36))
@@ -104,7 +95,6 @@ def test_friction_that_holds_does_not_jump() -> None:
     assert hb.simulate(m, until=1.0)["c0.q"].at(0.0) == -0.314
 
 
-@pytest.mark.xfail(strict=True, reason="friction slides in another part's jump")
 def test_friction_rests_while_another_part_jumps() -> None:
     m = hb.Model("apart")
     m.add(j1=hb.Zero(), j2=hb.One(law="coulomb", limit=0.867), j3=hb.One())

@@ -34,7 +34,8 @@ room to work in. Data flows so::
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
     gaps                      whether the gap of a contact is the distance that its bonds close
-    law_instant, law_answers  what laws may do at an instant; one question to them, answered
+    law_instant, law_friction what laws may do at an instant, dry friction among them
+    law_answers               one question to them, answered
     strike                    impacts by a law that sees all closed contacts at once: impact_laws
                               (Newton's for all, Poisson's), shares (of dependent contacts),
                               compliant and spring_steps (contacts as stiff springs)

@@ -12,7 +12,13 @@ from typing import Final
 from hybond.engine.complementarity.law_problem import solve_laws
 from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
 from hybond.engine.engine import Engine
-from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, quantity
+from hybond.engine.laws.law_friction import may_rest, rests_now, slides_through, turns_round
+from hybond.engine.laws.law_instant import (
+    NO_LAW_VALUE,
+    find_start,
+    is_on,
+    quantity,
+)
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import base_mode
@@ -187,27 +193,36 @@ def keep_answer(m: Model, r: Laws) -> None:
         r.answer_l[k] = r.problem.l[k]
 
 
-def slide(e: Engine, r: Laws, q: Floats, h: float) -> bool:
+def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     """Solve, with breakaway where a friction junction is at rest, sliding limits elsewhere.
 
     `r.loose` are junctions at rest that break loose now. What has to move although its breakaway
     limit holds slides with the limit of sliding, and the others are asked again: to let go is
-    never taken back. As Complementarity._slide.
+    never taken back. What slid, and would turn round at once, may hold as well, once. In a jump
+    friction that is an impulse holds with all it has.
     """
     m = e.model
     for k in range(m.ports):
-        r.resting[k] = 0
-        if m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0 and r.loose[k] == 0:
-            r.resting[k] = 0 if r.now.given[k] == NET and math.fabs(r.y[k]) > 0.0 else 1
-    while solve_branches(e, r, q, h, False):
-        if m.tells != 0:
+        own = not jump or m.port_impulsive[k] == 0
+        r.resting[k] = 1 if may_rest(m, k) and (not own or rests_now(m, r, k)) else 0
+        r.halted[k] = 0
+    while solve_branches(e, r, q, h, jump):
+        if m.tells != 0 and not jump:
             warn_of_second(e, r, q, h, False)
-        broken = False
+        again = False
         for k in range(m.ports):
+            if jump and m.port_impulsive[k] != 0:
+                continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
                 r.resting[k] = 0
-                broken = True
-        if not broken:
+                again = True
+            elif turns_round(m, r, k):
+                r.halted[k] = 1
+                r.resting[k] = 1
+                again = True
+        if not again:
+            if m.tells != 0 and jump:
+                warn_of_second(e, r, q, h, True)
             keep_answer(m, r)
             return True
     return False
@@ -241,7 +256,7 @@ def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
         r.start[k] = r.loose[k]
         if r.now.given[k] == NET:
             r.role[k] = FORWARD if force > 0.0 else BACKWARD
-    found = some_edge and slide(e, r, q, h)
+    found = some_edge and slide(e, r, q, h, False)
     for k in range(n):
         if found and r.loose[k] != 0:
             r.answer[k] = r.loose[k]
@@ -262,9 +277,9 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
         if m.port_planar[k] != 0:
             r.candidate[machine] = 1 if impact or branch[k] != 0 else 0
         elif m.port_two_sided[k] != 0:
-            # sticking would carry impulses, friction does not: it slides through a jump
+            # sticking could carry impulses of the net variable, friction does not
             way = branch[k]
-            if impact and m.port_impulsive[k] == 0:
+            if impact and slides_through(m, r, k):
                 way = -1 if now == 2 else 1
             r.candidate[machine] = 2 if way < 0 else way
         else:

@@ -33,12 +33,11 @@ from hybond.engine.complementarity.law_roles import (
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_answers import (
     LAW_DUST,
-    keep_answer,
     loosen,
     put_mode,
     slide,
-    solve_branches,
 )
+from hybond.engine.laws.law_friction import jumping_role, may_rest, past_limit, rests_now
 from hybond.engine.laws.law_instant import (
     LAW_ZERO,
     LOCATED,
@@ -53,9 +52,8 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws, Response
-from hybond.engine.laws.law_seconds import warn_of_second
 from hybond.engine.laws.ports import respond
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.mode.tableau import NET
 from hybond.engine.model import Model, node_name
 from hybond.engine.planar.planar import find_disks
 from hybond.engine.reasons.facts import tell_ports
@@ -117,13 +115,12 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
 
 def lasting_role(m: Model, r: Laws, k: int) -> int:
     """Return how a port takes part in what lasts, `y` being decided by what is stored."""
-    n = m.ports
-    state_like = math.fabs(r.response.d[k * n + k]) == 0.0
     if m.port_two_sided[k] != 0:
-        if state_like and r.now.given[k] == NET and r.y[k] != 0.0:
+        if is_stored(m, r, k) and r.now.given[k] == NET and r.y[k] != 0.0:
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
     # a contact that still approaches is for the next jump
+    state_like = math.fabs(r.response.d[k * m.ports + k]) == 0.0
     comes = m.port_restitution[k] != NO_LAW_VALUE and state_like and r.y[k] < 0.0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
 
@@ -174,7 +171,7 @@ def next_lasting(e: Engine, r: Laws) -> bool:
         for k in range(n):
             r.q[k] = r.y[k] + h * a.rate[k]
         r.attempt += 1
-        found = slide(e, r, r.q, h)
+        found = slide(e, r, r.q, h, False)
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:
@@ -243,6 +240,32 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
     return found
 
 
+def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
+    """Find friction that what is stored just brings to breaking loose, into `r.loose`.
+
+    To be asked where no law is violated. Where it slides with less than it held with, what is
+    stored jumps to that. Returns 1 if there is any, 0 if none, -1 for a refusal.
+    """
+    m = e.model
+    edge = False
+    for k in range(m.ports):
+        if may_rest(m, k) and m.port_impulsive[k] == 0 and rests_now(m, r, k):
+            edge = edge or past_limit(m, r, k) >= -LAW_ZERO * r.rounding[k]
+    if not edge:
+        return 0
+    if begin_lasting(e, r, x) != OK:
+        return -1
+    if not next_lasting(e, r):
+        return 0
+    found = 0
+    for k in range(m.ports):
+        own = may_rest(m, k) and m.port_impulsive[k] == 0
+        if own and r.answer[k] != 0 and rests_now(m, r, k):
+            r.loose[k] = r.answer[k]
+            found = 1
+    return found
+
+
 def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     """Find the mode whose branches carry impulses from the state `x`, into `r.candidate`.
 
@@ -282,10 +305,13 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         r.role[k] = passive_role(r.now, k)
         if taking:
             r.role[k] = ONE_SIDED if one_sided else TWO_SIDED
-        # friction that is no impulse lets its junction slide through a jump
         if not one_sided and m.port_impulsive[k] == 0:
-            r.role[k] = SHUT if r.now.given[k] == COMMON else CUT
-        r.resting[k] = 1
+            r.role[k] = jumping_role(m, r, k)
+            past = past_limit(m, r, k)
+            if past > LAW_ZERO * r.rounding[k]:
+                wrong = True
+                who = k
+                dust = dust and past <= LAW_DUST * r.rounding[k]
         r.rebound[k] *= r.y[k]
     if not wrong:
         return 0
@@ -293,10 +319,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     h = short_step(m, a, r.y)
     for turn in range(4):
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
-        if solve_branches(e, r, r.y, factor * h, True):
-            if m.tells != 0:
-                warn_of_second(e, r, r.y, factor * h, True)
-            keep_answer(m, r)
+        if slide(e, r, r.y, factor * h, True):
             put_mode(m, r, r.answer, False, True)
             return 1
     if dust:

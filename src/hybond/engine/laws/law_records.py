@@ -155,6 +155,8 @@ class Laws:
     start: Ints
     resting: Ints
     loose: Ints
+    halted: Ints
+    """Friction that would turn round at once, and so may rest instead."""
     problem: LawProblem
     svd: Svd
     block: Floats
@@ -276,6 +278,7 @@ def make_laws(m: Model) -> Laws:
     r.start = ints(n)
     r.resting = ints(n)
     r.loose = ints(n)
+    r.halted = ints(n)
     r.problem = make_law_problem(n)
     r.svd = make_svd(2 * n, n)
     r.block = floats(2 * n * n)

@@ -20,6 +20,7 @@ from hybond.engine.instant.trial import (
 )
 from hybond.engine.laws.law_branches import (
     begin_lasting,
+    find_breaking,
     find_jumping,
     next_lasting,
     no_branches,
@@ -105,7 +106,13 @@ def strike(e: Engine, r: Laws, x: Floats) -> int:
         struck = strike_at_once(e, r, x)
         if struck != NOTHING_STRIKES:
             return REFUSED if struck == REFUSES else OK
+    for k in range(e.model.ports):
+        r.loose[k] = 0
     found = find_jumping(e, r, x)
+    if found == 0:
+        found = find_breaking(e, r, x)
+        if found > 0:
+            found = find_jumping(e, r, x)
     if found <= 0:
         return REFUSED if found < 0 else OK
     return strike_branches(e, r, x)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hybond.engine.compiled.native import Rows
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.tables.contacts import contacts_of
