@@ -7,6 +7,7 @@ from hybond.engine.inputs.interval import interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.indeterminate import keep_open_before
 from hybond.engine.instant.settle import rule_holds
 from hybond.engine.instant.trial import a_priori, show_trial
 from hybond.engine.run.run_records import Run, begin
@@ -27,7 +28,10 @@ def try_at_start(e: Engine, r: Run, state: Ints, hold: Ints) -> int:
         g.x[k] = e.y[k]
     for k in range(m.integrals):
         g.s[k] = e.y[m.storages + k]
-    if a_priori(e, 0.0, g.x, g.s, e.state) != OK or sample(e, g.s) != OK:
+    if a_priori(e, 0.0, g.x, g.s, e.state) != OK:
+        return REFUSED
+    keep_open_before(e)
+    if sample(e, g.s) != OK:
         return REFUSED
     interval_after(e, 0.0)
     if enter(e, 0.0, g.x, g.s, state, True, False) != OK:
