@@ -30,7 +30,7 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
 
 D = "d/dt"
@@ -120,11 +120,6 @@ class SensorRows:
         """Return what distinguishes the closing rows of a switch variable."""
         assert self._assembly is not None
         return self._assembly.out.closing[switch].key(states)
-
-    def closed(self, switch: int, mode: Mode) -> Row[Rational] | None:
-        """Return the row that closes a switch variable in a mode."""
-        states = tuple(mode[m] for m in self.switches[switch])
-        return self.closing[switch, self.key(switch, states)]
 
     def vanishes(self, c: Rational) -> bool:
         """Whether a coefficient without derivative is exactly zero at the model's values."""

@@ -1,4 +1,4 @@
-"""A graph with the laws of its junctions left open, as equations/ports.py.
+"""A graph with the laws of its junctions left open.
 
 Each junction with a law (ideal diode, contact, dry friction) is a *port*. One variable of its pair
 is given from outside, the other follows from the graph::
