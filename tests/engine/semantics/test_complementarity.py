@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 import hybond as hb
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 W = 2.0 * math.pi * 50.0
 
 

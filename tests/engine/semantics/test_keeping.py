@@ -12,7 +12,7 @@ import pytest
 import hybond as hb
 from hybond.chronicle import Chronicle
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 LONG = """
 import resource, hybond as hb

@@ -11,7 +11,7 @@ import pytest
 
 import hybond as hb
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 def clutch(torque: str, *, drum: float = 1.5, leave: str = "v.f < 1") -> hb.Model:

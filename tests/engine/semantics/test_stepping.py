@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import hybond as hb
 from hybond.errors import UsageError
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 def step_run(model: hb.Model, until: float, h: float, **options: object) -> hb.Result:
