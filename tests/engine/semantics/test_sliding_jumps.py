@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from engine.sliding_models import swapped
 
 import hybond as hb
 
@@ -176,32 +177,6 @@ def test_every_crossing_is_a_jump_and_they_vanish(first: float, second: float) -
     )
     assert run["leak1.f"].at(t) + run["leak2.f"].at(t) == pytest.approx(0.45 * z, abs=1e-12)
     assert run.audit().holds()
-
-
-def swapped() -> hb.Model:
-    """A level decides which of two capacitors a third is joined to: no jump moves the level."""
-    m = hb.Model("swapped")
-    m.add(
-        c=hb.C(1.0, q=1.0),
-        c1=hb.C(0.5, q=0.0),
-        c2=hb.C(2.0, q=5.0),
-        level=hb.C(1.0, q=-1.0),
-        source=hb.Sf('if k.state == "high" then -1 else 2'),
-        n=hb.Zero(),
-        n1=hb.Zero(),
-        n2=hb.Zero(),
-        nz=hb.Zero(),
-        l1=hb.One(),
-        l2=hb.One(),
-    )
-    m.bond("n -> c", "n -> l1 -> n1 -> c1", "n -> l2 -> n2 -> c2", "source -> nz -> level")
-    m.machine(
-        "k",
-        states={"low": ["l1"], "high": ["l2"]},
-        start="low",
-        rules=["low -> high when level.q > 0", "high -> low when level.q < 0"],
-    )
-    return m
 
 
 def test_jumps_of_one_instant_are_added_up_to_their_limit() -> None:
