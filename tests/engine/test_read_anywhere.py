@@ -104,3 +104,28 @@ def test_a_run_can_be_copied() -> None:
         [*run.sample(times, names).values()], [*other.sample(times, names).values()]
     )
     assert other.audit() == run.audit()
+
+
+@pytest.mark.parametrize("engine", ["library", "python"])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_points_of_many_segments_come_in_the_order_asked_for(engine: str, side: str) -> None:
+    """A triangle between 0 and 1, a segment a second, read out of order, twice and at its tips."""
+    if engine == "library" and ENGINE != "library":
+        pytest.skip("no library")
+    m = hb.Model("triangle")
+    m.add(c=hb.C(1.0), s=hb.Sf('if k.state == "up" then 1 else -1'), n=hb.Zero())
+    m.bond("s -> n -> c")
+    rules = ["up -> down when c.q >= 1", "down -> up when c.q <= 0"]
+    m.machine("k", states={"up": [], "down": []}, start="up", rules=rules)
+    run = hb.simulate(m, until=9.5, engine=engine)  # type: ignore[arg-type]
+    top = run.events[3].t
+    assert top == pytest.approx(3.0, abs=1e-9)
+    t = np.array([7.3, 0.25, 9.5, top, 0.25, 8.9, top, 1.4, 0.0, 5.5])
+    found = run.sample(t.tolist(), ["c.q", "s.f", "2*c.q + s.f"], side=side)
+    level = 1.0 - np.abs(1.0 - t % 2.0)
+    assert found["c.q"] == pytest.approx(level, abs=1e-9)
+    inside = (np.abs(t - np.round(t)) > 1e-6) & (t < 9.5)
+    way = np.where(t % 2.0 < 1.0, 1.0, -1.0)
+    assert found["s.f"][inside] == pytest.approx(way[inside])
+    assert found["s.f"][[3, 6]].tolist() == [1.0 if side == "left" else -1.0] * 2
+    assert found["2*c.q + s.f"] == pytest.approx(2.0 * found["c.q"] + found["s.f"], abs=1e-12)
