@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from hybond.blocks.runners import runners_of
 from hybond.engine.outcome.engine_run import EngineRun, Settings
@@ -153,28 +153,24 @@ def simulate(
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
-    experiment = graph.experiment
-    end = end_of(until, experiment)
-    rtol, atol = tolerances_of(rtol, atol, experiment)
-    name = solver_of(solver, experiment)
-    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
-    longest = seconds_of(
-        max_step if max_step is not None else experiment.get("max_step"), "max_step"
+    settings, band = settings_of(
+        graph.experiment,
+        until,
+        solver=solver,
+        rtol=rtol,
+        atol=atol,
+        step=step,
+        max_step=max_step,
+        theta=theta,
+        sliding=sliding,
+        hysteresis=hysteresis,
+        impact=impact,
+        max_events=max_events,
+        max_steps=max_steps,
     )
-    if longest is not None and not longest > 0.0:
-        raise UsageError(
-            f"max_step of {longest:g} s: it must be positive",
-            code="HB-S103",
-            where="max_step",
-            hint="leave it out to let the tolerances decide",
-        )
-    choice, band = sliding_of(sliding, hysteresis, experiment)
+    name, end = settings.solver, settings.until
     if band is not None:
         graph = banded(graph, band)
-    most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
-    steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
-    event_tol = float(experiment.get("event_tol", 1e-12))
-    writes = int(experiment.get("max_writes", 1000))
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -190,41 +186,13 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
-    settings = Settings(
-        until=end,
-        solver=name,
-        step=None,
-        rtol=rtol,
-        atol=atol,
-        max_step=math.inf if longest is None else longest,
-        event_tol=event_tol,
-        slides=choice == "filippov",
-        max_events=int(most),
-        max_steps=int(steps),
-        max_writes=writes,
-    )
     maker = choose_engine(engine or ENGINE)
-    ignored = chosen = None
-    if name in STEPPING:
-        theta = theta if theta is not None else experiment.get("theta", 0.5)
-        settings = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
-        ignored = ignored_impact(impact, experiment)
-    elif theta is not None:
-        raise UsageError(
-            f"theta is given, but solver {name!r} has none",
-            code="HB-S112",
-            where="theta",
-            hint='solver = "moreau-jean"',
-        )
-    else:
-        settings = replace(settings, impact=impact_of(impact, experiment))
-        if name == AUTO:
-            fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
-            name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
-        # a step written in the experiment for a fixed-step solver may stand there unused
-        own_step = given_step if name in FIXED or step is not None else None
-        check_step(name, own_step)
-        settings = replace(settings, solver=name, step=own_step)
+    ignored = ignored_impact(impact, graph.experiment) if name in STEPPING else None
+    chosen = None
+    if name == AUTO:
+        fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
+        name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
+        settings = replace(settings, solver=name)
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
@@ -242,6 +210,78 @@ def simulate(
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def settings_of(
+    experiment: Mapping[str, Any],
+    until: float | str | None = None,
+    *,
+    solver: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    step: float | str | None = None,
+    max_step: float | str | None = None,
+    theta: float | None = None,
+    sliding: Choice | None = None,
+    hysteresis: float | str | None = None,
+    impact: str | None = None,
+    max_events: int | None = None,
+    max_steps: int | None = None,
+) -> tuple[Settings, float | None]:
+    """Return what a run is asked for, and the band of its switching surfaces if they have one.
+
+    The parameters are those of `simulate`; what is not given is as the experiment says.
+
+    Raises
+    ------
+    UsageError
+        For what is wrong with them.
+    """
+    end = end_of(until, experiment)
+    rtol, atol = tolerances_of(rtol, atol, experiment)
+    name = solver_of(solver, experiment)
+    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
+    longest = seconds_of(
+        max_step if max_step is not None else experiment.get("max_step"), "max_step"
+    )
+    if longest is not None and not longest > 0.0:
+        raise UsageError(
+            f"max_step of {longest:g} s: it must be positive",
+            code="HB-S103",
+            where="max_step",
+            hint="leave it out to let the tolerances decide",
+        )
+    choice, band = sliding_of(sliding, hysteresis, experiment)
+    most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
+    steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
+    settings = Settings(
+        until=end,
+        solver=name,
+        step=None,
+        rtol=rtol,
+        atol=atol,
+        max_step=math.inf if longest is None else longest,
+        event_tol=float(experiment.get("event_tol", 1e-12)),
+        slides=choice == "filippov",
+        max_events=int(most),
+        max_steps=int(steps),
+        max_writes=int(experiment.get("max_writes", 1000)),
+    )
+    if name in STEPPING:
+        theta = theta if theta is not None else experiment.get("theta", 0.5)
+        own = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
+        return own, band
+    if theta is not None:
+        raise UsageError(
+            f"theta is given, but solver {name!r} has none",
+            code="HB-S112",
+            where="theta",
+            hint='solver = "moreau-jean"',
+        )
+    # a step written in the experiment for a fixed-step solver may stand there unused
+    own_step = given_step if name in FIXED or step is not None else None
+    check_step(name, own_step)
+    return replace(settings, impact=impact_of(impact, experiment), step=own_step), band
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -14,7 +14,7 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import parse
-from hybond.model.expressions.traced import Trail
+from hybond.model.expressions.slots import Slots, plain
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
@@ -36,17 +36,17 @@ _TIME = parse_unit("s")[1]
 
 
 @uncollected
-def flatten(model: Model, overrides: Mapping[str, Value], trail: Trail | None = None) -> FlatGraph:
+def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = None) -> FlatGraph:
     """Return the flat graph of `model` with parameters replaced by `overrides`.
 
-    With a `trail` its numbers know of which parameters they were made.
+    With `slots` its numbers are expressions of the parameters that these want.
 
     Raises
     ------
     ModelError
         For anything that has no meaning; `where` is the path in the model.
     """
-    opened = open_model(model, overrides, trail)
+    opened = open_model(model, overrides, slots)
     with_laws = open_laws(opened)
     switched = switched_by(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
@@ -205,7 +205,7 @@ def _shown(raw: RawNode) -> str:
     number = raw.written.scope.parameters.get(_label(raw))
     if number is None:
         return ""
-    return format_quantity(number.value, number.dimension or DIMENSIONLESS)
+    return format_quantity(plain(number.value), number.dimension or DIMENSIONLESS)
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

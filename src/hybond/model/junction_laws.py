@@ -25,6 +25,7 @@ from collections.abc import Iterable, Mapping
 
 from hybond.errors import ModelError, UnitError
 from hybond.model.expressions import Expr, Name, Number, posterior_names, simplify
+from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.hierarchy import (
     BondEnd,
@@ -414,7 +415,7 @@ def law_warnings(machines: Iterable[Machine]) -> tuple[str, ...]:
     for machine in machines:
         eps = None if machine.law is None else machine.law.restitution
         # a warning is no part of the model: nothing is written down of what it asks
-        if isinstance(eps, Number) and float(eps.value) > 1.0:
+        if isinstance(eps, Number) and plain(eps.value) > 1.0:
             found.append(
                 f"restitution = {eps.value:g} of {machine.path!r} is above 1: "
                 "it creates energy at each impact"

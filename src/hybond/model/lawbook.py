@@ -25,7 +25,7 @@ from hybond.model.expressions import (
     substitute,
     turning,
 )
-from hybond.model.expressions.traced import give_up
+from hybond.model.expressions.slots import settled
 from hybond.model.graph import Node
 from hybond.model.hierarchy import Written, constant, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
@@ -34,6 +34,7 @@ from hybond.model.resolve import Resolver
 from hybond.units import Dimension, parse_unit
 
 _TIME = parse_unit("s")[1]
+FIELD = "the matrix of a field"
 _OPTIONS = {"p", "q", "e", "f", "domain", "impulsive", "label"}
 Dimensions = Mapping[str, Dimension | None]
 
@@ -185,9 +186,8 @@ class _Reader:
             )
         import numpy as np
 
-        written = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
-        give_up((v for r in written for v in r), "the matrix of a field")
-        given = np.array(written)
+        numbers = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
+        given = np.array([[settled(v, FIELD) for v in r] for r in numbers])
         if self.node.kind in STORAGES:
             if np.linalg.matrix_rank(given) < self.count:
                 raise ModelError(
@@ -307,8 +307,7 @@ def _check(node: Node, law: Law, where: str) -> None:
         return
     import numpy as np
 
-    give_up((v for row in law.matrix for v in row), "the matrix of a field")
-    m = np.array(law.matrix)
+    m = np.array([[settled(v, FIELD) for v in row] for row in law.matrix])
     if not np.allclose(m, m.T, rtol=1e-12, atol=0.0):
         raise ModelError(
             "the matrix of a storage field must be symmetric, else it has no energy",

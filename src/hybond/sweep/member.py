@@ -54,8 +54,6 @@ class Member:
 
     Parameters
     ----------
-    number : int
-        From 0.
     status : {"ok", "accumulation", "error", "interrupted"}
     t_end : float
         The time reached, s.
@@ -71,7 +69,6 @@ class Member:
     warnings : tuple of str
     """
 
-    number: int
     status: Status
     t_end: float
     count: int
@@ -105,7 +102,7 @@ def run_of(task: Task, parameters: Mapping[str, Value]) -> Result | HybondError:
     return run
 
 
-def member_of(task: Task, number: int, run: Result | HybondError) -> Member:
+def member_of(task: Task, run: Result | HybondError) -> Member:
     """Return what is kept of a run.
 
     Raises
@@ -117,7 +114,7 @@ def member_of(task: Task, number: int, run: Result | HybondError) -> Member:
     samples = np.full((len(task.names), len(task.t)), np.nan)
     none = np.zeros(0)
     if isinstance(run, HybondError):
-        return Member(number, "error", 0.0, 0, none, final, samples, run, ())
+        return Member("error", 0.0, 0, none, final, samples, run, ())
     error = run.error
     times = np.array(run.trace.events.times) if task.events else none
     try:
@@ -127,7 +124,6 @@ def member_of(task: Task, number: int, run: Result | HybondError) -> Member:
     except HybondError as failure:
         error = error or failure
     return Member(
-        number=number,
         status=run.status if error is None else "error",
         t_end=run.t_end,
         count=run.trace.events.total,

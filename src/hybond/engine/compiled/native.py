@@ -34,6 +34,7 @@ from hybond.engine.compiled.rows import (
 )
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
+from hybond.model.expressions.slots import Slotted, plain
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
@@ -137,6 +138,14 @@ class NativeModel:
         ints = {**tables.ints, "code": code.instructions, "value_begins": values}
         ints["pair_begins"] = pairs
         floats = {**tables.floats, "code_number": code.numbers}
+        self.floats: dict[str, NDArray[np.float64]] = {}
+        self.written = [
+            (name, k, x.tree)
+            for name, row in floats.items()
+            for k, x in enumerate(row)
+            if isinstance(x, Slotted)
+        ]
+        """What parameters write: columns, places in them, and expressions of parameters."""
         for name, kind in columns().items():
             if kind in ("int", "float"):
                 number = tables.numbers[name]
@@ -144,7 +153,8 @@ class NativeModel:
             elif kind == "Ints":
                 self._put(name, np.array(ints[name] or [0], dtype=np.intc), ctypes.c_int)
             elif kind == "Floats":
-                self._put(name, np.array(floats[name] or [0.0]), ctypes.c_double)
+                self.floats[name] = np.array([*map(plain, floats[name])] or [0.0])
+                self._put(name, self.floats[name], ctypes.c_double)
             else:
                 texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
                 row = (ctypes.c_char_p * len(texts))(*texts)

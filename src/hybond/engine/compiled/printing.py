@@ -15,6 +15,8 @@ from hybond.translate.lines import block_comment, prose, wrapped
 from hybond.translate.modules import Program, load
 
 HERE = Path(__file__).parent
+SHOWN = ("library.c", "members.c")
+"""What the library shows, in C."""
 ROOTS = (
     *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
     *("make_look", "look_into", "why_not_linear", "points_at", "points_within", "ask_for"),
@@ -99,7 +101,7 @@ def program() -> Program:
 def digest() -> str:
     """Return what tells the sources of the library from others."""
     translate = ENGINE.parent / "translate"
-    own = [HERE / "printing.py", HERE / "library.c"]
+    own = [HERE / "printing.py", *(HERE / name for name in SHOWN)]
     paths = sorted([*portable_paths(), *translate.glob("*.py"), *own])
     text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in paths)
     return hashlib.sha256(text).hexdigest()[:16]
@@ -138,7 +140,8 @@ def library_text() -> str:
     lines += ["", f'#define HYBOND_SOURCE "{digest()}"']
     listed = ", ".join(c_text(column) for column in _columns(printer))
     lines += wrapped(f"static const char *const HYBOND_COLUMNS[] = {{{listed}, NULL}};", 0)
-    return "\n".join([*lines, "", (HERE / "library.c").read_text(encoding="utf-8")])
+    shown = [(HERE / name).read_text(encoding="utf-8") for name in SHOWN]
+    return "\n".join([*lines, "", *shown])
 
 
 def _printer(found: Program) -> CPrinter:

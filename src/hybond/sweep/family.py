@@ -1,0 +1,150 @@
+"""Members that are made of the same parts: rows of numbers for the slots of one model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.native import NativeModel
+from hybond.engine.outcome.engine_run import Settings
+from hybond.engine.tables.bands import banded
+from hybond.errors import HybondError
+from hybond.model.builder import Model
+from hybond.model.expressions import (
+    ARRAYS,
+    Expr,
+    Name,
+    Number,
+    compile_expression,
+    names,
+    transform,
+    uses_pre,
+)
+from hybond.model.expressions.slots import Slots, Slotted, is_slotted
+from hybond.model.flatten import flatten
+from hybond.model.graph import FlatGraph
+from hybond.model.parts import Value
+from hybond.model.unit_words import unit_of
+from hybond.result import names_of, read_name
+from hybond.sweep.written import Writing
+from hybond.units import Dimension, try_quantity
+
+Vector = NDArray[np.float64]
+Kind = Dimension | str | None
+"""Of a value that is set: its dimension, None for a plain number; what is neither, as written."""
+
+
+class Family:
+    """A model whose parameters are slots, and what is looked at in its runs.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+        With slots.
+    slots : Slots
+    settings : Settings
+    wanted : sequence of str
+        Outputs; if there are none, those of a result.
+
+    Raises
+    ------
+    HybondError
+        For a model that cannot be run so, or an output that does not exist.
+    """
+
+    def __init__(
+        self, graph: FlatGraph, slots: Slots, settings: Settings, wanted: Sequence[str]
+    ) -> None:
+        self.names = tuple(wanted) or tuple(names_of(graph))
+        self.warnings = graph.warnings
+        expressions = [read_name(graph, name) for name in self.names]
+        self.units = {n: unit_of(e, graph) for n, e in zip(self.names, expressions, strict=True)}
+        tables = settings.tables(graph)
+        self.called = bool(tables.numbers["called"] or tables.numbers["blocks"])
+        self._index, self._size = tables.slots.index, tables.slots.size
+        self._numbers: dict[Expr, str] = {}
+        self._expressions = [transform(e, self._lifted) for e in expressions]
+        read = {n for e in self._expressions for n in names(e)} - set(self._numbers.values())
+        prior = any(map(uses_pre, expressions))
+        own = sorted(self._index[n] for n in read)
+        self.looked = np.array([*own, *(k + self._size for k in own if prior)], dtype=np.intc)
+        self.model = NativeModel(tables)
+        self._own = len(self.model.written)
+        trees = [tree for _, _, tree in self.model.written]
+        self.differ = False
+        """Whether members differ in what they warn of."""
+        for machine in graph.machines:
+            # a restitution above 1, by its value: as in `law_warnings`
+            eps = None if machine.law is None else machine.law.restitution
+            if is_slotted(eps):
+                self.differ = self.differ or eps.value > 1.0
+        self._writing = Writing(slots, [*trees, *self._numbers])
+
+    def numbers(
+        self, given: Mapping[str, Vector], many: int
+    ) -> tuple[NDArray[np.bool_], Vector, Vector]:
+        """Return which members are of this family, and what is written for each.
+
+        The numbers that outputs read stand behind those of the tables.
+        """
+        fits, found = self._writing.of(given, many)
+        return fits, found[:, : self._own], found[:, self._own :]
+
+    def values(self, out: Vector, read: Vector) -> Vector:
+        """Return outputs, shape (outputs, members, times), of what was looked at."""
+        index = dict(self._index)
+        columns: list[Vector] = [np.zeros(0)] * (2 * self._size)
+        for j, k in enumerate(self.looked.tolist()):
+            columns[k] = np.ascontiguousarray(out[:, :, j])
+        for j, name in enumerate(self._numbers.values()):
+            index[name] = len(columns)
+            columns.append(np.broadcast_to(read[:, j : j + 1], out.shape[:2]))
+        found = np.empty((len(self.names), *out.shape[:2]))
+        for k, e in enumerate(self._expressions):
+            found[k] = compile_expression(e, index, ARRAYS, pre_offset=self._size)(columns)
+        return found
+
+    def _lifted(self, node: Expr) -> Expr:
+        """Return the name of a number that parameters write, in an output."""
+        if not isinstance(node, Number) or not isinstance(node.value, Slotted):
+            return node
+        return Name(self._numbers.setdefault(node.value.tree, f"p:={len(self._numbers)}"))
+
+
+def family_of(
+    model: Model,
+    given: Mapping[str, Value],
+    settings: Settings,
+    band: float | None,
+    wanted: Sequence[str],
+) -> Family | None:
+    """Return the family of a member; None for one that only an ordinary run can tell of."""
+    slots = Slots()
+    try:
+        graph = flatten(model, given, slots)
+        if band is not None:
+            graph = banded(graph, band)
+        found = Family(graph, slots, settings, wanted)
+    except HybondError:
+        return None
+    return None if found.called or found.differ else found
+
+
+def kind_of(value: Value) -> tuple[Kind, float]:
+    """Return what kind of value a parameter is set to, and the number, SI.
+
+    Examples
+    --------
+    >>> kind_of(2), kind_of("2*m")
+    ((None, 2.0), ('2*m', nan))
+    >>> str(kind_of("5 mm")[0]), kind_of("5 mm")[1]
+    ('m', 0.005)
+    """
+    if isinstance(value, float | int) and not isinstance(value, bool):
+        return None, float(value)
+    quantity = try_quantity(value) if isinstance(value, str) else None
+    if quantity is None:
+        return str(value), np.nan
+    return quantity.dimension, quantity.value
