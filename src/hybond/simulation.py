@@ -18,6 +18,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.result import Result, Status
 from hybond.run_options import (
@@ -148,7 +149,7 @@ def simulate(
     >>> round(float(run["c.e"].at(1.0)), 6)
     3.678794
     """
-    graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
+    graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
     if on_error not in ("raise", "return"):
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
@@ -190,16 +191,16 @@ def simulate(
     ignored = ignored_impact(impact, graph.experiment) if name in STEPPING else None
     chosen = None
     if name == AUTO:
-        fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
+        fit = fitting(replace(settings, solver="exact").prepared(graph, maker))
         name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
         settings = replace(settings, solver=name)
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
         if name in STEPPING:
-            run = StepsRun(graph, settings, maker.prepare, progress=progress, runners=runners)
+            run = StepsRun(graph, settings, maker, progress=progress, runners=runners)
         else:
-            prepared = maker.prepare(settings.tables(graph))
+            prepared = settings.prepared(graph, maker)
             # last of all: it replaces the file that is there
             opened = None if journal is None else _opened(journal, graph)
             run = EngineRun(prepared, progress=progress, keep=keep, journal=opened, runners=runners)

@@ -14,7 +14,7 @@ from hybond.engine.tables.slotted import SlottedTables, condition_text, conditio
 from hybond.export.formulas import Formulas
 from hybond.export.identifiers import distinct, slot_name
 from hybond.model import expressions as e
-from hybond.model.expressions.slots import PREFIX, Slotted, is_slotted, tree_of
+from hybond.model.expressions.slots import PREFIX, is_slotted, slot_of, tree_of
 from hybond.translate.tree import Expr
 from hybond.units import DIMENSIONLESS, Dimension
 
@@ -127,14 +127,13 @@ class Names:
         return e.transform(tree, self._lifted)
 
     def _lifted(self, node: e.Expr) -> e.Expr:
-        if not isinstance(node, e.Number) or not isinstance(node.value, Slotted):
+        slot = slot_of(node)
+        if slot is None:
             return node
-        tree = node.value.tree
+        tree = slot.tree
         if isinstance(tree, e.Name) or (isinstance(tree, e.Neg) and isinstance(tree.arg, e.Name)):
             return tree
-        name, _ = self._numbers.setdefault(
-            tree, (f"{PREFIX}={len(self._numbers)}", node.value.value)
-        )
+        name, _ = self._numbers.setdefault(tree, (f"{PREFIX}={len(self._numbers)}", slot.value))
         return e.Name(name)
 
     def spoken(self) -> dict[str, str]:

@@ -14,7 +14,7 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import parse
-from hybond.model.expressions.slots import Slots, plain
+from hybond.model.expressions.slots import Slots
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
@@ -30,7 +30,7 @@ from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean
 from hybond.uncollected import uncollected
-from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, format_quantity, parse_unit
+from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit
 
 _TIME = parse_unit("s")[1]
 
@@ -198,14 +198,12 @@ def _label(raw: RawNode) -> str:
     return ""
 
 
-def _shown(raw: RawNode) -> str:
+def _shown(raw: RawNode) -> tuple[float, Dimension] | None:
     """Return the value of the parameter that an element of a submodel has: ``R`` says little."""
     if raw.written is None or not raw.written.scope.prefix:
-        return ""
+        return None
     number = raw.written.scope.parameters.get(_label(raw))
-    if number is None:
-        return ""
-    return format_quantity(plain(number.value), number.dimension or DIMENSIONLESS)
+    return None if number is None else (number.value, number.dimension or DIMENSIONLESS)
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

@@ -17,13 +17,14 @@ from hybond.engine.compiled.native import Unavailable, library
 from hybond.engine.outcome.engine_run import Settings
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
+from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.run_options import AUTO, STEPPING, end_of
 from hybond.simulation import settings_of, simulate
 from hybond.sweep.collection import Ensemble
-from hybond.sweep.family import Family, Kind, family_of, kind_of
+from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Member, Task, member_of, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
 from hybond.sweep.threads import cores, in_threads

@@ -16,24 +16,21 @@ from hybond.model.expressions import (
     ARRAYS,
     Expr,
     Name,
-    Number,
     compile_expression,
     names,
     transform,
     uses_pre,
 )
-from hybond.model.expressions.slots import Slots, Slotted, is_slotted
+from hybond.model.expressions.slots import Slots, slot_of
 from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph
+from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
+from hybond.model.written import Writing
 from hybond.result import names_of, read_name
-from hybond.sweep.written import Writing
-from hybond.units import Dimension, try_quantity
 
 Vector = NDArray[np.float64]
-Kind = Dimension | str | None
-"""Of a value that is set: its dimension, None for a plain number; what is neither, as written."""
 
 
 class Family:
@@ -73,13 +70,6 @@ class Family:
         self.model = NativeModel(tables)
         self._own = len(self.model.written)
         trees = [tree for _, _, tree in self.model.written]
-        self.differ = False
-        """Whether members differ in what they warn of."""
-        for machine in graph.machines:
-            # a restitution above 1, by its value: as in `law_warnings`
-            eps = None if machine.law is None else machine.law.restitution
-            if is_slotted(eps):
-                self.differ = self.differ or eps.value > 1.0
         self._writing = Writing(slots, [*trees, *self._numbers])
 
     def numbers(
@@ -108,9 +98,10 @@ class Family:
 
     def _lifted(self, node: Expr) -> Expr:
         """Return the name of a number that parameters write, in an output."""
-        if not isinstance(node, Number) or not isinstance(node.value, Slotted):
+        slot = slot_of(node)
+        if slot is None:
             return node
-        return Name(self._numbers.setdefault(node.value.tree, f"p:={len(self._numbers)}"))
+        return Name(self._numbers.setdefault(slot.tree, f"p:={len(self._numbers)}"))
 
 
 def family_of(
@@ -126,25 +117,8 @@ def family_of(
         graph = flatten(model, given, slots)
         if band is not None:
             graph = banded(graph, band)
+        differ = warn_of_values(graph)
         found = Family(graph, slots, settings, wanted)
     except HybondError:
         return None
-    return None if found.called or found.differ else found
-
-
-def kind_of(value: Value) -> tuple[Kind, float]:
-    """Return what kind of value a parameter is set to, and the number, SI.
-
-    Examples
-    --------
-    >>> kind_of(2), kind_of("2*m")
-    ((None, 2.0), ('2*m', nan))
-    >>> str(kind_of("5 mm")[0]), kind_of("5 mm")[1]
-    ('m', 0.005)
-    """
-    if isinstance(value, float | int) and not isinstance(value, bool):
-        return None, float(value)
-    quantity = try_quantity(value) if isinstance(value, str) else None
-    if quantity is None:
-        return str(value), np.nan
-    return quantity.dimension, quantity.value
+    return None if found.called or differ else found

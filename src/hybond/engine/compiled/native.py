@@ -34,7 +34,7 @@ from hybond.engine.compiled.rows import (
 )
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
-from hybond.model.expressions.slots import Slotted, plain
+from hybond.model.expressions.slots import plain, slot_of
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
@@ -140,10 +140,10 @@ class NativeModel:
         floats = {**tables.floats, "code_number": code.numbers}
         self.floats: dict[str, NDArray[np.float64]] = {}
         self.written = [
-            (name, k, x.tree)
+            (name, k, slot.tree)
             for name, row in floats.items()
-            for k, x in enumerate(row)
-            if isinstance(x, Slotted)
+            for k, slot in enumerate(map(slot_of, row))
+            if slot is not None
         ]
         """What parameters write: columns, places in them, and expressions of parameters."""
         for name, kind in columns().items():
@@ -160,6 +160,25 @@ class NativeModel:
                 row = (ctypes.c_char_p * len(texts))(*texts)
                 self._kept.append(row)
                 setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+
+    def written_with(self, tables: ModelTables) -> NativeModel:
+        """Return this model with other numbers in its slots: those of the graph of `tables`."""
+        written = tables.graph.written
+        assert written is not None
+        found = NativeModel.__new__(NativeModel)
+        found.tables = tables
+        found.written = []
+        found._kept = [self]
+        found.record = model_struct()()
+        size = ctypes.sizeof(found.record)
+        ctypes.memmove(ctypes.byref(found.record), ctypes.byref(self.record), size)
+        found.floats = dict(self.floats)
+        for name in dict.fromkeys(name for name, _, _ in self.written):
+            found.floats[name] = self.floats[name].copy()
+            found._put(name, found.floats[name], ctypes.c_double)
+        for name, k, tree in self.written:
+            found.floats[name][k] = written.writing.value(tree, written.row)
+        return found
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)

@@ -62,7 +62,7 @@ class Apart:
             max_steps=MANY,
             max_writes=int(experiment.get("max_writes", 1000)),
         )
-        return choose_engine().prepare(settings.tables(self.graph))
+        return settings.prepared(self.graph, choose_engine())
 
     @property
     def start(self) -> Vector:

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from types import FrameType
 
 import numpy as np
@@ -18,19 +17,17 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.native import ACCUMULATES, REFUSED
 from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.outcome.engines import Prepared
+from hybond.engine.outcome.engines import EngineChoice, Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.tables import ModelTables, tables_of
+from hybond.engine.tables import ModelTables, tables_of, written_tables
 from hybond.engine.tables.options import IMPACTS, METHODS, Options
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.trace import Accumulation, Trace
 
-SHARED = 2
-"""Graphs whose tables are kept for the next run: the last ones."""
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
 FIRST = 1
@@ -78,35 +75,35 @@ class Settings:
     theta: float = 0.5
 
     def tables(self, graph: FlatGraph) -> ModelTables:
-        """Return the tables of a model for such a run; runs of one graph share them.
+        """Return the tables of a model for such a run.
 
         Raises
         ------
         ModelError
             As `tables_of`.
         """
-        return _tables_for(_Asked(graph, self))
+        return _tables_for(graph, self)
+
+    def prepared(self, graph: FlatGraph, maker: EngineChoice) -> Prepared:
+        """Return a model, prepared for such runs; it is kept with its graph.
+
+        Raises
+        ------
+        ModelError
+            As `tables_of`.
+        """
+        found: Prepared | None = graph.kept.get((self, maker.prepare))
+        if found is None:
+            if graph.written is None:
+                found = maker.prepare(self.tables(graph))
+            else:
+                slotted = self.prepared(graph.written.graph, maker)
+                found = slotted.written(written_tables(slotted.tables, graph, graph.written))
+            graph.kept.keep((self, maker.prepare), found)
+        return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Asked:
-    """What tables are asked for; a graph is known by its identity."""
-
-    graph: FlatGraph
-    settings: Settings
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, _Asked):
-            return NotImplemented
-        return self.graph is other.graph and self.settings == other.settings
-
-    def __hash__(self) -> int:
-        return hash((id(self.graph), self.settings))
-
-
-@lru_cache(maxsize=SHARED)
-def _tables_for(asked: _Asked) -> ModelTables:
-    s = asked.settings
+def _tables_for(graph: FlatGraph, s: Settings) -> ModelTables:
     numbers: dict[str, float] = {
         "until": s.until,
         "points": 1,
@@ -125,9 +122,7 @@ def _tables_for(asked: _Asked) -> ModelTables:
         "impact": IMPACTS[s.impact[0]],
         "impact_exponent": s.impact[1],
     }
-    return tables_of(
-        asked.graph, options=Options(asked.graph, numbers, []), calling=True, tells=True
-    )
+    return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
 
 
 class EngineRun:

@@ -89,6 +89,8 @@ class Prepared:
     Parameters
     ----------
     tables : ModelTables
+    written : callable
+        ``written(tables)`` is the same with other numbers in its slots: those of these tables.
     run : callable
         ``run(runners)`` is a run that has not begun; what runs each block is by its path.
     look : callable
@@ -96,6 +98,7 @@ class Prepared:
     """
 
     tables: ModelTables
+    written: Callable[[ModelTables], Prepared]
     run: Callable[[Mapping[str, Runner] | None], SlicedRun]
     look: Callable[[], Look]
 
@@ -152,9 +155,15 @@ def choose_engine(asked: Asked | None = None) -> EngineChoice:
 
 def prepared_for_library(tables: ModelTables) -> Prepared:
     """Return a model whose tables the library reads."""
-    model = NativeModel(tables)
+    return _native(NativeModel(tables))
+
+
+def _native(model: NativeModel) -> Prepared:
     return Prepared(
-        tables, lambda runners: NativeRun(model, runners=runners), lambda: NativeLook(model)
+        model.tables,
+        lambda tables: _native(model.written_with(tables)),
+        lambda runners: NativeRun(model, runners=runners),
+        lambda: NativeLook(model),
     )
 
 
@@ -166,5 +175,8 @@ def prepared_for_python(tables: ModelTables) -> Prepared:
 
     model = PythonModel(tables)
     return Prepared(
-        tables, lambda runners: PythonRun(model, runners=runners), lambda: PythonLook(model)
+        tables,
+        prepared_for_python,
+        lambda runners: PythonRun(model, runners=runners),
+        lambda: PythonLook(model),
     )

@@ -6,7 +6,7 @@ import math
 
 from hybond.model.expressions.algebra import FLOATS
 from hybond.model.expressions.compile import compile_expression
-from hybond.model.expressions.slots import Slotted, is_slotted, plain, slotted, tree_of
+from hybond.model.expressions.slots import is_slotted, plain, slot_of, slotted, tree_of
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -116,7 +116,7 @@ def _folded(e: Expr) -> Expr:
 def _followed(e: Expr, below: tuple[Expr, ...]) -> Expr:
     """Return the value of a node of numbers, some of them slotted, as one that is slotted."""
     values = [b.value for b in below if isinstance(b, Number | Bool)]
-    slots = next(v.slots for v in values if isinstance(v, Slotted))
+    slots = next(slot.slots for slot in map(slot_of, values) if slot is not None)
     if isinstance(e, Binary) and e.op == "/" and not values[1]:
         return e
     numbers = (b if isinstance(b, Bool) else Number(plain(v)) for b, v in zip(below, values))

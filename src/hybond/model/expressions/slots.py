@@ -89,7 +89,8 @@ class Slots:
         """Return the value of a parameter as its slot, if it is wanted."""
         if self.wanted is not None and path not in self.wanted:
             return number
-        made_of = number.value.tree if isinstance(number.value, Slotted) else None
+        own = slot_of(number)
+        made_of = None if own is None else own.tree
         start = plain(number.value)
         self.parameters[path] = Slot(path, start, number.dimension, made_of)
         return Number(slotted(start, Name(PREFIX + path), self), number.dimension)
@@ -157,7 +158,7 @@ class Slotted:
     def _with(self, op: str, other: object, *, swapped: bool = False) -> Any:
         if isinstance(other, complex):
             own = float(self)
-            return _PLAIN[op](*((other, own) if swapped else (own, other)))  # type: ignore[arg-type]
+            return _PLAIN[op](*((other, own) if swapped else (own, other)))
         if not isinstance(other, int | float | Slotted):
             return NotImplemented
         left, right = (tree_of(other), self.tree) if swapped else (self.tree, tree_of(other))
@@ -250,11 +251,15 @@ def slotted(value: float, tree: Expr, slots: Slots) -> float:
     return cast(float, Slotted(value, tree, slots))
 
 
+def slot_of(value: object) -> Slotted | None:
+    """Return a number, plain or in an expression, if it follows from parameters; else None."""
+    found = value.value if isinstance(value, Number) else value
+    return found if isinstance(found, Slotted) else None
+
+
 def is_slotted(value: object) -> bool:
-    """Whether a number, or what is in an expression, may be written by parameters."""
-    return isinstance(value, Slotted) or (
-        isinstance(value, Number) and isinstance(value.value, Slotted)
-    )
+    """Whether a number, plain or in an expression, follows from parameters."""
+    return slot_of(value) is not None
 
 
 def plain(value: object) -> float:
@@ -269,7 +274,8 @@ def tree_of(value: object) -> Expr:
 
 def settled(value: float, why: str) -> float:
     """Return a plain number; that it is this one is written down, with what it goes into."""
-    return value.settle(why) if isinstance(value, Slotted) else float(value)
+    slot = slot_of(value)
+    return float(value) if slot is None else slot.settle(why)
 
 
 def _negative(e: Expr) -> Expr:
