@@ -93,7 +93,10 @@ def _written(model: Model, known: _Known, parameters: Mapping[str, Value]) -> Fl
     for own, graph, writing in known.slotted:
         row = writing.row(given) if own == kinds else None
         if row is not None:
-            return _with(graph, writing, row)
+            try:
+                return _with(graph, writing, row)
+            except ArithmeticError:
+                return flatten(model, parameters)
     slots = Slots()
     graph = flatten(model, parameters, slots)
     if warn_of_values(graph) or _has_blocks(graph):
@@ -108,7 +111,7 @@ def _with(graph: FlatGraph, writing: Writing, row: list[float]) -> FlatGraph:
     written = Written(graph, writing, row)
     read, parametric = graph.read, graph.parametric
     assert read is not None and parametric is not None
-    found: FlatGraph = written.put(graph)
+    found: FlatGraph = written.put(graph, stays=True)
     return replace(
         found,
         written=written,

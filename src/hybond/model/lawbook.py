@@ -184,19 +184,19 @@ class _Reader:
                 where=self.where,
                 hint="one row per port",
             )
-        import numpy as np
-
-        numbers = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
-        given = np.array([[settled(v, FIELD) for v in r] for r in numbers])
+        given = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
         if self.node.kind in STORAGES:
-            if np.linalg.matrix_rank(given) < self.count:
+            import numpy as np
+
+            whole = np.array([[settled(v, FIELD) for v in r] for r in given])
+            if np.linalg.matrix_rank(whole) < self.count:
                 raise ModelError(
                     "the matrix of a storage field must be invertible",
                     code="HB-M163",
                     where=self.where,
                     hint="ideal coupling is a transformer",
                 )
-            given = np.linalg.inv(given)
+            given = np.linalg.inv(whole).tolist()
         argument = self.node.about.energy or ("f" if self.output == "e" else "e")
         arguments = [
             self.locals[f"{argument}{k + 1}" if self.count > 1 else argument]
@@ -206,10 +206,9 @@ class _Reader:
         for row in given:
             total: Expr = Number(0.0)
             for coefficient, name in zip(row, arguments, strict=True):
-                total = Binary("+", total, Binary("*", Number(float(coefficient)), name))
+                total = Binary("+", total, Binary("*", Number(coefficient), name))
             expressions.append(simplify(total))
-        matrix = tuple(tuple(float(v) for v in row) for row in given)
-        return Law(self.output, tuple(expressions), matrix)
+        return Law(self.output, tuple(expressions), tuple(map(tuple, given)))
 
     def full(self, value: Mapping[str, Any]) -> Law:
         """``{ e = "k*q^3" }``, ``{ f = { table = [...] } }`` or a list of these for a field."""

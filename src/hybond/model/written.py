@@ -35,7 +35,7 @@ class Writing:
     Parameters
     ----------
     slots : Slots
-        Of the model; nothing more is asked of them.
+        Of the model.
     wanted : sequence of Expr
 
     Examples
@@ -52,9 +52,12 @@ class Writing:
 
     def __init__(self, slots: Slots, wanted: Sequence[Expr] = ()) -> None:
         self.parameters = list(slots.parameters.values())
-        self.conditions = list(slots.conditions)
+        self.conditions = slots.conditions
+        """More of them, when more is made of the model."""
         self.wanted = list(wanted)
         self._place = {PREFIX + p.path: k for k, p in enumerate(self.parameters)}
+        self.plain: dict[int, object] = {}
+        """Parts of graph and tables without slots, by their identity."""
         self._scalars: dict[Expr, Callable[[Sequence[float]], Any]] = {}
 
     def of(self, given: Mapping[str, Vector], many: int) -> tuple[NDArray[np.bool_], Vector]:
@@ -104,8 +107,11 @@ class Writing:
                 found.append(float(self._scalar(p.made_of)(found)))
             else:
                 found.append(p.start)
-        fits = all(map(math.isfinite, found))
-        return found if fits and all(self._scalar(e)(found) for e in self.conditions) else None
+        return found if all(map(math.isfinite, found)) and self.fits(found) else None
+
+    def fits(self, row: Sequence[float]) -> bool:
+        """Whether a member with these parameters is made of the same parts, as far as is known."""
+        return all(self._scalar(e)(row) for e in self.conditions)
 
     def value(self, e: Expr, row: Sequence[float]) -> float:
         """Return an expression of the parameters of one member."""
@@ -135,34 +141,45 @@ class Written:
     writing: Writing
     row: Sequence[float]
 
-    def number(self, x: Any) -> float:
-        """Return a number that may be slotted as it is with these parameters."""
-        return self.writing.value(x.tree, self.row) if isinstance(x, Slotted) else x
+    def put(self, value: Any, *, stays: bool = False) -> Any:
+        """Return a record, and what it is made of, with numbers where there are slots.
 
-    def put(self, value: Any) -> Any:
-        """Return a record, and what it is made of, with numbers where there are slots."""
+        What `stays`, as graph and tables do, is looked through once for parts without any.
+
+        Raises
+        ------
+        ArithmeticError
+            If one of the numbers is not finite.
+        """
         if isinstance(value, Slotted):
-            return self.number(value)
+            number = self.writing.value(value.tree, self.row)
+            if not math.isfinite(number):
+                raise ArithmeticError(f"{value.tree} is {number}")
+            return number
+        if isinstance(value, str | float | int) or id(value) in self.writing.plain:
+            return value
+        new = value
         if isinstance(value, tuple | list):
-            new = [self.put(v) for v in value]
-            return value if all(map(operator.is_, value, new)) else type(value)(new)
-        if isinstance(value, dict):
-            row = {k: self.put(v) for k, v in value.items()}
-            return value if all(row[k] is v for k, v in value.items()) else row
-        if is_dataclass(value) and not isinstance(value, type):
-            kinds = _kept_fields(type(value))
-            changed = {}
-            for name in kinds:
-                old = getattr(value, name)
-                now = self.put(old)
-                if now is not old:
-                    changed[name] = now
-            return replace(value, **changed) if changed else value
-        return value
+            parts = [self.put(v, stays=stays) for v in value]
+            if not all(map(operator.is_, value, parts)):
+                new = type(value)(parts)
+        elif isinstance(value, dict):
+            row = {k: self.put(v, stays=stays) for k, v in value.items()}
+            if any(row[k] is not v for k, v in value.items()):
+                new = row
+        elif is_dataclass(value) and not isinstance(value, type):
+            own = ((name, getattr(value, name)) for name in _names(type(value)))
+            put = {name: (old, self.put(old, stays=stays)) for name, old in own}
+            changed = {name: now for name, (old, now) in put.items() if now is not old}
+            if changed:
+                new = replace(value, **changed)
+        if stays and new is value:
+            self.writing.plain[id(value)] = value
+        return new
 
 
 @cache
-def _kept_fields(kind: type) -> tuple[str, ...]:
+def _names(kind: type) -> tuple[str, ...]:
     return tuple(f.name for f in fields(kind) if f.init)
 
 

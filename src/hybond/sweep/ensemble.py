@@ -37,6 +37,8 @@ _OWN = {
     "journal": "ensemble.run(k) runs one member again: give it one there with hybond.simulate",
 }
 """Options of `simulate` that an ensemble does not pass on, and what to do instead."""
+NO_NUMBERS = -1
+"""The kind of a member of which a value is an expression, or none at all."""
 _RUN = ("engine", "keep", "fmus")
 """Those that do not say what is computed."""
 
@@ -184,41 +186,35 @@ class _Work:
 
     def _all(self, workers: int) -> str:
         asked, alone = _asked(self.task)
-        together = 0
-        ordinary: list[int] = []
+        together = ordinary = 0
         rest = np.arange(self.total)
-        kinds = values = None
-        if asked is not None:
-            kinds, values = _read(self.columns)
-        while len(rest):
+        if asked is None:
+            # whoever runs first says what the outputs are, and what is wrong with the call
+            ordinary, rest = self._ordinary(rest.tolist()), rest[:0]
+        kinds, values = _read(self.columns)
+        while len(rest) and asked is not None:
             first = int(rest[0])
+            own, left = rest[:1], [first]
             family = None
-            if asked is not None and kinds is not None and values is not None:
+            if kinds[first] != NO_NUMBERS:
                 family = family_of(self.task.model, self.set(first), *asked, self.task.names)
-            if family is None or values is None or kinds is None:
-                # whoever is asked first says what the outputs are, and what is wrong with the call
-                ordinary = self._ordinary([first] if asked is not None else rest.tolist(), ordinary)
-                rest = rest[1:] if asked is not None else rest[:0]
-                continue
-            self._tell(family.names, family.units)
-            given = {path: column[rest] for path, column in values.items()}
-            fits, numbers, read = family.numbers(given, len(rest))
-            fits &= np.array([kinds[k] == kinds[first] for k in rest.tolist()])
-            own = rest[fits]
-            if not len(own):
-                ordinary = self._ordinary([first], ordinary)
-                rest = rest[1:]
-                continue
-            left = self._together(family, own, numbers[fits], read[fits], workers)
+            if family is not None:
+                self._tell(family.names, family.units)
+                given = {path: column[rest] for path, column in values.items()}
+                fits, numbers, read = family.numbers(given, len(rest))
+                fits &= kinds[rest] == kinds[first]
+                if fits[0]:
+                    own = rest[fits]
+                    left = self._together(family, own, numbers[fits], read[fits], workers)
             together += len(own) - len(left)
-            ordinary = self._ordinary(left, ordinary)
-            rest = rest[~fits]
+            ordinary += self._ordinary(left)
+            rest = np.setdiff1d(rest, own, assume_unique=True)
         how = []
         if together:
             count = min(workers, together)
             how.append(f"{_members(together)} in {count} thread{'s' * (count != 1)}")
         if ordinary:
-            how.append(f"{_members(len(ordinary))} one after the other{alone and f': {alone}'}")
+            how.append(f"{_members(ordinary)} one after the other{alone and f': {alone}'}")
         return ", ".join(how)
 
     def _together(
@@ -252,8 +248,8 @@ class _Work:
         in_threads(family.model, family.looked, t, numbers, min(workers, len(own)), keep)
         return sorted(left)
 
-    def _ordinary(self, members: list[int], before: list[int]) -> list[int]:
-        """Run members each as an ordinary run; return them with those before."""
+    def _ordinary(self, members: list[int]) -> int:
+        """Run members each as an ordinary run; return how many."""
         for k in members:
             run = run_of(self.task, self.set(k))
             if isinstance(run, Result):
@@ -263,7 +259,7 @@ class _Work:
                 self._tell(names, {name: run.unit(name) for name in names})
             self._keep(k, member_of(self.task, run))
             self._note(1)
-        return before + members
+        return len(members)
 
     def _keep(self, k: int, member: Member) -> None:
         self.final[:, k], self.samples[:, k] = member.final, member.samples
@@ -297,14 +293,22 @@ def _asked(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
     return (settings, band), ""
 
 
-def _read(columns: Columns) -> tuple[list[tuple[Kind, ...]], dict[str, Vector]]:
-    """Return of each member what kinds of values it has, and these as numbers, SI."""
+def _read(columns: Columns) -> tuple[NDArray[np.intp], dict[str, Vector]]:
+    """Return of each member a number for the kinds of its values, and the values in SI.
+
+    Members whose values are of the same kinds have the same number.
+    """
     kinds, values = [], {}
     for path, column in columns.items():
         own = [kind_of(value) for value in column]
         kinds.append([kind for kind, _ in own])
         values[path] = np.array([value for _, value in own])
-    return list(zip(*kinds, strict=True)), values
+    place: dict[tuple[Kind, ...], int] = {}
+    found = [
+        NO_NUMBERS if any(isinstance(k, str) for k in row) else place.setdefault(row, len(place))
+        for row in zip(*kinds, strict=True)
+    ]
+    return np.array(found), values
 
 
 def _members(count: int) -> str:

@@ -94,13 +94,23 @@ class Settings:
         """
         found: Prepared | None = graph.kept.get((self, maker.prepare))
         if found is None:
-            if graph.written is None:
-                found = maker.prepare(self.tables(graph))
-            else:
-                slotted = self.prepared(graph.written.graph, maker)
-                found = slotted.written(written_tables(slotted.tables, graph, graph.written))
+            found = self._written(graph, maker) or maker.prepare(self.tables(graph))
             graph.kept.keep((self, maker.prepare), found)
         return found
+
+    def _written(self, graph: FlatGraph, maker: EngineChoice) -> Prepared | None:
+        """Return what was prepared with slots, numbers written into them, if they fit."""
+        w = graph.written
+        if w is None:
+            return None
+        slotted = self.prepared(w.graph, maker)
+        # what tables are made of may ask more of the parameters than the graph does
+        if not w.writing.fits(w.row):
+            return None
+        try:
+            return slotted.written(written_tables(slotted.tables, graph, w))
+        except ArithmeticError:
+            return None
 
 
 def _tables_for(graph: FlatGraph, s: Settings) -> ModelTables:

@@ -55,9 +55,9 @@ class ModelTables:
 def written_tables(t: ModelTables, graph: FlatGraph, written: Written) -> ModelTables:
     """Return tables with numbers where there are slots; `graph` is theirs."""
     values = Expressions()
-    values.all, values.text = written.put(t.values.all), t.values.text
-    floats = {name: written.put(row) for name, row in t.floats.items()}
-    return replace(t, graph=graph, floats=floats, values=values, pairs=written.put(t.pairs))
+    values.all, values.text = written.put(t.values.all, stays=True), t.values.text
+    floats, pairs = (written.put(part, stays=True) for part in (t.floats, t.pairs))
+    return replace(t, graph=graph, floats=floats, values=values, pairs=pairs)
 
 
 def first_of(rows: list[list[Any]]) -> list[int]:
