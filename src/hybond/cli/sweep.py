@@ -17,6 +17,7 @@ from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
 from hybond.errors import HybondError
 from hybond.files import load
+from hybond.files.whole import write_whole
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
 
@@ -96,7 +97,7 @@ def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError
             case ".npz":
                 many.to_npz(target)
             case _:
-                target.write_text(to_json(sweep_record(many, file)), encoding="utf-8")
+                write_whole(target, to_json(sweep_record(many, file)))
     except Exception as error:
         refusal = refusal_of(error)
         refusal.where = refusal.where or str(target)
