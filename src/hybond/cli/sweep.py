@@ -82,7 +82,10 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
 
 
 def _options(given: Namespace) -> dict[str, Any]:
-    names = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact")
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
     return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
