@@ -30,6 +30,7 @@ from hybond.run_options import (
     end_of,
     ignored_impact,
     impact_of,
+    limit_of,
     seconds_of,
     sliding_of,
     solver_of,
@@ -253,8 +254,6 @@ def settings_of(
             hint="leave it out to let the tolerances decide",
         )
     choice, band = sliding_of(sliding, hysteresis, experiment)
-    most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
-    steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
     settings = Settings(
         until=end,
         solver=name,
@@ -264,8 +263,8 @@ def settings_of(
         max_step=math.inf if longest is None else longest,
         event_tol=float(experiment.get("event_tol", 1e-12)),
         slides=choice == "filippov",
-        max_events=int(most),
-        max_steps=int(steps),
+        max_events=limit_of("max_events", max_events, experiment),
+        max_steps=limit_of("max_steps", max_steps, experiment),
         max_writes=int(experiment.get("max_writes", 1000)),
     )
     if name in STEPPING:

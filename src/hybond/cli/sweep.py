@@ -17,6 +17,7 @@ from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
 from hybond.errors import HybondError
 from hybond.files import load
+from hybond.files.whole import write_whole
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
 
@@ -81,7 +82,10 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
 
 
 def _options(given: Namespace) -> dict[str, Any]:
-    names = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact")
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
     return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
@@ -96,7 +100,7 @@ def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError
             case ".npz":
                 many.to_npz(target)
             case _:
-                target.write_text(to_json(sweep_record(many, file)), encoding="utf-8")
+                write_whole(target, to_json(sweep_record(many, file)))
     except Exception as error:
         refusal = refusal_of(error)
         refusal.where = refusal.where or str(target)
