@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from hybond.blocks.runners import runners_of
-from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import choose_engine
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import choose_engine, prepared
 from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
+from hybond.engine.tables.options import settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -23,20 +23,9 @@ from hybond.model.parts import Value
 from hybond.result import Result, Status
 from hybond.run_options import (
     AUTO,
-    FIXED,
     STEPPING,
     Choice,
-    check_step,
-    end_of,
     ignored_impact,
-    impact_of,
-    limit_of,
-    seconds_of,
-    sliding_of,
-    solver_of,
-    stepping_step,
-    stepping_theta,
-    tolerances_of,
 )
 
 ENGINE: Literal["library", "python"] | None = None
@@ -192,7 +181,7 @@ def simulate(
     ignored = ignored_impact(impact, graph.experiment) if name in STEPPING else None
     chosen = None
     if name == AUTO:
-        fit = fitting(replace(settings, solver="exact").prepared(graph, maker))
+        fit = fitting(prepared(graph, replace(settings, solver="exact"), maker))
         name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
         settings = replace(settings, solver=name)
     runners = runners_of(graph, fmus=fmus)
@@ -201,10 +190,10 @@ def simulate(
         if name in STEPPING:
             run = StepsRun(graph, settings, maker, progress=progress, runners=runners)
         else:
-            prepared = settings.prepared(graph, maker)
+            own = prepared(graph, settings, maker)
             # last of all: it replaces the file that is there
             opened = None if journal is None else _opened(journal, graph)
-            run = EngineRun(prepared, progress=progress, keep=keep, journal=opened, runners=runners)
+            run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
         run.trace.engine = maker.said
         if ignored is not None:
             run.trace.warn(ignored)
@@ -212,76 +201,6 @@ def simulate(
     finally:
         for runner in runners.values():
             runner.close()
-
-
-def settings_of(
-    experiment: Mapping[str, Any],
-    until: float | str | None = None,
-    *,
-    solver: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    step: float | str | None = None,
-    max_step: float | str | None = None,
-    theta: float | None = None,
-    sliding: Choice | None = None,
-    hysteresis: float | str | None = None,
-    impact: str | None = None,
-    max_events: int | None = None,
-    max_steps: int | None = None,
-) -> tuple[Settings, float | None]:
-    """Return what a run is asked for, and the band of its switching surfaces if they have one.
-
-    The parameters are those of `simulate`; what is not given is as the experiment says.
-
-    Raises
-    ------
-    UsageError
-        For what is wrong with them.
-    """
-    end = end_of(until, experiment)
-    rtol, atol = tolerances_of(rtol, atol, experiment)
-    name = solver_of(solver, experiment)
-    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
-    longest = seconds_of(
-        max_step if max_step is not None else experiment.get("max_step"), "max_step"
-    )
-    if longest is not None and not longest > 0.0:
-        raise UsageError(
-            f"max_step of {longest:g} s: it must be positive",
-            code="HB-S103",
-            where="max_step",
-            hint="leave it out to let the tolerances decide",
-        )
-    choice, band = sliding_of(sliding, hysteresis, experiment)
-    settings = Settings(
-        until=end,
-        solver=name,
-        step=None,
-        rtol=rtol,
-        atol=atol,
-        max_step=math.inf if longest is None else longest,
-        event_tol=float(experiment.get("event_tol", 1e-12)),
-        slides=choice == "filippov",
-        max_events=limit_of("max_events", max_events, experiment),
-        max_steps=limit_of("max_steps", max_steps, experiment),
-        max_writes=int(experiment.get("max_writes", 1000)),
-    )
-    if name in STEPPING:
-        theta = theta if theta is not None else experiment.get("theta", 0.5)
-        own = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
-        return own, band
-    if theta is not None:
-        raise UsageError(
-            f"theta is given, but solver {name!r} has none",
-            code="HB-S112",
-            where="theta",
-            hint='solver = "moreau-jean"',
-        )
-    # a step written in the experiment for a fixed-step solver may stand there unused
-    own_step = given_step if name in FIXED or step is not None else None
-    check_step(name, own_step)
-    return replace(settings, impact=impact_of(impact, experiment), step=own_step), band
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

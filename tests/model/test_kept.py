@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.engine.outcome import engine_run
+from hybond.engine.outcome import engines
 from hybond.model.kept import kept_graph
 
 
@@ -60,9 +60,9 @@ def test_a_model_that_was_changed_is_made_again(what: str) -> None:
 
 def test_tables_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[object] = []
-    tables_of = engine_run.tables_of
+    tables_of = engines.tables_of
     monkeypatch.setattr(
-        engine_run, "tables_of", lambda *a, **k: made.append(1) or tables_of(*a, **k)
+        engines, "tables_of", lambda *a, **k: made.append(1) or tables_of(*a, **k)
     )
     m = model()
     assert final(m) == final(m)

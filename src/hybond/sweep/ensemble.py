@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hybond import simulation
 from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import Unavailable, library
-from hybond.engine.outcome.engine_run import Settings
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.kept import Kind, kind_of
@@ -22,7 +22,7 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.run_options import AUTO, STEPPING, end_of
-from hybond.simulation import settings_of, simulate
+from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Member, Task, member_of, run_of

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.native import NativeModel
-from hybond.engine.outcome.engine_run import Settings
+from hybond.engine.outcome.engines import tables_for
 from hybond.engine.tables.bands import banded
+from hybond.engine.tables.options import Settings
 from hybond.errors import HybondError
 from hybond.model.builder import Model
 from hybond.model.expressions import (
@@ -58,7 +59,7 @@ class Family:
         self.warnings = graph.warnings
         expressions = [read_name(graph, name) for name in self.names]
         self.units = {n: unit_of(e, graph) for n, e in zip(self.names, expressions, strict=True)}
-        tables = settings.tables(graph)
+        tables = tables_for(graph, settings)
         self.called = bool(tables.numbers["called"] or tables.numbers["blocks"])
         self._index, self._size = tables.slots.index, tables.slots.size
         self._numbers: dict[Expr, str] = {}

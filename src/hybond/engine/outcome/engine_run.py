@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from types import FrameType
 
 import numpy as np
@@ -17,15 +16,12 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.native import ACCUMULATES, REFUSED
 from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.outcome.engines import EngineChoice, Prepared
+from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.tables import ModelTables, tables_of, written_tables
-from hybond.engine.tables.options import IMPACTS, METHODS, Options
 from hybond.errors import HybondError
-from hybond.model.graph import FlatGraph
 from hybond.trace import Accumulation, Trace
 
 LOOKED = 0.05
@@ -34,105 +30,8 @@ FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
 MOST = 1_000_000
-LARGEST = 2**31 - 1
-"""Beyond it there is no whole number in the library."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """What a run is asked for.
-
-    Parameters
-    ----------
-    until, rtol, max_step, event_tol : float
-    atol : float or None
-    solver : str
-        One of `METHODS`.
-    step : float or None
-        Of fixed steps, s.
-    theta : float
-        Of time-stepping.
-    slides : bool
-    impact : tuple of str and float
-        Law of impacts, and the exponent of springs.
-    max_events, max_steps, max_writes : int
-    """
-
-    until: float
-    solver: str
-    step: float | None
-    event_tol: float
-    max_events: int
-    max_writes: int
-    rtol: float = 1e-8
-    atol: float | None = None
-    max_step: float = math.inf
-    slides: bool = False
-    impact: tuple[str, float] = ("newton", 1.0)
-    max_steps: int = LARGEST
-    theta: float = 0.5
-
-    def tables(self, graph: FlatGraph) -> ModelTables:
-        """Return the tables of a model for such a run.
-
-        Raises
-        ------
-        ModelError
-            As `tables_of`.
-        """
-        return _tables_for(graph, self)
-
-    def prepared(self, graph: FlatGraph, maker: EngineChoice) -> Prepared:
-        """Return a model, prepared for such runs; it is kept with its graph.
-
-        Raises
-        ------
-        ModelError
-            As `tables_of`.
-        """
-        found: Prepared | None = graph.kept.get((self, maker.prepare))
-        if found is None:
-            found = self._written(graph, maker) or maker.prepare(self.tables(graph))
-            graph.kept.keep((self, maker.prepare), found)
-        return found
-
-    def _written(self, graph: FlatGraph, maker: EngineChoice) -> Prepared | None:
-        """Return what was prepared with slots, numbers written into them, if they fit."""
-        w = graph.written
-        if w is None:
-            return None
-        slotted = self.prepared(w.graph, maker)
-        # what tables are made of may ask more of the parameters than the graph does
-        if not w.writing.fits(w.row):
-            return None
-        try:
-            return slotted.written(written_tables(slotted.tables, graph, w))
-        except ArithmeticError:
-            return None
-
-
-def _tables_for(graph: FlatGraph, s: Settings) -> ModelTables:
-    numbers: dict[str, float] = {
-        "until": s.until,
-        "points": 1,
-        "rtol": s.rtol,
-        "atol": math.nan if s.atol is None else s.atol,
-        "max_step": s.max_step,
-        "event_tol": s.event_tol,
-        # the library counts no further
-        "max_writes": min(s.max_writes, LARGEST),
-        "max_events": min(s.max_events, LARGEST),
-        "max_steps": min(s.max_steps, LARGEST),
-        "method": METHODS[s.solver],
-        "step": s.step or 0.0,
-        "theta": s.theta,
-        "slides": int(s.slides),
-        "impact": IMPACTS[s.impact[0]],
-        "impact_exponent": s.impact[1],
-    }
-    return tables_of(graph, options=Options(graph, numbers, []), calling=True, tells=True)
 
 
 class EngineRun:

@@ -15,8 +15,10 @@ from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, l
 from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import Rows
-from hybond.engine.tables import ModelTables
+from hybond.engine.tables import ModelTables, tables_of, written_tables
+from hybond.engine.tables.options import Options, Settings
 from hybond.errors import UsageError
+from hybond.model.graph import FlatGraph
 
 Asked = Literal["library", "python"]
 
@@ -180,3 +182,46 @@ def prepared_for_python(tables: ModelTables) -> Prepared:
         lambda runners: PythonRun(model, runners=runners),
         lambda: PythonLook(model),
     )
+
+
+def prepared(graph: FlatGraph, settings: Settings, maker: EngineChoice) -> Prepared:
+    """Return a model, prepared for runs by an engine; it is kept with its graph.
+
+    Raises
+    ------
+    ModelError
+        As `tables_of`.
+    """
+    asked = settings, maker.prepare
+    found: Prepared | None = graph.kept.get(asked)
+    if found is None:
+        found = _written(graph, settings, maker) or maker.prepare(tables_for(graph, settings))
+        graph.kept.keep(asked, found)
+    return found
+
+
+def tables_for(graph: FlatGraph, settings: Settings) -> ModelTables:
+    """Return the tables of a model for runs that are written down.
+
+    Raises
+    ------
+    ModelError
+        As `tables_of`.
+    """
+    options = Options(graph, settings.numbers, [])
+    return tables_of(graph, options=options, calling=True, tells=True)
+
+
+def _written(graph: FlatGraph, settings: Settings, maker: EngineChoice) -> Prepared | None:
+    """Return what was prepared with slots, numbers written into them, if they fit."""
+    w = graph.written
+    if w is None:
+        return None
+    slotted = prepared(w.graph, settings, maker)
+    # what tables are made of may ask more of the parameters than the graph does
+    if not w.writing.fits(w.row):
+        return None
+    try:
+        return slotted.written(written_tables(slotted.tables, graph, w))
+    except ArithmeticError:
+        return None

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from hybond.blocks.runners import Runner
-from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import EngineChoice
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import EngineChoice, prepared
 from hybond.engine.outcome.step_error import BAD, StepError, compare
+from hybond.engine.tables.options import Settings
 from hybond.errors import HybondError
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph
@@ -49,8 +50,8 @@ class StepsRun:
         self.settings = settings
         self.progress = progress
         self._maker = maker
-        prepared = settings.prepared(graph, maker)
-        self._fine = EngineRun(prepared, progress=progress, runners=runners)
+        own = prepared(graph, settings, maker)
+        self._fine = EngineRun(own, progress=progress, runners=runners)
         self.trace = self._fine.trace
         assert settings.step is not None
         self.step = settings.step
@@ -90,7 +91,7 @@ class StepsRun:
         """Return how far a run with steps longer by `factor` is from this one, if it can be."""
         longer = replace(self.settings, step=factor * self.step)
         coarse = EngineRun(
-            longer.prepared(self.graph, self._maker),
+            prepared(self.graph, longer, self._maker),
             # so that a run can be interrupted here as well
             progress=None if self.progress is None else self._progress_at_end,
         )
