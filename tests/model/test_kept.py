@@ -61,9 +61,7 @@ def test_a_model_that_was_changed_is_made_again(what: str) -> None:
 def test_tables_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[object] = []
     tables_of = engines.tables_of
-    monkeypatch.setattr(
-        engines, "tables_of", lambda *a, **k: made.append(1) or tables_of(*a, **k)
-    )
+    monkeypatch.setattr(engines, "tables_of", lambda *a, **k: made.append(1) or tables_of(*a, **k))
     m = model()
     assert final(m) == final(m)
     assert len(made) == 1

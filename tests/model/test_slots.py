@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.engine.tables import tables_of, written_tables
 from hybond.model.expressions import (
     Number,
     compile_expression,
@@ -17,6 +19,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.slots import Slots, Slotted
 from hybond.model.flatten import flatten
+from hybond.model.written import Writing, Written
 
 VALUES = {"a": 3.0, "b": 0.7, "n": 2.0, "same": 3.0}
 OTHERS = {"a": -1.25, "b": 5.5, "n": 3.0, "same": 2.0}
@@ -122,3 +125,44 @@ def test_a_parameter_made_of_others_says_so() -> None:
     (row,) = law.matrix
     assert isinstance(row[0], Slotted)
     assert at(row[0].tree, {"R": 2.0, "tau": 8.0}) == 0.25
+
+
+PARTS = [*hb.library.names()]
+
+
+@pytest.mark.sampled(20)
+@pytest.mark.parametrize("name", PARTS)
+def test_tables_of_a_part_follow_each_of_its_parameters(name: str) -> None:
+    """Numbers written into tables are those of tables made anew, where these have one shape."""
+    model = hb.library.part(name)
+    values = {k: v for k, v in model.flatten().parameters.items() if isinstance(v, float)}
+    slots = Slots()
+    graph = flatten(model, {}, slots)
+    options = {"until": 1.0, "solver": "exact", "calling": True}
+    tables = tables_of(graph, **options)
+    writing = Writing(slots)
+    for path, value in values.items():
+        row = writing.row({path: 1.17 * value + 0.1 * (value == 0.0)})
+        if row is None:
+            continue
+        written = Written(graph, writing, row)
+        found = written_tables(tables, written.put(graph), written)
+        given = dict(zip(slots.parameters, row, strict=True))
+        plain = tables_of(flatten(model, {path: given[path]}), **options)
+        for column, numbers in plain.floats.items():
+            # expressions that are one by chance are merged; numbers have columns of their own
+            if len(found.floats[column]) == len(numbers) and found.ints == plain.ints:
+                assert found.floats[column] == numbers, (path, column)
+
+
+def test_a_plain_number_is_never_made_unseen() -> None:
+    """Whoever wants one has it written down: functions, arrays of NumPy, whole numbers."""
+    for wants in (math.sin, np.float64, int, lambda x: np.array([x], dtype=float), complex):
+        slots, numbers = followed({"a": 3.0, "b": 2.0})
+        wants(numbers["a"].value)
+        assert [str(e) for e in slots.conditions] == ["p:a == 3"]
+        assert list(slots.fixed) == ["a"]
+    slots, numbers = followed({"a": 3.0})
+    total = np.float64(2.0) * numbers["a"].value + np.array(1.0)[()]
+    assert isinstance(total, Slotted) and str(total.tree) == "2*p:a + 1"
+    assert not slots.conditions

@@ -25,7 +25,7 @@ from hybond.run_options import AUTO, STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
-from hybond.sweep.member import Member, Task, member_of, run_of
+from hybond.sweep.member import Task, read_outputs, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
 from hybond.sweep.threads import cores, in_threads
 
@@ -37,6 +37,7 @@ _OWN = {
     "journal": "ensemble.run(k) runs one member again: give it one there with hybond.simulate",
 }
 """Options of `simulate` that an ensemble does not pass on, and what to do instead."""
+_NONE = np.zeros(0)
 NO_NUMBERS = -1
 """The kind of a member of which a value is an expression, or none at all."""
 _RUN = ("engine", "keep", "fmus")
@@ -154,7 +155,7 @@ class _Work:
         self.status = np.full(n, "interrupted", dtype="<U12")
         self.t_end = np.zeros(n)
         self.counts = np.zeros(n, dtype=np.intp)
-        self.events: list[Vector] = [np.zeros(0)] * n
+        self.events: list[Vector] = [_NONE] * n
         self.errors: dict[int, HybondError] = {}
         self.warnings: dict[int, tuple[str, ...]] = {}
         self._progress = progress
@@ -257,18 +258,22 @@ class _Work:
                     raise KeyboardInterrupt
                 names = self.task.names if self.known else tuple(run.names)
                 self._tell(names, {name: run.unit(name) for name in names})
-            self._keep(k, member_of(self.task, run))
+            self._keep(k, run)
             self._note(1)
         return len(members)
 
-    def _keep(self, k: int, member: Member) -> None:
-        self.final[:, k], self.samples[:, k] = member.final, member.samples
-        self.status[k], self.t_end[k], self.counts[k] = member.status, member.t_end, member.count
-        self.events[k] = member.events
-        if member.error is not None:
-            self.errors[k] = member.error
-        if member.warnings:
-            self.warnings[k] = member.warnings
+    def _keep(self, k: int, run: Result | HybondError) -> None:
+        error = run if isinstance(run, HybondError) else None
+        self.status[k] = "error"
+        if isinstance(run, Result):
+            error = read_outputs(self.task, run, self.final[:, k], self.samples[:, k])
+            self.status[k] = run.status if error is None else "error"
+            self.t_end[k], self.counts[k] = run.t_end, run.trace.events.total
+            self.events[k] = np.array(run.trace.events.times) if self.task.events else _NONE
+            if run.warnings:
+                self.warnings[k] = run.warnings
+        if error is not None:
+            self.errors[k] = error
 
     def _note(self, many: int) -> None:
         self._done += many
