@@ -29,27 +29,18 @@ CONFLICTS_NEARBY = 50
 
 @dataclass(frozen=True, slots=True)
 class BondCausality:
-    """The causality of one bond in one mode.
-
-    Parameters
-    ----------
-    name : str
-        The bond as written.
-    at : str
-        The node at the stroke: it receives the effort.
-    kind : {"invariant", "dynamic", "kept"}
-        The same in every mode, proved; dependent on the mode; or the same in all modes examined.
-    through : tuple of str
-        The controlled junctions and switched elements that turn a dynamic stroke.
-    why : str
-        What set the stroke.
-    """
+    """The causality of one bond in one mode."""
 
     name: str
+    """The bond as written."""
     at: str
+    """The node at the stroke: it receives the effort."""
     kind: Kind
+    """The same in every mode, proved; dependent on the mode; or the same in all modes examined."""
     through: tuple[str, ...]
+    """The controlled junctions and switched elements that turn a dynamic stroke."""
     why: str
+    """What set the stroke."""
 
     @property
     def words(self) -> str:
@@ -63,22 +54,15 @@ class CausalityReport:
 
     Shows itself as a table (``print``) and, in a notebook, as a drawing with dashed strokes on
     the bonds whose causality depends on the mode.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    mode : tuple of int
-        The mode shown.
-    causality : Causality
-        The strokes of that mode, with reasons, loops and conflicts.
-    dynamics : Dynamics
-        Which bonds depend on the mode; `dynamics.reference` is the reference mode.
     """
 
     graph: FlatGraph
     mode: Mode
+    """The mode shown."""
     causality: Causality
+    """The strokes of that mode, with reasons, loops and conflicts."""
     dynamics: Dynamics
+    """Which bonds depend on the mode; `dynamics.reference` is the reference mode."""
 
     @cached_property
     def bonds(self) -> tuple[BondCausality, ...]:

@@ -39,23 +39,16 @@ TRIALS = (0.7411 + 0.3923j, -1.1307 + 0.8219j, 1.9163 - 0.2741j)
 
 @dataclass(frozen=True, slots=True)
 class Slow:
-    """What moves: ``x' = A x + B u`` in scaled variables, ``y = C x`` but for what u adds.
-
-    Parameters
-    ----------
-    A, B, C : arrays
-        Of `order` states.
-    kept : tuple of int
-        Which of the descriptor's variables the states are.
-    basis : array, shape (n, order)
-        ``v = basis @ x`` while u = 0: how all variables move with the states.
-    """
+    """What moves: ``x' = A x + B u`` in scaled variables, ``y = C x`` but for what u adds."""
 
     A: Matrix
     B: Matrix
     C: Matrix
+    """`A`, `B` and `C`: of `order` states."""
     kept: tuple[int, ...]
+    """Which of the descriptor's variables the states are."""
     basis: Matrix
+    """Shape (n, order). ``v = basis @ x`` while u = 0: how all variables move with the states."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,18 +14,12 @@ from hybond.equations.symbolic.rational import Rational
 
 @dataclass(frozen=True, slots=True)
 class Jet:
-    """A known or one of its derivatives.
-
-    Parameters
-    ----------
-    column : int
-        The column of the known.
-    order : int
-        How often it is differentiated.
-    """
+    """A known or one of its derivatives."""
 
     column: int
+    """The column of the known."""
     order: int
+    """How often it is differentiated."""
 
 
 class Jets:

@@ -31,14 +31,6 @@ SHOWN = 4
 class StructureReport:
     """The structure of a model, mode by mode; prints as a table.
 
-    Parameters
-    ----------
-    graph : FlatGraph
-    rows : tuple of ModeStructure
-    selection : str
-        Which modes these are.
-    inputs, outputs : tuple of str
-
     Examples
     --------
     >>> import hybond as hb
@@ -56,6 +48,7 @@ class StructureReport:
     graph: FlatGraph
     rows: tuple[ModeStructure, ...]
     selection: str
+    """Which modes these are."""
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 

@@ -32,25 +32,18 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Motions one after the other in which nothing is slid on.
-
-    Parameters
-    ----------
-    t : array, shape (motions,)
-        When each begins, s.
-    state, landed : array of int, shape (motions, machines)
-        The states of machines, and whether each has landed.
-    first : array of int, shape (motions + 1,)
-        Where the points of each begin, and where the last ones end.
-    energy : float
-        The largest energy that the run has seen, J.
-    """
+    """Motions one after the other in which nothing is slid on."""
 
     t: Vector
+    """Shape (motions,). When each begins, s."""
     state: Numbers
     landed: Numbers
+    """Shape (motions, machines). `state` and `landed`: the states of machines, and whether each has
+    landed."""
     first: Numbers
+    """Shape (motions + 1,). Where the points of each begin, and where the last ones end."""
     energy: float
+    """The largest energy that the run has seen, J."""
 
 
 class Look(ABC):

@@ -55,67 +55,57 @@ class Seen(ctypes.Structure):
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are.
-
-    Parameters
-    ----------
-    step_time : array, shape (steps, 3)
-        Begin and end of each step, and where it was ended, s.
-    step_until : array, shape (steps,)
-        The next timed event, s.
-    step_state : array, shape (steps, 3, states)
-        The state there.
-    step_dense : array, shape (steps, 4, states)
-    step_place : array of int, shape (steps, 2 + 2 machines)
-    instant_time : array, shape (instants, 2)
-    instant_state : array, shape (instants, 2, states)
-        Before and after.
-    instant_place : array of int, shape (instants, 3 + 2 machines)
-    visit : array of int, shape (visits, 5)
-    visit_energy : array, shape (visits, 3)
-    fired : array of int, shape (transitions, 6)
-    read : array, shape (values, 3)
-    hit : array of int, shape (hits,)
-    hit_area : array, shape (hits, 2)
-    over, open, slid : arrays of int
-    slide_time : array, shape (slides,)
-    warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
-        Their kinds, and where their numbers begin in `about`.
-    warn_time, about : array
-    step_bonds : array, shape (points, 2 bonds)
-        Of time-stepping: bond variables where steps end, and where a motion begins.
-    step_energy : array, shape (steps or 0, 3)
-    instant_since : array, shape (instants,)
-        When the step began within which it happened, s; -1 where it was located.
-    step_bond : array of int, shape (steps or 0,)
-    """
+    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are."""
 
     step_time: NDArray[np.float64]
+    """Shape (steps, 3). Begin and end of each step, and where it was ended, s."""
     step_until: NDArray[np.float64]
+    """Shape (steps,). The next timed event, s."""
     step_state: NDArray[np.float64]
+    """Shape (steps, 3, states). The state there."""
     step_dense: NDArray[np.float64]
+    """Shape (steps, 4, states)."""
     step_place: NDArray[np.intc]
+    """Shape (steps, 2 + 2 machines)."""
     instant_time: NDArray[np.float64]
+    """Shape (instants, 2)."""
     instant_state: NDArray[np.float64]
+    """Shape (instants, 2, states). Before and after."""
     instant_place: NDArray[np.intc]
+    """Shape (instants, 3 + 2 machines)."""
     visit: NDArray[np.intc]
+    """Shape (visits, 5)."""
     visit_energy: NDArray[np.float64]
+    """Shape (visits, 3)."""
     fired: NDArray[np.intc]
+    """Shape (transitions, 6)."""
     read: NDArray[np.float64]
+    """Shape (values, 3)."""
     hit: NDArray[np.intc]
+    """Shape (hits,)."""
     hit_area: NDArray[np.float64]
+    """Shape (hits, 2)."""
     over: NDArray[np.intc]
     open: NDArray[np.intc]
     slid: NDArray[np.intc]
     slide_time: NDArray[np.float64]
+    """Shape (slides,)."""
     warn: NDArray[np.intc]
     warn_first: NDArray[np.intc]
+    """Shape (warnings,), (warnings + 1,). `warn` and `warn_first`: their kinds, and where their
+    numbers begin in `about`."""
     warn_time: NDArray[np.float64]
     about: NDArray[np.float64]
     step_bonds: NDArray[np.float64]
+    """Shape (points, 2 bonds). Of time-stepping: bond variables where steps end, and where a motion
+    begins."""
     step_energy: NDArray[np.float64]
+    """Shape (steps or 0, 3)."""
     instant_since: NDArray[np.float64]
+    """Shape (instants,). When the step began within which it happened, s; -1 where it was
+    located."""
     step_bond: NDArray[np.intc]
+    """Shape (steps or 0,)."""
 
 
 def copied_floats(begin: Any, *shape: int) -> NDArray[np.float64]:

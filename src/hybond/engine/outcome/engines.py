@@ -84,36 +84,23 @@ class SlicedRun(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A model, prepared for runs by an engine.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    run : callable
-        ``run(runners)`` is a run that has not begun; what runs each block is by its path.
-    look : callable
-        ``look()`` looks into finished runs.
-    """
+    """A model, prepared for runs by an engine."""
 
     tables: ModelTables
     run: Callable[[Mapping[str, Runner] | None], SlicedRun]
+    """``run(runners)`` is a run that has not begun; what runs each block is by its path."""
     look: Callable[[], Look]
+    """``look()`` looks into finished runs."""
 
 
 @dataclass(frozen=True, slots=True)
 class EngineChoice:
-    """What makes a run.
-
-    Parameters
-    ----------
-    prepare : callable
-        Takes the tables of a model.
-    said : str
-        What a result says of it.
-    """
+    """What makes a run."""
 
     prepare: Callable[[ModelTables], Prepared]
+    """Takes the tables of a model."""
     said: str
+    """What a result says of it."""
 
 
 def choose_engine(asked: Asked | None = None) -> EngineChoice:

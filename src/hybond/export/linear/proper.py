@@ -22,19 +22,14 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True)
 class Proper:
-    """``x' = A x + B u``, ``v = basis @ x + sum of direct[k] @ (k-th derivative of u)``.
-
-    Parameters
-    ----------
-    kept : tuple of int
-        Which of `v` the states are, but for what `direct` adds to them.
-    """
+    """``x' = A x + B u``, ``v = basis @ x + sum of direct[k] @ (k-th derivative of u)``."""
 
     A: Matrix
     B: Matrix
     basis: Matrix
     direct: tuple[Matrix, ...]
     kept: tuple[int, ...]
+    """Which of `v` the states are, but for what `direct` adds to them."""
 
 
 def proper(E: Matrix, A: Matrix, B: Matrix, stored: int) -> Proper:

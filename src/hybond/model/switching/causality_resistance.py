@@ -42,23 +42,15 @@ class StiffMode:
 
 @dataclass(frozen=True, slots=True)
 class CausalityResistance:
-    """What adding a causality resistance did.
-
-    Parameters
-    ----------
-    element, junction : str
-    value : float
-        Its resistance, SI.
-    modes : tuple of StiffMode
-    reference : float
-        The fastest time constant of the model without it, over these modes, s.
-    """
+    """What adding a causality resistance did."""
 
     element: str
     junction: str
     value: float
+    """Its resistance, SI."""
     modes: tuple[StiffMode, ...]
     reference: float
+    """The fastest time constant of the model without it, over these modes, s."""
 
     @property
     def fastest(self) -> float:
