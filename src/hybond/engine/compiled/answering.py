@@ -117,6 +117,10 @@ class Answering:
         next(answers)
         self.callback = CALLBACK(answers.send)
 
+    def of(self, library: ctypes.CDLL, handle: ctypes.c_void_p) -> None:
+        """Answer what a run or a look asks."""
+        library.hybond_ask(handle, ctypes.byref(self.question), self.callback)
+
     def taken(self) -> BaseException:
         """Return what a call raised, and forget it."""
         error = self._raised[0] if self._raised else KeyboardInterrupt()

@@ -2,84 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import Literal
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.look import Look
 from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, library
 from hybond.engine.compiled.native_look import NativeLook
-from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.compiled.rows import Rows
+from hybond.engine.compiled.sliced import SlicedRun
 from hybond.engine.tables import ModelTables
 from hybond.errors import UsageError
 
 Asked = Literal["library", "python"]
-
-
-class SlicedRun(Protocol):
-    """A run in slices, as `NativeRun` is, which says what all this means."""
-
-    status: int
-
-    def slices(
-        self,
-        *,
-        steps: int | Callable[[], int] = ...,
-        between: Callable[[float], None] | None = None,
-    ) -> Iterator[Rows]:
-        """Run on to the end; yield what was written down, slice after slice."""
-
-    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
-        """Enter a mode at the start: of each rule whether it leaves it."""
-
-    @property
-    def t(self) -> float:
-        """The time that was reached, s."""
-
-    @property
-    def y(self) -> NDArray[Any]:
-        """The state there."""
-
-    @property
-    def mode(self) -> tuple[int, ...]:
-        """The state of each machine."""
-
-    @property
-    def fault(self) -> Refusal:
-        """What stopped the run."""
-
-    @property
-    def unrest(self) -> Refusal:
-        """Why a structure at rest had no solution."""
-
-    @property
-    def stuck(self) -> tuple[int, int, int, float, float]:
-        """What is known of events that accumulate."""
-
-    @property
-    def energy(self) -> float:
-        """The largest energy that the run has seen, J."""
-
-    @property
-    def rejected(self) -> int:
-        """Steps that were tried and found too long."""
-
-    @property
-    def evaluations(self) -> int:
-        """How often the rates of the state were evaluated."""
-
-    @property
-    def modes_made(self) -> int:
-        """Modes whose equations were made."""
-
-    @property
-    def propagated(self) -> list[int]:
-        """Modes that were propagated exactly, and those that were not."""
 
 
 @dataclass(frozen=True, slots=True)
