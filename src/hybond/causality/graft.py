@@ -45,8 +45,6 @@ def with_resistor(before: Grafted, place: Place, *, value: float = 1.0, side: in
 
     Parameters
     ----------
-    before : Grafted
-    place : Place
     value : float
         Its resistance, SI.
     side : int

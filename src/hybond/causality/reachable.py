@@ -59,7 +59,6 @@ def reachable(
 
     Parameters
     ----------
-    graph : FlatGraph
     start : tuple of int, optional
         Where the search begins; the start mode of the graph if not given.
     machines : iterable of int, optional

@@ -132,8 +132,6 @@ class Assembly(Generic[T]):
 
     Parameters
     ----------
-    graph : FlatGraph
-    ring : Ring
     on : collection of int
         The controlled nodes that are ON in the reference mode.
     symbolic : bool

@@ -73,7 +73,6 @@ def regions_of(form: SwitchForm[T], *, compact: bool = False) -> list[Region[T]]
 
     Parameters
     ----------
-    form : SwitchForm
     compact : bool
         Whether a region may be eliminated though some of its combinations have no solution
         (`Region.void`); else it is kept.

@@ -84,7 +84,6 @@ def switch_form(
 
     Parameters
     ----------
-    graph : FlatGraph
     ring : Ring
         Numbers or symbols.
     reference : tuple of int

@@ -188,7 +188,6 @@ def transfer_functions(eq: StateEquations[Any], mode: Mode) -> TransferFunctions
     ----------
     eq : StateEquations
         With outputs. Numbers are taken as exact decimals.
-    mode : tuple of int
 
     Raises
     ------

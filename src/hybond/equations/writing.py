@@ -27,7 +27,6 @@ def write_text(eq: StateEquations[Any], mode: Mode | None = None) -> str:
 
     Parameters
     ----------
-    eq : StateEquations
     mode : tuple of int, optional
         One mode; default all, with Booleans.
     """

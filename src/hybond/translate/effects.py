@@ -71,7 +71,6 @@ def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = T
 
     Parameters
     ----------
-    program : Program
     roots : iterable of str
         Functions that are called from outside, where their results may be changed.
     ordered : bool

@@ -102,8 +102,6 @@ def reasons(
 
     Parameters
     ----------
-    graph : FlatGraph
-    a, b : Result
     step : float or None
         Of the run that has one.
     unique : Uniqueness

@@ -147,9 +147,6 @@ def compared(
 
     Parameters
     ----------
-    names : sequence of Quantity
-    a, b : Result
-    tolerance : float
     step : float or None
         Of the run that has one.
     """

@@ -86,7 +86,6 @@ def verdict_of(
 
     Parameters
     ----------
-    found : sequence of Level
     limit : float
         Mean difference up to which runs agree.
     kept : sequence of Difference

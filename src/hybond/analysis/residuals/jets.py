@@ -23,13 +23,7 @@ class Jet:
 
 
 class Jets:
-    """Numbers the jets that occur, lower orders and earlier columns first come, first served.
-
-    Parameters
-    ----------
-    known : mapping of int to Known
-    ring : Symbols
-    """
+    """Numbers the jets that occur, lower orders and earlier columns first come, first served."""
 
     def __init__(self, known: Mapping[int, Known], ring: Symbols) -> None:
         self.known = known

@@ -68,8 +68,6 @@ def global_rows(given: SensorRows, pivots: UnitPivots, *, mode: Mode | None = No
 
     Parameters
     ----------
-    given : SensorRows
-    pivots : UnitPivots
     mode : tuple of int, optional
         Only this mode: nothing is tabulated then, however many switches meet.
     """

@@ -45,10 +45,8 @@ def network(
 
     Parameters
     ----------
-    graph : FlatGraph
     compressed : list of (Branch, gain symbol, gain)
         The massless branches of the contact's junction.
-    junction : str
 
     Raises
     ------

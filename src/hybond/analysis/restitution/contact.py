@@ -159,7 +159,6 @@ def find_contact(graph: FlatGraph, junction: str, *, state: str | None = None) -
 
     Parameters
     ----------
-    graph : FlatGraph
     junction : str
         Dotted path of the junction, or of a switched C or R.
     state : str

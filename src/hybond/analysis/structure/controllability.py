@@ -68,7 +68,6 @@ def controllability(p: Pencil, *, at_poles: bool = True) -> Reach:
 
     Parameters
     ----------
-    p : Pencil
     at_poles : bool
         Whether to make the second test, at the eigenvalues; without it `margin` is NaN.
 

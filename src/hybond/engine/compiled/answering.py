@@ -103,12 +103,7 @@ CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_int)
 
 
 class Answering:
-    """Answers the questions of one run by the library, and keeps what is raised meanwhile.
-
-    Parameters
-    ----------
-    calls : Calls
-    """
+    """Answers the questions of one run by the library, and keeps what is raised meanwhile."""
 
     def __init__(self, calls: Calls) -> None:
         self.question = Question()

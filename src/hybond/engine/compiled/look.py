@@ -51,10 +51,6 @@ class Look(ABC):
 
     First `into` says what the motion is, from its mode to what it slides on; what is asked next
     lies there. It does not matter what was looked into before.
-
-    Parameters
-    ----------
-    tables : ModelTables
     """
 
     def __init__(self, tables: ModelTables) -> None:
@@ -211,7 +207,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        points : Points or Within
         slots : array of int
             Which: slots of the vector of values, those of stored quantities and integrated signals
             with the state put back on its constraints; a second copy follows, a priori values.
@@ -237,7 +232,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        motions : Motions
         points : Within
             Those of the first motion first.
         slots : array of int
@@ -274,7 +268,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        points : Points or Within
         slots : array of int
             As for `values`.
 
@@ -319,7 +312,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        steps : Steps
         begin, end : array, shape (pairs,), optional
             s; from the begin of each step to where it was ended if they are not given.
 

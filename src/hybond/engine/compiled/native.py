@@ -109,12 +109,7 @@ def model_struct() -> type[ctypes.Structure]:
 
 
 class NativeModel:
-    """The tables of a model where the library reads them.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    """
+    """The tables of a model where the library reads them."""
 
     def __init__(self, tables: ModelTables) -> None:
         self.tables = tables
@@ -150,7 +145,6 @@ class NativeRun(SlicedRun):
 
     Parameters
     ----------
-    model : NativeModel
     runners : mapping of str to Runner
         As `SlicedRun`.
     fmus : bool

@@ -53,10 +53,6 @@ def _looking() -> ctypes.CDLL:
 class NativeLook(Look):
     """Looks into the motion of finished runs of a model, by the library.
 
-    Parameters
-    ----------
-    model : NativeModel
-
     Raises
     ------
     Unavailable

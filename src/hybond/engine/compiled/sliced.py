@@ -27,7 +27,6 @@ class SlicedRun(ABC):
 
     Parameters
     ----------
-    tables : ModelTables
     runners : mapping of str to Runner
         What runs each block, by its path; others have to close them. By default the run has its
         own, and closes them when it ends.

@@ -29,12 +29,7 @@ CALLS = (Calls.value.__code__, Calls.rate.__code__, Calls.block.__code__)
 
 
 class PythonModel:
-    """The tables of a model where the engine in Python reads them.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    """
+    """The tables of a model where the engine in Python reads them."""
 
     def __init__(self, tables: ModelTables) -> None:
         self.tables = tables
@@ -49,7 +44,6 @@ class PythonRun(SlicedRun):
 
     Parameters
     ----------
-    model : PythonModel
     runners : mapping of str to Runner
         As `SlicedRun`.
     fmus : bool

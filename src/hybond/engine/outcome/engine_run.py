@@ -123,10 +123,6 @@ class EngineRun:
 
     Parameters
     ----------
-    model : Prepared
-    progress : callable
-    keep : int or None
-    journal : Journal or None
     runners : mapping
         What runs each block, by its path.
     """

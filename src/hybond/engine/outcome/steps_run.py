@@ -28,11 +28,8 @@ class StepsRun:
 
     Parameters
     ----------
-    graph : FlatGraph
-    settings : Settings
     prepare : callable
         Makes tables ready for an engine.
-    progress : callable
     runners : mapping
         What runs each block, by its path: a block may run once only, so that the error of such a
         run is not estimated.

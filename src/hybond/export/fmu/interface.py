@@ -105,7 +105,6 @@ def interface_of(
 
     Parameters
     ----------
-    graph : FlatGraph
     outputs : sequence of str
         Names of signals, as in results.
     text : str

@@ -45,7 +45,6 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
 
     Parameters
     ----------
-    model : Model
     fmi : {"3.0", "2.0"}
         The version of the standard.
     **options
