@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hybond.errors import ModelError
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.junction_structure import Row, junction_rows, two_port_rows
 from hybond.model.kinds import SOURCES, TWO_PORTS
-from hybond.model.switching.rows import Row, junction_rows, two_port_rows
 
 Vector = NDArray[np.float64]
 
