@@ -1,5 +1,6 @@
 /* The functions of FMI 2.0.4, chapters 2 to 4, that are its own. */
-typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } Status;
+/* fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending */
+typedef enum { FINE, WITH_WARNING, DISCARDED, WRONG, FATAL, PENDING } Status;
 typedef int Boolean;
 typedef struct {
     void (*logger)(void *, const char *, Status, const char *, const char *, ...);
@@ -21,14 +22,13 @@ typedef struct {
     Callbacks callbacks;
     char name[];
 } Instance;
-enum { FINE = fmi2OK, WRONG = fmi2Error };
 #define FMI(name) fmi2##name
 #define RATES fmi2GetDerivatives
 
 static void tell(Instance *i, const char *text)
 {
     if (i->callbacks.logger != NULL) {
-        i->callbacks.logger(i->callbacks.componentEnvironment, i->name, fmi2Error, "error", "%s",
+        i->callbacks.logger(i->callbacks.componentEnvironment, i->name, WRONG, "error", "%s",
                             text);
     }
 }

@@ -1,5 +1,6 @@
 /* The functions of FMI 3.0.2, chapters 2 to 4, that are its own. */
-typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } Status;
+/* fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal */
+typedef enum { FINE, WITH_WARNING, DISCARDED, WRONG, FATAL } Status;
 typedef bool Boolean;
 typedef void (*LogMessage)(void *, Status, const char *, const char *);
 typedef struct {
@@ -7,14 +8,13 @@ typedef struct {
     LogMessage log;
     void *environment;
 } Instance;
-enum { FINE = fmi3OK, WRONG = fmi3Error };
 #define FMI(name) fmi3##name
 #define RATES fmi3GetContinuousStateDerivatives
 
 static void tell(Instance *i, const char *text)
 {
     if (i->log != NULL) {
-        i->log(i->environment, fmi3Error, "error", text);
+        i->log(i->environment, WRONG, "error", text);
     }
 }
 
