@@ -16,6 +16,7 @@ from hybond.causality.reference import reference_mode
 from hybond.model.builder import Model, graph_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.pins import pin_names
+from hybond.names import in_columns
 
 MANY_BONDS = 60
 """Bonds above which a report lists only those whose stroke depends on the mode."""
@@ -312,8 +313,4 @@ def ahead_lines(graph: FlatGraph, ahead: ConflictsAhead) -> list[str]:
 def _table(bonds: list[BondCausality]) -> list[str]:
     rows = [("bond", "stroke at", "causality", "reason")]
     rows += [(b.name, b.at, b.words, b.why) for b in bonds]
-    widths = [max(len(row[k]) for row in rows) for k in range(3)]
-    return [
-        "  ".join([*(text.ljust(w) for text, w in zip(row[:3], widths, strict=True)), row[3]])
-        for row in rows
-    ]
+    return in_columns(rows)

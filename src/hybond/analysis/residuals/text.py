@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from hybond.analysis.residuals.jets import Jet
@@ -13,6 +12,7 @@ from hybond.equations.notation import LatexNotation, Notation, in_markdown, lead
 from hybond.model.expressions import Number
 from hybond.model.expressions import to_text as expr_text
 from hybond.model.graph import Mode
+from hybond.names import in_columns
 
 if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import Residual, Residuals
@@ -220,15 +220,7 @@ def _cells(about: Residuals) -> list[tuple[str, ...]]:
 
 def write_table(about: Residuals) -> str:
     """Return one line per residual."""
-    return aligned([HEADER, *_cells(about)])
-
-
-def aligned(cells: Sequence[Sequence[str]]) -> str:
-    """Return rows of cells in columns."""
-    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    return "\n".join(
-        "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells
-    )
+    return "\n".join(in_columns([HEADER, *_cells(about)]))
 
 
 def write_markdown(about: Residuals) -> str:
