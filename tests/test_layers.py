@@ -21,7 +21,7 @@ LAYERS = [
     ["files"],
     ["library"],
     ["causality"],
-    ["equations"],
+    ["equations", "switching"],
     ["run_options", "trace", "translate"],
     ["engine"],
     ["report"],

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
-    from hybond import library
+    from hybond import library, switching
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     )
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
-    from hybond.model import switching
     from hybond.model.builder import Model
     from hybond.model.parts import (
         GY,
@@ -124,7 +123,7 @@ _ROOMS = {
     "draw": "hybond.draw",
     "export": "hybond.export",
     "library": "hybond.library",
-    "switching": "hybond.model.switching",
+    "switching": "hybond.switching",
 }
 """Rooms that are public as such; `causality`, `draw` and `export` can be called."""
 

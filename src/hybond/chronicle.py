@@ -16,7 +16,6 @@ class Chronicle(Sequence[T], Generic[T]):
     ----------
     time_of : callable
         The time of an item, s.
-    items : iterable
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Names: dotted paths and "did you mean"."""
+"""Names for people: dotted paths, "did you mean", words in columns."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 
 def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
@@ -29,3 +29,18 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
 def join(*parts: str) -> str:
     """Join the parts of a dotted path, leaving out empty ones."""
     return ".".join(p for p in parts if p)
+
+
+def in_columns(
+    rows: Iterable[Sequence[str]], justified: Callable[[str, int], str] = str.ljust
+) -> list[str]:
+    """Return rows of words as lines with straight columns.
+
+    Examples
+    --------
+    >>> in_columns([("a", "flow"), ("spring", "1")])
+    ['a       flow', 'spring  1']
+    """
+    table = list(rows)
+    widths = [max(map(len, column)) for column in zip(*table)]
+    return ["  ".join(map(justified, row, widths)).rstrip() for row in table]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
 from hybond.model.graph import FlatGraph
+from hybond.names import in_columns
 from hybond.trace import Event, Fired, Step
 from hybond.units import format_quantity
 
@@ -124,12 +125,7 @@ class EventTable(Sequence[Event]):
         rows = self.rows()
         if not rows:
             return "no events"
-        widths = [max(len(r[k]) for r in rows) for k in range(4)]
-        lines = []
-        for row in rows:
-            cells = [c.ljust(w) for c, w in zip(row[:4], widths, strict=True)]
-            lines.append("  ".join([*cells, row[4]]).rstrip())
-        return "\n".join(lines)
+        return "\n".join(in_columns(rows))
 
     def __repr__(self) -> str:
         return str(self)

@@ -212,6 +212,11 @@ def limit_of(name: str, given: int | None, experiment: Mapping[str, Any]) -> int
 
 
 def seconds_of(value: Any, where: str) -> float | None:
+    """Return a time as it was given, s, if it was; raises as `seconds`."""
+    return None if value is None else seconds(value, where)
+
+
+def seconds(value: Any, where: str) -> float:
     """Return a time as it was given, s.
 
     Raises
@@ -221,15 +226,15 @@ def seconds_of(value: Any, where: str) -> float | None:
 
     Examples
     --------
-    >>> seconds_of("200 ms", "until"), seconds_of(None, "step")
-    (0.2, None)
+    >>> seconds("200 ms", "until")
+    0.2
     """
-    if value is None or isinstance(value, float | int):
-        return None if value is None else float(value)
+    if isinstance(value, float | int):
+        return float(value)
     quantity = try_quantity(str(value))
     if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
         raise UsageError(
-            f"{value!r} is not a time", code="HB-S106", where=where, hint='write 0.2 or "200 ms"'
+            f"{value!r} is not a time", code="HB-S106", where=where, hint="write 0.2 or '200 ms'"
         )
     return quantity.value
 

@@ -82,37 +82,26 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """Motion in one mode: half-open ``[t[0], t[-1])`` seen from the right, closed from the left.
-
-    Parameters
-    ----------
-    mode : Mode
-    t : array, shape (n,)
-        Accepted points.
-    y : array, shape (n, m)
-        Stored quantities, integrated signals; then, in time-stepping, energy supplied and energy
-        dissipated.
-    interpolants : sequence of callables
-        One per step, n - 1.
-    landed : tuple of str
-        Machines that stay in their pinnacle state, its impact law with ``pre()`` terms at zero.
-    sliding : int or None
-        Which of the trace's slidings it belongs to.
-    combined : object
-        What its signals are made of while it slides.
-    bonds : array, shape (n, 2 * bonds), or None
-        Bond variables at the points, where they come from the steps themselves and not from the
-        equations of the mode; such a segment has no interpolants: between points all is linear.
-    """
+    """Motion in one mode: half-open ``[t[0], t[-1])`` seen from the right, closed from the left."""
 
     mode: Mode
     t: Vector
+    """Shape (n,). Accepted points."""
     y: Vector
+    """Shape (n, m). Stored quantities, integrated signals; then, in time-stepping, energy supplied
+    and energy dissipated."""
     interpolants: Sequence[Callable[[float], Vector]]
+    """One per step, n - 1."""
     landed: tuple[str, ...] = ()
+    """Machines that stay in their pinnacle state, its impact law with ``pre()`` terms at zero."""
     sliding: int | None = None
+    """Which of the trace's slidings it belongs to."""
     combined: object = None
+    """What its signals are made of while it slides."""
     bonds: Vector | None = None
+    """Shape (n, 2 * bonds), or None. Bond variables at the points, where they come from the steps
+    themselves and not from the equations of the mode; such a segment has no interpolants: between
+    points all is linear."""
 
     def at(self, t: float) -> Vector:
         """Return the state at a time within the segment."""

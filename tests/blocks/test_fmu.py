@@ -10,7 +10,8 @@ import needs
 import pytest
 
 import hybond as hb
-from hybond.engine.compiled.native import OK, NativeModel, NativeRun, Unavailable
+from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable
+from hybond.engine.compiled.sliced import OK
 from hybond.engine.tables import tables_of
 
 XML2 = """<?xml version="1.0"?>

@@ -21,7 +21,7 @@ from example_runs import NAMES, STOPPED, example
 
 import hybond as hb
 from hybond.engine.compiled import native
-from hybond.engine.compiled.native import RAISED
+from hybond.engine.compiled.sliced import RAISED
 from hybond.engine.interpreted.look import PythonLook
 from hybond.engine.interpreted.run import PythonModel, PythonRun
 from hybond.engine.outcome import engines

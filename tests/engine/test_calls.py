@@ -19,8 +19,8 @@ from export.programs import check, expected
 
 import hybond as hb
 from hybond.engine.compiled import answering as of_a_run
-from hybond.engine.compiled.native import OK, RAISED, REFUSED
 from hybond.engine.compiled.rows import Rows
+from hybond.engine.compiled.sliced import OK, RAISED, REFUSED
 from hybond.engine.tables import tables_of
 from hybond.export.c import to_c
 

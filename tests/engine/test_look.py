@@ -21,9 +21,9 @@ from engine.looked_at import (
     stretches,
 )
 
-from hybond.engine.compiled.native import OK
 from hybond.engine.compiled.points import Points, Steps, Within
 from hybond.engine.compiled.rows import Rows
+from hybond.engine.compiled.sliced import OK
 from hybond.engine.engine import make_engine
 from hybond.engine.looking import energies, look
 from hybond.engine.methods.stepping import RADAU

@@ -16,8 +16,8 @@ from example_runs import NAMES, STOPPED, example, integrated
 from export.programs import LABELS, Said, check, read_events
 
 import hybond as hb
-from hybond.engine.compiled.native import OK, PAUSED, REFUSED
 from hybond.engine.compiled.rows import Rows
+from hybond.engine.compiled.sliced import OK, PAUSED, REFUSED
 from hybond.engine.expressions.pairs import DEPTH
 from hybond.engine.outcome.records import BROKEN
 from hybond.engine.tables import ModelTables, tables_of

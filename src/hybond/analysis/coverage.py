@@ -58,27 +58,18 @@ class Tried:
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Values of the swept quantity at which the same happens.
-
-    Parameters
-    ----------
-    low, high : float
-    holds : str or None
-        The mode in which time goes on; None if there is none.
-    passed : tuple of str
-        The modes passed before.
-    tried : tuple of Tried
-        Where no mode holds: what becomes of each.
-    why : str
-        Where no mode holds: what the run would say, such as the cycle of modes.
-    """
+    """Values of the swept quantity at which the same happens."""
 
     low: float
     high: float
     holds: str | None
+    """The mode in which time goes on; None if there is none."""
     passed: tuple[str, ...]
+    """The modes passed before."""
     tried: tuple[Tried, ...] = ()
+    """Where no mode holds: what becomes of each."""
     why: str = ""
+    """Where no mode holds: what the run would say, such as the cycle of modes."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,8 +63,6 @@ class Motion:
 
     Parameters
     ----------
-    run : Result
-    segment : Segment
     t : array, shape (m,)
     """
 

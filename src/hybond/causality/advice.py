@@ -50,7 +50,6 @@ def advise(graph: FlatGraph, found: Dynamics | None = None) -> tuple[Advice, ...
 
     Parameters
     ----------
-    graph : FlatGraph
     found : Dynamics, optional
         What `dynamics` says of it.
 

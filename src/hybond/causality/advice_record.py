@@ -11,34 +11,23 @@ AT_MOST = 3
 
 @dataclass(frozen=True, slots=True)
 class Resistor:
-    """A resistor to add.
-
-    Parameters
-    ----------
-    name : str
-        A name that is free in the model.
-    kind : {"0", "1"}
-        Whether it is in parallel (at a 0-junction) or in series (at a 1-junction).
-    junction : str
-        The junction that it is connected to; a new one if `splits` names a bond.
-    splits : str
-        The bond in which the new junction is put, or empty.
-    value : float or None
-        The proposed resistance, SI. None if nothing bounds it, or no number is known.
-    time_constant : float or None
-        With that value, s.
-    gain : float or None
-        The time constant is ``R/gain`` in series, ``1/(R*gain)`` in parallel. 0 if no storage is
-        driven by it, None if the law of one is not linear.
-    """
+    """A resistor to add."""
 
     name: str
+    """A name that is free in the model."""
     kind: str
+    """Whether it is in parallel (at a 0-junction) or in series (at a 1-junction)."""
     junction: str
+    """The junction that it is connected to; a new one if `splits` names a bond."""
     splits: str
+    """The bond in which the new junction is put, or empty."""
     value: float | None
+    """The proposed resistance, SI. None if nothing bounds it, or no number is known."""
     time_constant: float | None
+    """With that value, s."""
     gain: float | None
+    """The time constant is ``R/gain`` in series, ``1/(R*gain)`` in parallel. 0 if no storage is
+    driven by it, None if the law of one is not linear."""
 
     def stiffness(self, resistance: float) -> float | None:
         """Return the time constant, s, that a resistance makes; None if it makes none."""

@@ -21,44 +21,29 @@ from hybond.model.graph import FlatGraph, Mode
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
-    """One cause for which modes have no causality.
-
-    Parameters
-    ----------
-    conflict : Conflict
-        The two forcing elements and their chains; its `switches` are those that make it, and no
-        others.
-    mode : tuple of int
-        The first mode found that has it.
-    modes : int
-        How many of the modes looked at have it.
-    text : str
-        One paragraph for people.
-    """
+    """One cause for which modes have no causality."""
 
     conflict: Conflict
+    """The two forcing elements and their chains; its `switches` are those that make it, and no
+    others."""
     mode: Mode
+    """The first mode found that has it."""
     modes: int
+    """How many of the modes looked at have it."""
     text: str
+    """One paragraph for people."""
 
 
 @dataclass(frozen=True, slots=True)
 class ConflictsAhead:
-    """The conflicts among reachable modes.
-
-    Parameters
-    ----------
-    found : tuple of Ahead
-        One per cause, in the order in which they are met.
-    looked_at : Reachable
-        The modes looked at, and whether these are all.
-    modes : int
-        How many of them have no causality.
-    """
+    """The conflicts among reachable modes."""
 
     found: tuple[Ahead, ...]
+    """One per cause, in the order in which they are met."""
     looked_at: Reachable
+    """The modes looked at, and whether these are all."""
     modes: int
+    """How many of them have no causality."""
 
 
 def conflicts_ahead(

@@ -37,53 +37,38 @@ class Arrays:
 
     Vertices are numbered ``0 .. nodes - 1`` by node and ``nodes + b`` for the middle or leaf of
     bond ``b``. A stroke that does not exist is -1.
-
-    Parameters
-    ----------
-    nodes, bonds : int
-        How many.
-    tail, head : list of int
-        The nodes of each bond.
-    form : list of int
-        `EDGE`, `MIDDLE`, `LEAF` or `BARE` per bond.
-    at_tail, at_head : list of int
-        The stroke with which a bond is the cause of its tail, of its head.
-    near : list of list of (int, int)
-        Per vertex: bonds and the vertices that they lead to.
-    fixed : list of (int, int)
-        Bonds and strokes that elements impose in every mode.
-    off : mapping of int to list of (int, int)
-        Bonds and strokes that a controlled vertex imposes when it is OFF.
-    wish : list of int
-        The stroke that puts the storage at a `LEAF` bond into integral causality.
-    law : list of int
-        The stroke in the direction of the law of the resistor at a bond.
-    stores : list of (int, int)
-        Per storage: its bond and the stroke of integral causality.
-    stored : mapping of int to list of int
-        The storages at a bond.
-    optional : bytearray
-        Per vertex: whether it is a leaf.
-    on : list of list of frozenset of int
-        Per machine and state: the vertices that are ON.
     """
 
     nodes: int
     bonds: int
+    """`nodes` and `bonds`: how many."""
     tail: list[int]
     head: list[int]
+    """`tail` and `head`: the nodes of each bond."""
     form: list[int]
+    """`EDGE`, `MIDDLE`, `LEAF` or `BARE` per bond."""
     at_tail: list[int]
     at_head: list[int]
+    """`at_tail` and `at_head`: the stroke with which a bond is the cause of its tail, of its
+    head."""
     near: list[list[tuple[int, int]]]
+    """Per vertex: bonds and the vertices that they lead to."""
     fixed: list[tuple[int, int]]
+    """Bonds and strokes that elements impose in every mode."""
     off: dict[int, list[tuple[int, int]]]
+    """Bonds and strokes that a controlled vertex imposes when it is OFF."""
     wish: list[int]
+    """The stroke that puts the storage at a `LEAF` bond into integral causality."""
     law: list[int]
+    """The stroke in the direction of the law of the resistor at a bond."""
     stores: list[tuple[int, int]]
+    """Per storage: its bond and the stroke of integral causality."""
     stored: dict[int, list[int]]
+    """The storages at a bond."""
     optional: bytearray
+    """Per vertex: whether it is a leaf."""
     on: list[list[frozenset[int]]]
+    """Per machine and state: the vertices that are ON."""
 
     def cause_stroke(self, bond: int, node: int) -> int:
         """Return the stroke with which `bond` is the cause of `node`."""

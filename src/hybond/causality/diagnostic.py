@@ -30,24 +30,16 @@ from hybond.names import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class Absorber:
-    """What takes the change of a controlled junction, so that nothing else has to.
-
-    Parameters
-    ----------
-    node : int
-        The resistor or source; the junction itself if it has a sensor, or is a two-port whose
-        strokes are the same ON and OFF.
-    bond : int
-        The bond that turns, -1 if none does.
-    kind : {"resistor", "source", "sensor", "two-port"}
-    note : str
-        What it takes beyond structure, if anything.
-    """
+    """What takes the change of a controlled junction, so that nothing else has to."""
 
     node: int
+    """The resistor or source; the junction itself if it has a sensor, or is a two-port whose
+    strokes are the same ON and OFF."""
     bond: int
+    """The bond that turns, -1 if none does."""
     kind: Literal["resistor", "source", "sensor", "two-port"]
     note: str = ""
+    """What it takes beyond structure, if anything."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,53 +32,35 @@ FEW = 64
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """Dynamic bonds that hang together, or are moved by the same switch.
-
-    Parameters
-    ----------
-    bonds : tuple of int
-        The bonds, sorted.
-    switches : tuple of int
-        The controlled nodes that move them, sorted.
-    whole : bool
-        Whether all modes of its machines were examined, the others being in reference state.
-    """
+    """Dynamic bonds that hang together, or are moved by the same switch."""
 
     bonds: tuple[int, ...]
+    """The bonds, sorted."""
     switches: tuple[int, ...]
+    """The controlled nodes that move them, sorted."""
     whole: bool
+    """Whether all modes of its machines were examined, the others being in reference state."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """How the causality of a graph depends on its mode.
-
-    Parameters
-    ----------
-    reference : Reference
-        The mode that the others were compared with.
-    kinds : tuple of {"invariant", "dynamic", "kept"}
-        Per bond: proved the same in every mode that has a causality; different in some examined
-        mode; neither.
-    through : mapping
-        Dynamic bond to the controlled nodes whose switching flips it.
-    storages : tuple of int
-        Dynamic storages: integral in some examined mode and derivative in another.
-    regions : tuple of Region
-        The dynamic bonds, in connected groups.
-    without : tuple of (int, int)
-        Machines and states that, entered from the reference mode, have no causality.
-    examined : int
-        Modes that were examined besides the reference.
-    """
+    """How the causality of a graph depends on its mode."""
 
     reference: Reference
+    """The mode that the others were compared with."""
     kinds: tuple[Kind, ...]
+    """Per bond: proved the same in every mode that has a causality; different in some examined
+    mode; neither."""
     through: Mapping[int, tuple[int, ...]]
+    """Dynamic bond to the controlled nodes whose switching flips it."""
     storages: tuple[int, ...]
+    """Dynamic storages: integral in some examined mode and derivative in another."""
     regions: tuple[Region, ...]
+    """The dynamic bonds, in connected groups."""
     without: tuple[tuple[int, int], ...] = ()
+    """Machines and states that, entered from the reference mode, have no causality."""
     examined: int = 0
+    """Modes that were examined besides the reference."""
 
     @property
     def invariant(self) -> tuple[int, ...]:

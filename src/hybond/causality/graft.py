@@ -17,21 +17,14 @@ Kind = Literal["0", "1"]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a resistor goes.
-
-    Parameters
-    ----------
-    kind : {"0", "1"}
-        Of the junction it is connected to: in parallel (0) or in series (1) with what is there.
-    node : int
-        That junction; -1 if a new one splits `bond`.
-    bond : int
-        The bond that a new junction splits; -1 if there is no new one.
-    """
+    """Where a resistor goes."""
 
     kind: Kind
+    """Of the junction it is connected to: in parallel (0) or in series (1) with what is there."""
     node: int = -1
+    """That junction; -1 if a new one splits `bond`."""
     bond: int = -1
+    """The bond that a new junction splits; -1 if there is no new one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +45,6 @@ def with_resistor(before: Grafted, place: Place, *, value: float = 1.0, side: in
 
     Parameters
     ----------
-    before : Grafted
-    place : Place
     value : float
         Its resistance, SI.
     side : int

@@ -29,24 +29,16 @@ WORK = 200
 
 @dataclass(frozen=True, slots=True)
 class Reachable:
-    """The modes that machines can reach.
-
-    Parameters
-    ----------
-    modes : tuple of Mode
-        In the order in which they were found: fewest steps first.
-    complete : bool
-        Whether these are all; if not, there are at least these.
-    before : mapping
-        For each mode but the first one, the mode it was found from.
-    machines : tuple of int
-        The machines that moved; the others stayed in their state.
-    """
+    """The modes that machines can reach."""
 
     modes: tuple[Mode, ...]
+    """In the order in which they were found: fewest steps first."""
     complete: bool
+    """Whether these are all; if not, there are at least these."""
     before: Mapping[Mode, Mode]
+    """For each mode but the first one, the mode it was found from."""
     machines: tuple[int, ...]
+    """The machines that moved; the others stayed in their state."""
 
     def path(self, mode: Mode) -> tuple[Mode, ...]:
         """Return the modes passed through from the first one to `mode`, both included."""
@@ -67,7 +59,6 @@ def reachable(
 
     Parameters
     ----------
-    graph : FlatGraph
     start : tuple of int, optional
         Where the search begins; the start mode of the graph if not given.
     machines : iterable of int, optional

@@ -19,46 +19,31 @@ Because = Literal["source", "off", "zero", "pin", "storage", "resistor", "free"]
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The element that a chain of strokes starts at.
-
-    Parameters
-    ----------
-    node : int
-        The forcing element or junction; for a pin the node that receives the effort.
-    rule : str
-        ``"source"``, ``"off"`` (OFF junction or two-port), ``"zero"`` (a law that is zero, a
-        junction with one bond), ``"pin"``, or a choice: ``"storage"``, ``"resistor"``, ``"free"``.
-    """
+    """The element that a chain of strokes starts at."""
 
     node: int
+    """The forcing element or junction; for a pin the node that receives the effort."""
     rule: Because
+    """``"source"``, ``"off"`` (OFF junction or two-port), ``"zero"`` (a law that is zero, a
+    junction with one bond), ``"pin"``, or a choice: ``"storage"``, ``"resistor"``, ``"free"``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """Why a bond has its stroke.
-
-    Parameters
-    ----------
-    origin : Origin
-        Where its chain starts.
-    parent : int
-        The bond before it on the chain, -1 at the start of one.
-    via : int
-        The node that passes the stroke on from `parent`, -1 at the start.
-    ruled_out : tuple of int
-        Only for a choice whose preferred stroke led to a conflict: the chosen bonds that, with
-        the fixed ones, rule it out. `refused` says that it was ruled out, by those or by fixed
-        strokes alone.
-    refused : bool
-        Whether the preferred stroke was tried and led to a conflict.
-    """
+    """Why a bond has its stroke."""
 
     origin: Origin
+    """Where its chain starts."""
     parent: int = -1
+    """The bond before it on the chain, -1 at the start of one."""
     via: int = -1
+    """The node that passes the stroke on from `parent`, -1 at the start."""
     ruled_out: tuple[int, ...] = ()
+    """Only for a choice whose preferred stroke led to a conflict: the chosen bonds that, with the
+    fixed ones, rule it out. `refused` says that it was ruled out, by those or by fixed strokes
+    alone."""
     refused: bool = False
+    """Whether the preferred stroke was tried and led to a conflict."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from hybond.causality.reference import reference_mode
 from hybond.model.builder import Model, graph_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.pins import pin_names
+from hybond.names import in_columns
 
 MANY_BONDS = 60
 """Bonds above which a report lists only those whose stroke depends on the mode."""
@@ -29,27 +30,18 @@ CONFLICTS_NEARBY = 50
 
 @dataclass(frozen=True, slots=True)
 class BondCausality:
-    """The causality of one bond in one mode.
-
-    Parameters
-    ----------
-    name : str
-        The bond as written.
-    at : str
-        The node at the stroke: it receives the effort.
-    kind : {"invariant", "dynamic", "kept"}
-        The same in every mode, proved; dependent on the mode; or the same in all modes examined.
-    through : tuple of str
-        The controlled junctions and switched elements that turn a dynamic stroke.
-    why : str
-        What set the stroke.
-    """
+    """The causality of one bond in one mode."""
 
     name: str
+    """The bond as written."""
     at: str
+    """The node at the stroke: it receives the effort."""
     kind: Kind
+    """The same in every mode, proved; dependent on the mode; or the same in all modes examined."""
     through: tuple[str, ...]
+    """The controlled junctions and switched elements that turn a dynamic stroke."""
     why: str
+    """What set the stroke."""
 
     @property
     def words(self) -> str:
@@ -63,22 +55,15 @@ class CausalityReport:
 
     Shows itself as a table (``print``) and, in a notebook, as a drawing with dashed strokes on
     the bonds whose causality depends on the mode.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    mode : tuple of int
-        The mode shown.
-    causality : Causality
-        The strokes of that mode, with reasons, loops and conflicts.
-    dynamics : Dynamics
-        Which bonds depend on the mode; `dynamics.reference` is the reference mode.
     """
 
     graph: FlatGraph
     mode: Mode
+    """The mode shown."""
     causality: Causality
+    """The strokes of that mode, with reasons, loops and conflicts."""
     dynamics: Dynamics
+    """Which bonds depend on the mode; `dynamics.reference` is the reference mode."""
 
     @cached_property
     def bonds(self) -> tuple[BondCausality, ...]:
@@ -328,8 +313,4 @@ def ahead_lines(graph: FlatGraph, ahead: ConflictsAhead) -> list[str]:
 def _table(bonds: list[BondCausality]) -> list[str]:
     rows = [("bond", "stroke at", "causality", "reason")]
     rows += [(b.name, b.at, b.words, b.why) for b in bonds]
-    widths = [max(len(row[k]) for row in rows) for k in range(3)]
-    return [
-        "  ".join([*(text.ljust(w) for text, w in zip(row[:3], widths, strict=True)), row[3]])
-        for row in rows
-    ]
+    return in_columns(rows)

@@ -12,29 +12,37 @@ from typing import Any
 
 import numpy as np
 
-from hybond.model.expressions import names
+from hybond.model.expressions import Bool, Expr, Number, differentiate, names, simplify, substitute
 from hybond.model.graph import End, FlatGraph, Mode, Node
+from hybond.model.junction_structure import Row, junction_rows, two_port_rows
 from hybond.model.kinds import RESISTORS, SOURCES, STORAGES, TWO_PORTS
 
 RANK_TOL = 1e-10
 """Relative size below which a singular value of the balanced equations is zero."""
 
-STILL = 1e-9
+STILL = 1e-13
 """Rates smaller than this part of the fastest are none: a constant of motion."""
 
 ROUNDING = 1e-13
 """Rates smaller than this part of the size of the equations are rounding."""
 
-Row = dict[int, float]
+Matrix = tuple[tuple[float, ...], ...]
 
 
-def time_constants(graph: FlatGraph, mode: Mode) -> tuple[float, ...] | None:
+def time_constants(
+    graph: FlatGraph, mode: Mode, *, open_loop: bool = False
+) -> tuple[float, ...] | None:
     """Return 1/|eigenvalue| of a mode with its sources at zero, s, fastest first.
+
+    Parameters
+    ----------
+    open_loop : bool
+        Whether sources that read the state are at zero too; else the mode is not linear.
 
     Returns
     -------
     tuple of float or None
-        None if a law in the graph is not linear with constant coefficients; empty if nothing
+        None if a law is not linear with constant coefficients in the mode; empty if nothing
         moves, or the equations of the mode do not settle how.
 
     Examples
@@ -47,9 +55,10 @@ def time_constants(graph: FlatGraph, mode: Mode) -> tuple[float, ...] | None:
     >>> [round(tau, 6) for tau in time_constants(graph, graph.start_mode)]
     [0.006]
     """
-    if not all(_is_linear(node) for node in graph.nodes):
+    matrices = _matrices(graph, mode, open_loop)
+    if matrices is None:
         return None
-    found = _state_matrix(graph, graph.off_nodes(mode))
+    found = _state_matrix(graph, graph.off_nodes(mode), matrices)
     if found is None:
         return ()
     matrix, scale = found
@@ -58,22 +67,58 @@ def time_constants(graph: FlatGraph, mode: Mode) -> tuple[float, ...] | None:
     return tuple(sorted(float(1.0 / rate) for rate in moving))
 
 
-def _is_linear(node: Node) -> bool:
-    if node.law is None or node.law.linear:
-        return True
-    if node.kind in SOURCES:  # of time and inputs alone: no feedback
-        return all(
-            name == "time" or name.startswith(("u:", "at:", "in:", "on:"))
-            for e in node.law.expressions
-            for name in names(e)
+def _matrices(graph: FlatGraph, mode: Mode, open_loop: bool) -> dict[int, Matrix] | None:
+    """Return the coefficients of each law by node, sources aside; None if one is not linear."""
+    on = graph.on_nodes(mode)
+    fixed: dict[str, Expr] = {f"on:{n.index}": Bool(n.index in on) for n in graph.nodes}
+    for m, k in zip(graph.machines, mode, strict=True):
+        fixed |= {f"in:{m.index}:{j}": Bool(j == k) for j in range(len(m.states))}
+    held = {f"s:{k}" for sample in graph.samples for k in sample.signals}
+    found: dict[int, Matrix] = {}
+    for node in graph.nodes:
+        if node.law is None or (node.kind in SOURCES and open_loop):
+            continue
+        if node.law.matrix is not None:
+            found[node.index] = node.law.matrix
+            continue
+        trees = [simplify(substitute(e, fixed)) for e in node.law.expressions]
+        read = {name for tree in trees for name in names(tree)}
+        if node.kind in SOURCES:
+            # of time, inputs and what is sampled alone: no feedback
+            if not all(n in held or n == "time" or n.startswith(("u:", "at:")) for n in read):
+                return None
+            continue
+        arguments = _arguments(node)
+        slopes = [[differentiate(tree, name) for name in arguments] for tree in trees]
+        if node.kind in TWO_PORTS:
+            slopes = [trees]
+        if not read <= set(arguments) or not all(isinstance(c, Number) for r in slopes for c in r):
+            return None
+        found[node.index] = tuple(
+            tuple(c.value for c in row if isinstance(c, Number)) for row in slopes
         )
-    return False
+    return found
 
 
-def _state_matrix(graph: FlatGraph, off: frozenset[int]) -> tuple[Any, float] | None:
+def _arguments(node: Node) -> list[str]:
+    """Return the names of what the law of a storage or resistor is a function of."""
+    if node.kind in TWO_PORTS or node.law is None:
+        return []
+    argument = node.about.energy or ("e" if node.law.output == "f" else "f")
+    many = len(node.ends) > 1
+    return [f"law:{argument}{end.port + 1 if many else ''}" for end in node.ends]
+
+
+def _state_matrix(
+    graph: FlatGraph, off: frozenset[int], matrices: Mapping[int, Matrix]
+) -> tuple[Any, float] | None:
     """Return A of ``x' = A x`` and a size, or None if the equations settle no motion."""
     bonds, count = len(graph.bonds), len(graph.storages)
-    written = [row for node in graph.nodes for row in _rows(node, node.index in off, bonds)]
+    written = [
+        row
+        for node in graph.nodes
+        for row in _rows(node, matrices.get(node.index, ()), node.index in off, bonds)
+    ]
     rows, stands_for = _merged(written, 2 * bonds)
     left = {k: j for j, k in enumerate(sorted({k for k, c in stands_for if c != 0.0}))}
     size = len(left)
@@ -90,7 +135,7 @@ def _state_matrix(graph: FlatGraph, off: frozenset[int]) -> tuple[Any, float] | 
             both[k, left[gives[0]]] = -gives[1] * (1.0 if s.kind == "C" else s.sign)
         if takes[1] != 0.0:
             rates[s.index, left[takes[0]]] = takes[1] * (s.sign if s.kind == "C" else 1.0)
-        matrix = _matrix(graph.nodes[s.node])
+        matrix = matrices[s.node]
         for other in graph.storages:
             if other.node == s.node:
                 both[k, size + other.index] = matrix[s.port][other.port]
@@ -220,24 +265,19 @@ def _merged(rows: list[Row], count: int) -> tuple[list[Row], list[tuple[int, flo
         rows = left
 
 
-def _rows(node: Node, off: bool, bonds: int) -> list[Row]:
+def _rows(node: Node, matrix: Matrix, off: bool, bonds: int) -> list[Row]:
     """Return the equations of a node, efforts first, then flows."""
     if node.kind in SOURCES:
         return [{node.ends[0].bond + (0 if node.kind == "Se" else bonds): 1.0}]
     if node.is_junction:
-        common, other = (0, bonds) if node.kind == "0" else (bonds, 0)
-        if off:
-            return [{common + end.bond: 1.0} for end in node.ends]
-        base = node.ends[0].bond if node.ends else 0
-        rows: list[Row] = [{common + e.bond: 1.0, common + base: -1.0} for e in node.ends[1:]]
-        return rows + ([{other + e.bond: float(e.sign) for e in node.ends}] if node.ends else [])
+        return junction_rows(node, bonds, off=off)
     if node.kind in TWO_PORTS:
-        return _two_port(node, 0.0 if off else _matrix(node)[0][0], bonds)
+        return two_port_rows(node, 0.0 if off else matrix[0][0], bonds)
     if node.kind in RESISTORS:
         assert node.law is not None
         gives_flow = node.law.output == "f"
         found = []
-        for end, coefficients in zip(node.ends, _matrix(node), strict=True):
+        for end, coefficients in zip(node.ends, matrix, strict=True):
             row = {end.bond + (bonds if gives_flow else 0): _sign(end, flow=gives_flow)}
             for other_end, c in zip(node.ends, coefficients, strict=True):
                 at = other_end.bond + (0 if gives_flow else bonds)
@@ -248,22 +288,8 @@ def _rows(node: Node, off: bool, bonds: int) -> list[Row]:
     return []
 
 
-def _two_port(node: Node, m: float, bonds: int) -> list[Row]:
-    one, two = node.ends
-    # Port 1 takes power in, port 2 gives it out.
-    f1, f2 = float(one.sign), -float(two.sign)
-    if node.kind == "TF":
-        return [{one.bond: 1.0, two.bond: -m}, {bonds + two.bond: f2, bonds + one.bond: -m * f1}]
-    return [{one.bond: 1.0, bonds + two.bond: -m * f2}, {two.bond: 1.0, bonds + one.bond: -m * f1}]
-
-
 def _sign(end: End, *, flow: bool) -> float:
     return float(end.sign) if flow else 1.0
-
-
-def _matrix(node: Node) -> tuple[tuple[float, ...], ...]:
-    assert node.law is not None and node.law.matrix is not None
-    return node.law.matrix
 
 
 def _balanced(matrix: Any) -> tuple[Any, Any]:

@@ -30,7 +30,6 @@ def blocks(
         Nodes are ``0 .. count - 1``.
     edges : sequence of (int, int)
         No loops.
-    ground : int
 
     Returns
     -------

@@ -49,38 +49,25 @@ FUNCTIONS = frozenset({"pulse", "sin", "sine", "exp", "pwl", "sffm", "am", "trno
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """An element as it is written, before subcircuits are opened.
-
-    Parameters
-    ----------
-    name : str
-        As written, ``"Rload"``; its first letter is the kind.
-    line : Line
-    nodes : tuple of str
-        As written: the two terminals, then controlling nodes.
-    value : Formula or None
-        Resistance, gain, coupling, DC value, area, ...
-    start : Formula or None
-        ``IC=``.
-    refers : tuple of str
-        Model or subcircuit; of F, H and W the controlling source first; of K the coils.
-    wave : tuple of (str, list of text)
-        The function of time of a source and its arguments.
-    state : str
-        ``on`` or ``off`` of a switch, if written.
-    given : mapping
-        Parameters of an X card.
-    """
+    """An element as it is written, before subcircuits are opened."""
 
     name: str
+    """As written, ``"Rload"``; its first letter is the kind."""
     line: Line
     nodes: tuple[str, ...]
+    """As written: the two terminals, then controlling nodes."""
     value: Formula | None = None
+    """Resistance, gain, coupling, DC value, area, ..."""
     start: Formula | None = None
+    """``IC=``."""
     refers: tuple[str, ...] = ()
+    """Model or subcircuit; of F, H and W the controlling source first; of K the coils."""
     wave: tuple[str, tuple[str, ...]] | None = None
+    """The function of time of a source and its arguments."""
     state: str = ""
+    """``on`` or ``off`` of a switch, if written."""
     given: Mapping[str, Formula] = field(default_factory=dict)
+    """Parameters of an X card."""
 
     @property
     def kind(self) -> str:

@@ -19,28 +19,19 @@ SINGULAR = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Magnetics:
-    """Coils on one core.
-
-    Parameters
-    ----------
-    name : str
-        Of the first coupling.
-    line : Line
-    coils : tuple of str
-        Keys, in the order of the netlist.
-    matrix : tuple of rows or None
-        Inductances as the model says them; None if all couplings are 1: then the core has the
-        inductance of the first coil, and the others are transformers on it.
-    ratios : tuple of (str or float, str or float)
-        Of each coil, the turns ratio to the first one and its inverse.
-    """
+    """Coils on one core."""
 
     name: str
+    """Of the first coupling."""
     line: Line
     coils: tuple[str, ...]
+    """Keys, in the order of the netlist."""
     matrix: tuple[tuple[str | float, ...], ...] | None
+    """Inductances as the model says them; None if all couplings are 1: then the core has the
+    inductance of the first coil, and the others are transformers on it."""
     inductance: str | float
     ratios: tuple[tuple[str | float, str | float], ...]
+    """Of each coil, the turns ratio to the first one and its inverse."""
     turns: tuple[float, ...]
     numbers: tuple[tuple[float, ...], ...]
     """The matrix of inductances with the values of the parameters, H."""

@@ -66,23 +66,16 @@ class Transient:
 
 @dataclass(eq=False)
 class Scope:
-    """The top of a netlist, or the inside of a subcircuit.
-
-    Parameters
-    ----------
-    name : str
-        Of the subcircuit, empty at the top.
-    nodes : tuple of str
-        Its terminals, in lower case.
-    defaults : dict
-        Parameters of the ``.subckt`` line.
-    """
+    """The top of a netlist, or the inside of a subcircuit."""
 
     name: str
+    """Of the subcircuit, empty at the top."""
     line: Line
     parent: Scope | None = None
     nodes: tuple[str, ...] = ()
+    """Its terminals, in lower case."""
     defaults: dict[str, Formula] = field(default_factory=dict)
+    """Parameters of the ``.subckt`` line."""
     cards: list[Card] = field(default_factory=list)
     parameters: dict[str, tuple[Formula, Line, str]] = field(default_factory=dict)
     models: dict[str, ModelCard] = field(default_factory=dict)

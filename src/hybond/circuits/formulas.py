@@ -334,7 +334,6 @@ def write(formula: Formula, name: Callable[[str], str]) -> str:
 
     Parameters
     ----------
-    formula : Formula
     name : callable
         From the name in the netlist to the one in the model.
     """

@@ -30,34 +30,21 @@ _FEMTO = re.compile(r"[0-9.]+f", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """A branch with its meaning.
-
-    Parameters
-    ----------
-    branch : Branch
-    role : str
-        The kind of element; ``"meter"`` is a source of 0 V, whose current can be read.
-    text : str, float or None
-        What the element says; None if it follows from a controlling voltage or current.
-    drive : Drive or None
-        Of an independent source.
-    start : Value or None
-        Voltage of a C, current of an I, from node a to node b.
-    resistance : str, float or None
-        In series with a diode or switch.
-    drop : float
-        In series with a diode, V.
-    switch : IdealSwitch or None
-    winding : Winding or None
-    """
+    """A branch with its meaning."""
 
     branch: Branch
     role: Role
+    """The kind of element; ``"meter"`` is a source of 0 V, whose current can be read."""
     text: str | float | None = None
+    """What the element says; None if it follows from a controlling voltage or current."""
     drive: Drive | None = None
+    """Of an independent source."""
     start: Value | None = None
+    """Voltage of a C, current of an I, from node a to node b."""
     resistance: str | float | None = None
+    """In series with a diode or switch."""
     drop: float = 0.0
+    """In series with a diode, V."""
     switch: IdealSwitch | None = None
     winding: Winding | None = None
 

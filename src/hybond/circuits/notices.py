@@ -10,19 +10,12 @@ from hybond.files.place import shortened
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A logical line of a netlist: continuations joined, comments gone.
-
-    Parameters
-    ----------
-    file : str
-        The file as the caller named it.
-    number : int
-        Its first line, counted from 1.
-    text : str
-    """
+    """A logical line of a netlist: continuations joined, comments gone."""
 
     file: str
+    """The file as the caller named it."""
     number: int
+    """Its first line, counted from 1."""
     text: str
 
     @property

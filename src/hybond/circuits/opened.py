@@ -46,39 +46,25 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """A two-terminal element between the nodes `a` and `b`; current is counted from a to b.
-
-    Parameters
-    ----------
-    name : str
-        Path of the element, ``"X1.R3"``.
-    kind : str
-        Its letter.
-    line : Line
-    a, b : str
-        Node keys, in lower case; ``"0"`` is ground.
-    value, start : Value or None
-    wave : tuple
-        Name and arguments of the function of time.
-    senses : tuple of str
-        Controlling nodes of E, G and S; controlling source of F, H and W, in lower case.
-    model : ModelCard or None
-    parameters : mapping
-        Values of the parameters of the model.
-    state : str
-    """
+    """A two-terminal element between the nodes `a` and `b`; current is counted from a to b."""
 
     name: str
+    """Path of the element, ``"X1.R3"``."""
     kind: str
+    """Its letter."""
     line: Line
     a: str
     b: str
+    """`a` and `b`: node keys, in lower case; ``"0"`` is ground."""
     value: Value | None = None
     start: Value | None = None
     wave: tuple[str, tuple[Value, ...]] | None = None
+    """Name and arguments of the function of time."""
     senses: tuple[str, ...] = ()
+    """Controlling nodes of E, G and S; controlling source of F, H and W, in lower case."""
     model: ModelCard | None = None
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    """Values of the parameters of the model."""
     state: str = ""
 
     @property

@@ -28,7 +28,6 @@ def read_lines(path: str | os.PathLike[str], notices: Notices) -> tuple[str, lis
 
     Parameters
     ----------
-    path : str or path
     notices : Notices
         Where warnings go.
 

@@ -14,44 +14,30 @@ from dataclasses import dataclass, field
 
 @dataclass(eq=False, slots=True)
 class Tree:
-    """A branch, or a series or parallel connection of trees, from node `a` to node `b`.
-
-    Parameters
-    ----------
-    kind : str
-        ``"leaf"``, ``"series"`` or ``"parallel"``.
-    branch : int
-        Of a leaf.
-    parts : list of (Tree, bool)
-        Of a connection: each part, and whether it leads the same way as the whole.
-    """
+    """A branch, or a series or parallel connection of trees, from node `a` to node `b`."""
 
     kind: str
+    """``"leaf"``, ``"series"`` or ``"parallel"``."""
     a: int
     b: int
     branch: int = -1
+    """Of a leaf."""
     parts: list[tuple[Tree, bool]] = field(default_factory=list)
+    """Of a connection: each part, and whether it leads the same way as the whole."""
 
 
 @dataclass(frozen=True, slots=True)
 class Core:
-    """What remains of a block.
-
-    Parameters
-    ----------
-    trees : list of Tree
-        Between the nodes of the core.
-    nodes : list of int
-        Nodes other than the reference that have trees; none if the block is one loop or has one
-        node beside the reference.
-    whole : Tree or None
-        The block itself if it is a single connection: all parts of a ``"parallel"`` have the same
-        voltage, or all of a ``"series"`` are one loop.
-    """
+    """What remains of a block."""
 
     trees: list[Tree]
+    """Between the nodes of the core."""
     nodes: list[int]
+    """Nodes other than the reference that have trees; none if the block is one loop or has one node
+    beside the reference."""
     whole: Tree | None
+    """The block itself if it is a single connection: all parts of a ``"parallel"`` have the same
+    voltage, or all of a ``"series"`` are one loop."""
 
 
 def reduce_block(

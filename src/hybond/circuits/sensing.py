@@ -18,9 +18,6 @@ class Sensing:
 
     Parameters
     ----------
-    woven : Woven
-    leaves : sequence of Leaf
-    ends : sequence of (int, int)
     numbers : mapping
         Node key to number.
     idle_voltage : callable

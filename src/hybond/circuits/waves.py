@@ -19,21 +19,13 @@ _UNITS = {"v": "V", "i": "A"}
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What an independent source imposes.
-
-    Parameters
-    ----------
-    text : str or float
-        An expression, if it is no input.
-    input : InputPart or None
-    initial : float
-        Its value at t = 0, from the right.
-    constant : bool
-    """
+    """What an independent source imposes."""
 
     text: str | float
+    """An expression, if it is no input."""
     input: InputPart | None
     initial: float
+    """Its value at t = 0, from the right."""
     constant: bool
 
     @property

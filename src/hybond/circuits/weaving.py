@@ -43,14 +43,10 @@ def weave(
 
     Parameters
     ----------
-    leaves : sequence of Leaf
     ends : sequence of (int, int)
         Nodes a and b of each; different ones.
     nodes : sequence of str
         Names to show; number 0 is ground.
-    names : GraphNames
-    texts : Texts
-    notices : Notices
 
     Raises
     ------

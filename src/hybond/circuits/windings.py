@@ -18,8 +18,6 @@ class Windings:
 
     Parameters
     ----------
-    out : Woven
-    texts : Texts
     idle : set of int
         Branches that no current can pass.
     """

@@ -17,40 +17,26 @@ Terms = tuple[tuple[int, str], ...]
 
 @dataclass
 class Woven:
-    """A bond graph under way, and where voltages and currents are found in it.
-
-    Parameters
-    ----------
-    leaves : sequence of Leaf
-        The branches of the circuit, which the numbers below count.
-    names : GraphNames
-    elements : dict
-        Name to part; of a source that is still to be said, the value is None.
-    bonds : list of (str, str)
-    lines : dict
-        Element to the line that it comes from.
-    drops : dict
-        Branch to its voltage from node a to node b; missing if nothing tells it.
-    currents : dict
-        Branch to its current from node a to node b.
-    potentials : list of (int, int, str)
-        A node, the node against which its voltage is counted, and the 0-junction that has it.
-    pending : list of (str, int, int)
-        Sources whose value follows from a controlling one: name, branch and sign.
-    idle : list of int
-        Branches that no current can pass.
-    """
+    """A bond graph under way, and where voltages and currents are found in it."""
 
     leaves: Sequence[Leaf]
+    """The branches of the circuit, which the numbers below count."""
     names: GraphNames
     elements: dict[str, Part] = field(default_factory=dict)
+    """Name to part; of a source that is still to be said, the value is None."""
     bonds: list[tuple[str, str]] = field(default_factory=list)
     lines: dict[str, Line] = field(default_factory=dict)
+    """Element to the line that it comes from."""
     drops: dict[int, Terms] = field(default_factory=dict)
+    """Branch to its voltage from node a to node b; missing if nothing tells it."""
     currents: dict[int, Terms] = field(default_factory=dict)
+    """Branch to its current from node a to node b."""
     potentials: list[tuple[int, int, str]] = field(default_factory=list)
+    """A node, the node against which its voltage is counted, and the 0-junction that has it."""
     pending: list[tuple[str, int, int]] = field(default_factory=list)
+    """Sources whose value follows from a controlling one: name, branch and sign."""
     idle: list[int] = field(default_factory=list)
+    """Branches that no current can pass."""
     junctions: dict[int, str] = field(default_factory=dict)
     """Of each switch, its controlled junction."""
     inputs: dict[int, str] = field(default_factory=dict)

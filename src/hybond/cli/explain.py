@@ -6,7 +6,7 @@ import textwrap
 from argparse import Namespace
 from collections.abc import Iterator
 
-from hybond.cli.lists import end_time, seconds
+from hybond.cli.lists import end_time
 from hybond.cli.run import ending
 from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
@@ -14,6 +14,7 @@ from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension
 from hybond.report import fired_text, joule
 from hybond.result import Result
+from hybond.run_options import seconds
 from hybond.trace import Event, Step
 from hybond.units import format_quantity, parse_unit
 

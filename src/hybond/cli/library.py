@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from hybond.cli.streams import say
 from hybond.errors import UsageError
 from hybond.library import Sheet, names, sheet
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, in_columns
 
 
 def library(given: Namespace) -> int:
@@ -66,7 +66,7 @@ def _listed(domain: str) -> Iterator[str]:
 
 
 def _lines(chosen: Sequence[str]) -> list[str]:
-    return _columns((f"  {name}", sheet(name).title) for name in chosen)
+    return in_columns((f"  {name}", sheet(name).title) for name in chosen)
 
 
 def _page(of: Sheet) -> Iterator[str]:
@@ -100,11 +100,4 @@ def _section(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
     if rows:
         yield ""
         yield title
-        yield from _columns((f"  {row[0]}", *row[1:]) for row in rows)
-
-
-def _columns(rows: Iterable[tuple[str, ...]]) -> list[str]:
-    """Return rows of words as lines with straight columns."""
-    table = list(rows)
-    widths = [max(map(len, column)) for column in zip(*table)]
-    return ["  ".join(w.ljust(n) for w, n in zip(row, widths)).rstrip() for row in table]
+        yield from in_columns((f"  {row[0]}", *row[1:]) for row in rows)

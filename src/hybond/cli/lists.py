@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
-from hybond.units import parse_unit, try_quantity
+from hybond.run_options import seconds
+from hybond.units import try_quantity
 
 
 def split(texts: Iterable[str]) -> list[str]:
@@ -81,29 +81,6 @@ def sweep(text: str, where: str) -> tuple[str, float, float]:
             hint="such as ball.p=-3..1",
         )
     return name, low.value, high.value
-
-
-def seconds(value: Any, where: str) -> float:
-    """Return a time as written, s.
-
-    Raises
-    ------
-    UsageError
-        HB-S106.
-
-    Examples
-    --------
-    >>> seconds("50 ms", "--at")
-    0.05
-    """
-    if isinstance(value, int | float):
-        return float(value)
-    quantity = try_quantity(str(value))
-    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
-        raise UsageError(
-            f"{value!r} is not a time", code="HB-S106", where=where, hint="write 0.2 or '200 ms'"
-        )
-    return quantity.value
 
 
 def sample_times(texts: Sequence[str], until: float) -> list[float]:

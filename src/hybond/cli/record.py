@@ -29,7 +29,6 @@ def run_record(
 
     Parameters
     ----------
-    run : Result
     file : str
         Where the model came from.
     times, names : sequences

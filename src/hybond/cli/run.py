@@ -14,6 +14,7 @@ from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.engine.outcome.step_error import GOOD
 from hybond.errors import HybondError
+from hybond.names import in_columns
 from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity
@@ -132,5 +133,4 @@ def _table(run: Result, times: Sequence[float], names: Sequence[str]) -> str:
     for k, t in enumerate(times):
         values = (columns[n][k] for n in names)
         rows.append([f"{t:.9g}", *("-" if v is None else f"{v:.9g}" for v in values)])
-    widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
-    return "\n".join("  ".join(c.rjust(w) for c, w in zip(row, widths)) for row in rows)
+    return "\n".join(in_columns(rows, str.rjust))

@@ -32,7 +32,6 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
 
     Parameters
     ----------
-    graph : FlatGraph
     until : float
         s.
     given : Namespace

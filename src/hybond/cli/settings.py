@@ -20,7 +20,6 @@ def flatten_with(model: Model, settings: Sequence[str]) -> FlatGraph:
 
     Parameters
     ----------
-    model : Model
     settings : sequence of str
         ``"path=value"``. A path leads to a parameter (``m``, ``motor.k``), the value of an
         element (``ball.I``), the start of a storage, an integral or a machine (``ball.f``,

@@ -18,6 +18,7 @@ from hybond.cli.vary import columns
 from hybond.errors import HybondError
 from hybond.files import load
 from hybond.files.whole import write_whole
+from hybond.names import in_columns
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
 
@@ -129,8 +130,7 @@ def _cell(value: Any) -> str:
 
 
 def _aligned(rows: list[list[str]], gap: int, words: str) -> str:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
+    lines = in_columns(rows, str.rjust)
     return "\n".join([*lines[:gap], *([words] if words else []), *lines[gap:]])
 
 

@@ -29,13 +29,7 @@ KNOWN: dict[str, Tone] = {
 
 @dataclass(frozen=True, slots=True)
 class Badge:
-    """A short text in a coloured frame, beside an element.
-
-    Parameters
-    ----------
-    text : str
-    tone : {"grey", "blue", "orange", "red", "purple", "green"}
-    """
+    """A short text in a coloured frame, beside an element."""
 
     text: str
     tone: Tone = "grey"

@@ -68,20 +68,13 @@ Mark = Line | Text | Frame | Band
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Marks that belong together: one node, one bond, the legend.
-
-    Parameters
-    ----------
-    name : {"node", "bond", "region", "words"}
-    key : str
-        Path of the node or name of the bond.
-    about : str
-        Text that appears when the pointer rests on the group.
-    """
+    """Marks that belong together: one node, one bond, the legend."""
 
     name: str
     key: str
+    """Path of the node or name of the bond."""
     about: str
+    """Text that appears when the pointer rests on the group."""
     marks: tuple[Mark, ...]
 
 

@@ -46,7 +46,6 @@ def simplified(sketch: Sketch, zeros: dict[str, str]) -> Sketch:
 
     Parameters
     ----------
-    sketch : Sketch
     zeros : dict
         See `zeros_of`.
     """

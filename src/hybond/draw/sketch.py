@@ -61,34 +61,25 @@ class Symbol:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """A bond as drawn, between two symbols.
-
-    Parameters
-    ----------
-    tail, head : int
-        Indices of symbols.
-    strokes, dashed : tuple of int
-        The ends (0 tail, 1 head) with a solid and with a dashed stroke.
-    late : tuple of int
-        The ends at which a stroke means derivative causality of a storage.
-    region : bool
-        It lies in a region of dynamic causality, which is shaded.
-    emphasis : bool
-        It is pointed out: its stroke differs from that of the reference mode.
-    """
+    """A bond as drawn, between two symbols."""
 
     tail: int
     head: int
+    """`tail` and `head`: indices of symbols."""
     name: str
     number: str = ""
     strokes: tuple[int, ...] = ()
     dashed: tuple[int, ...] = ()
+    """`strokes` and `dashed`: the ends (0 tail, 1 head) with a solid and with a dashed stroke."""
     late: tuple[int, ...] = ()
+    """The ends at which a stroke means derivative causality of a storage."""
     integral: bool = False
     conflict: bool = False
     off: bool = False
     region: bool = False
+    """It lies in a region of dynamic causality, which is shaded."""
     emphasis: bool = False
+    """It is pointed out: its stroke differs from that of the reference mode."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,29 +13,20 @@ PAPER = ("#ffffff", "#1c1c20")
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """Looks of a role; None leaves what earlier words said.
-
-    Parameters
-    ----------
-    ink : tuple of str
-        Colour on white and on dark paper.
-    width : float
-        Of lines, in pixels.
-    dash : tuple of float
-        Lengths of dash and gap, in pixels.
-    size : float
-        Of letters, in pixels.
-    fill : tuple of str
-        What a frame is filled with, on white and on dark paper; without it it is empty.
-    """
+    """Looks of a role; None leaves what earlier words said."""
 
     ink: tuple[str, str] | None = None
+    """Colour on white and on dark paper."""
     width: float | None = None
+    """Of lines, in pixels."""
     dash: tuple[float, float] | None = None
+    """Lengths of dash and gap, in pixels."""
     size: float | None = None
+    """Of letters, in pixels."""
     bold: bool | None = None
     italic: bool | None = None
     fill: tuple[str, str] | None = None
+    """What a frame is filled with, on white and on dark paper; without it it is empty."""
 
 
 _INK = ("#161616", "#ececec")

@@ -20,7 +20,6 @@ def write_tikz(scene: Scene, *, document: bool = False) -> str:
 
     Parameters
     ----------
-    scene : Scene
     document : bool
         A whole document that LaTeX compiles, rather than a ``tikzpicture`` for ``\input``.
 

@@ -16,19 +16,13 @@ _VISIBLE = 0.004
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """A signal ready to be drawn.
-
-    Parameters
-    ----------
-    t, y : array, shape (n,)
-        One line; NaN where it is broken.
-    jumps : array, shape (k, 3)
-        Time, left limit and right limit of each visible jump.
-    """
+    """A signal ready to be drawn."""
 
     t: Vector
     y: Vector
+    """Shape (n,). `t` and `y`: one line; NaN where it is broken."""
     jumps: Vector
+    """Shape (k, 3). Time, left limit and right limit of each visible jump."""
 
 
 def trace_of(pieces: Sequence[tuple[Vector, Vector]]) -> Trace:

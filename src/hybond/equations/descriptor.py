@@ -20,21 +20,6 @@ Matrix = NDArray[np.float64]
 class Descriptor:
     """A linear mode in descriptor form.
 
-    Parameters
-    ----------
-    E, A : array, shape (n, n)
-        n stored quantities and pseudo-states. E is the identity if all storage is integral.
-    B : array, shape (n, p)
-    C, D, F : arrays, shapes (q, n), (q, p), (q, n)
-        F is zero unless an output reads the rate of storage in derivative causality.
-    states, inputs, outputs : tuple of str
-        What the columns of A and B and the rows of C are called; `states` has the pseudo-states
-        at its end.
-    stored : int
-        How many of `states` are stored quantities.
-    undetermined : tuple of str
-        Outputs that the mode leaves open; their rows are those of one choice among many.
-
     Examples
     --------
     >>> d = Descriptor.of([[1.0]], [[-2.0]], [[1.0]], states=("q",), inputs=("u",))
@@ -44,15 +29,24 @@ class Descriptor:
 
     E: Matrix
     A: Matrix
+    """Shape (n, n). `E` and `A`: n stored quantities and pseudo-states. E is the identity if all
+    storage is integral."""
     B: Matrix
+    """Shape (n, p)."""
     C: Matrix
     D: Matrix
     F: Matrix
+    """Shapes (q, n), (q, p), (q, n). `C`, `D` and `F`: F is zero unless an output reads the rate of
+    storage in derivative causality."""
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    """`states`, `inputs` and `outputs`: what the columns of A and B and the rows of C are called;
+    `states` has the pseudo-states at its end."""
     stored: int
+    """How many of `states` are stored quantities."""
     undetermined: tuple[str, ...] = ()
+    """Outputs that the mode leaves open; their rows are those of one choice among many."""
 
     @staticmethod
     def of(

@@ -27,7 +27,6 @@ class Display:
 
     Parameters
     ----------
-    graph : FlatGraph
     naming : Naming
         Its Boolean variables.
     meaning : dict

@@ -30,30 +30,20 @@ KEPT = 512
 
 @dataclass(frozen=True, slots=True)
 class Dynamic:
-    """A row ``expression = 0`` that is evaluated anew each time.
-
-    Parameters
-    ----------
-    kind : {"structure", "law", "hidden"}
-        Power structure (a modulated two-port, a controlled source), a resistor's law, or the
-        time derivative of a constraint.
-    node : int
-        The element, for messages; -1 for a hidden row.
-    expression : Expr
-    slopes : dict
-        Derivatives with respect to bond variables, for Newton.
-    frozen : dict
-        The same with moduli held: what the structure is at this instant.
-    impulse_free : tuple of str
-        Bond variables that this row forbids to carry an impulse.
-    """
+    """A row ``expression = 0`` that is evaluated anew each time."""
 
     kind: Literal["structure", "law", "hidden"]
+    """Power structure (a modulated two-port, a controlled source), a resistor's law, or the time
+    derivative of a constraint."""
     node: int
+    """The element, for messages; -1 for a hidden row."""
     expression: Expr
     slopes: Mapping[str, Expr]
+    """Derivatives with respect to bond variables, for Newton."""
     frozen: Mapping[str, Expr]
+    """The same with moduli held: what the structure is at this instant."""
     impulse_free: tuple[str, ...] = ()
+    """Bond variables that this row forbids to carry an impulse."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,25 +59,16 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What an element says.
-
-    Parameters
-    ----------
-    power : tuple of Row
-        Rows of the power structure with constant coefficients.
-    laws : tuple of Row
-        Rows of resistors with constant coefficients.
-    dynamic : tuple of Dynamic
-    source : Source or None
-    steady : bool
-        Whether it says that in every mode.
-    """
+    """What an element says."""
 
     power: tuple[Row, ...] = ()
+    """Rows of the power structure with constant coefficients."""
     laws: tuple[Row, ...] = ()
+    """Rows of resistors with constant coefficients."""
     dynamic: tuple[Dynamic, ...] = ()
     source: Source | None = None
     steady: bool = False
+    """Whether it says that in every mode."""
 
 
 def settings(graph: FlatGraph, mode: Mode, discrete: Mapping[str, float]) -> dict[str, Expr]:

@@ -37,55 +37,36 @@ Kind = Literal["rate", "storage", "stored", "source", "resistor", "intake", "law
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A known column.
-
-    Parameters
-    ----------
-    kind : str
-        ``"rate"`` x' of a storage port, ``"storage"`` its co-energy variable, ``"stored"`` what
-        it stores, where a source reads that; ``"source"`` a
-        value that reads no bond, ``"resistor"`` what a resistor port imposes, ``"intake"`` what it
-        receives, ``"law"`` the
-        output of a nonlinear law, ``"switch"`` a switch variable.
-    index : int
-        The storage, or the node.
-    port : int
-        The port of a resistor.
-    formula : Expr or None
-        The value of a source or the law of a nonlinear output, in canonical names.
-    """
+    """A known column."""
 
     kind: Kind
+    """``"rate"`` x' of a storage port, ``"storage"`` its co-energy variable, ``"stored"`` what it
+    stores, where a source reads that; ``"source"`` a value that reads no bond, ``"resistor"`` what
+    a resistor port imposes, ``"intake"`` what it receives, ``"law"`` the output of a nonlinear law,
+    ``"switch"`` a switch variable."""
     index: int
+    """The storage, or the node."""
     port: int = 0
+    """The port of a resistor."""
     formula: Expr | None = None
+    """The value of a source or the law of a nonlinear output, in canonical names."""
 
 
 @dataclass(slots=True)
 class Rows(Generic[T]):
-    """The rows of a graph, mode-independent ones first.
-
-    Parameters
-    ----------
-    ring : Ring
-    unknowns : int
-        ``2 * bonds``.
-    columns : list of Column
-        Known column ``unknowns + k`` is `columns[k]`.
-    rows : list of Row
-        Each sums to zero in every mode.
-    owners : list of int
-        The node that each row belongs to; a junction's balance is the last of its rows.
-    closing : dict
-        Switch column to its row in each combination of what it depends on: see `Closing`.
-    """
+    """The rows of a graph, mode-independent ones first."""
 
     ring: Ring[T]
     unknowns: int
+    """``2 * bonds``."""
     columns: list[Column] = field(default_factory=list)
+    """Known column ``unknowns + k`` is `columns[k]`."""
     rows: list[Row[T]] = field(default_factory=list)
+    """Each sums to zero in every mode."""
     owners: list[int] = field(default_factory=list)
+    """The node that each row belongs to; a junction's balance is the last of its rows."""
     closing: dict[int, Closing[T]] = field(default_factory=dict)
+    """Switch column to its row in each combination of what it depends on: see `Closing`."""
 
     def column(self, kind: Kind, index: int, *, port: int = 0, formula: Expr | None = None) -> int:
         """Append a known column; return its number."""
@@ -95,22 +76,15 @@ class Rows(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class Closing(Generic[T]):
-    """The row that closes the system for one switch variable, by the state of its machines.
-
-    Parameters
-    ----------
-    machines : tuple of int
-        The machines whose states decide.
-    row : callable
-        From the states of those machines to the row.
-    key : callable
-        From the states of those machines to what distinguishes rows: states with equal keys have
-        the same row.
-    """
+    """The row that closes the system for one switch variable, by the state of its machines."""
 
     machines: tuple[int, ...]
+    """The machines whose states decide."""
     row: Callable[[tuple[int, ...]], Row[T]]
+    """From the states of those machines to the row."""
     key: Callable[[tuple[int, ...]], tuple[object, ...]]
+    """From the states of those machines to what distinguishes rows: states with equal keys have the
+    same row."""
 
 
 def laws_of(graph: FlatGraph, node: Node, *, symbolic: bool) -> Parametric:
@@ -158,8 +132,6 @@ class Assembly(Generic[T]):
 
     Parameters
     ----------
-    graph : FlatGraph
-    ring : Ring
     on : collection of int
         The controlled nodes that are ON in the reference mode.
     symbolic : bool

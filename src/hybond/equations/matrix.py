@@ -15,6 +15,7 @@ from hybond.equations.patterns import Space
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError
 from hybond.model.graph import AnyMode, Mode
+from hybond.names import in_columns
 
 Terms = tuple[tuple[Cube, Any], ...]
 """Disjoint Boolean products with their coefficients."""
@@ -156,12 +157,7 @@ class BooleanMatrix:
             ]
             for i in range(rows)
         ]
-        widths = [max(len(row[k]) for row in cells) for k in range(columns + 1)]
-        lines = [
-            "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
-            for row in cells
-        ]
-        return "\n".join(lines)
+        return "\n".join(in_columns(cells))
 
     def latex(self) -> str:
         """Return a LaTeX matrix."""

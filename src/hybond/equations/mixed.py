@@ -50,10 +50,8 @@ class MixedRow(Generic[T]):
 
         Parameters
         ----------
-        space : Space
         dead : sequence of set of int
             Per combination: the columns that are zero in it.
-        ring : Ring
         """
         columns = set().union(*dead)
         if not columns & set(self.columns()):
@@ -182,7 +180,6 @@ def mixed_row(
 
     Parameters
     ----------
-    form : SwitchForm
     value : Row
         Knowns, switch variables and tears.
     region_at : dict

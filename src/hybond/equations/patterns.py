@@ -21,20 +21,13 @@ MOST_PATTERNS = 64
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """Combinations of classes of machine states.
-
-    Parameters
-    ----------
-    machines : tuple of int
-    classes : tuple of tuple of int
-        Per machine and state: the class of that state, counted from 0.
-    sizes : tuple of int
-        Per machine: the number of classes.
-    """
+    """Combinations of classes of machine states."""
 
     machines: tuple[int, ...]
     classes: tuple[tuple[int, ...], ...]
+    """Per machine and state: the class of that state, counted from 0."""
     sizes: tuple[int, ...]
+    """Per machine: the number of classes."""
 
     @property
     def count(self) -> int:

@@ -27,7 +27,6 @@ class Peeling(Generic[T]):
         The coefficients.
     rows : sequence of Row
         Each says that the sum of coefficient times column is zero.
-    unknowns : int
 
     Attributes
     ----------

@@ -39,23 +39,16 @@ TRIALS = (0.7411 + 0.3923j, -1.1307 + 0.8219j, 1.9163 - 0.2741j)
 
 @dataclass(frozen=True, slots=True)
 class Slow:
-    """What moves: ``x' = A x + B u`` in scaled variables, ``y = C x`` but for what u adds.
-
-    Parameters
-    ----------
-    A, B, C : arrays
-        Of `order` states.
-    kept : tuple of int
-        Which of the descriptor's variables the states are.
-    basis : array, shape (n, order)
-        ``v = basis @ x`` while u = 0: how all variables move with the states.
-    """
+    """What moves: ``x' = A x + B u`` in scaled variables, ``y = C x`` but for what u adds."""
 
     A: Matrix
     B: Matrix
     C: Matrix
+    """`A`, `B` and `C`: of `order` states."""
     kept: tuple[int, ...]
+    """Which of the descriptor's variables the states are."""
     basis: Matrix
+    """Shape (n, order). ``v = basis @ x`` while u = 0: how all variables move with the states."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,55 +124,68 @@ def analyse(d: Descriptor) -> Pencil:
     if not regular:
         low, high = worst(normal, e_rank)
         return Pencil(n, False, normal.value, e_rank.value, None, None, None, None, s, low, high)
-    reduced = _Reduction(s)
     try:
-        slow, ranks = reduced.run()
+        reduced = Reduction(s)
     except np.linalg.LinAlgError:
         # regular at the trial frequencies, but so barely that no variable can be put in
         return Pencil(n, False, n, e_rank.value, None, None, None, None, s, 0.0, normal.smallest)
+    slow = reduced.slow()
     poles = poles_of(slow.A) * s.time
-    low, high = worst(normal, e_rank, *ranks)
+    low, high = worst(normal, e_rank, *reduced.ranks)
     order = len(slow.kept)
     return Pencil(n, True, n, e_rank.value, order, reduced.index, poles, slow, s, low, high)
 
 
-class _Reduction:
-    """A scaled regular pencil while its infinite eigenvalues are taken off."""
+class Reduction:
+    """A scaled regular pencil while its infinite eigenvalues are taken off.
 
-    def __init__(self, s: Scaled) -> None:
-        n = len(s.A)
+    Attributes
+    ----------
+    e, a : Tracked
+        What is left.
+    b, direct : list of Tracked
+        Polynomials in s, as eliminating a variable that an input drives brings ``s u``:
+        ``v = basis x + direct(s) u``.
+    kept : array of int
+        Which of the descriptor's variables are left.
+    """
+
+    def __init__(self, s: Scaled, *, last: NDArray[np.bool_] | None = None) -> None:
+        """Take a scaled descriptor; variables in `last` go only where no other may."""
+        n, p = s.B.shape
         self.e, self.a = Tracked.of(s.E), Tracked.of(s.A)
-        # B and C are polynomials in s: eliminating a variable that an input drives brings s * u
         self.b = [Tracked.of(s.B)]
         self.c = [Tracked.of(m) for m in (s.C, s.F) if m is s.C or m.any()]
         self.kept = np.arange(n)
-        self.basis = Tracked.of(np.eye(n))
+        self.basis, self.direct = Tracked.of(np.eye(n)), [Tracked.of(np.zeros((n, p)))]
         self.index = 0
-        self.size_e = float(np.linalg.norm(s.E, 2)) if n else 0.0
-
-    def run(self) -> tuple[Slow, list[Rank]]:
-        """Reduce until E is invertible; return what is left and the ranks decided."""
-        ranks = []
+        self.ranks: list[Rank] = []
+        self._size_e = float(np.linalg.norm(s.E, 2)) if n else 0.0
+        self._weights = np.ones(n) if last is None else np.where(last, 2.0**-20, 1.0)
         while len(self.e.value):
-            rank = rank_of(self.e.value, self.size_e)
-            ranks.append(rank)
+            rank = rank_of(self.e.value, self._size_e)
+            self.ranks.append(rank)
             if rank.value == len(self.e.value):
                 break
-            ranks.append(self._deflate(rank.value))
+            self._deflate(rank.value)
             self.index += 1
+        # what is left: x' = a x + b(s) u
         inverse = self.e.inverse()
-        a = inverse @ self.a
+        self.a, self.b = inverse @ self.a, [inverse @ m for m in self.b]
+
+    def slow(self) -> Slow:
+        """Return what moves."""
         # modulo sI - a: s acts on a column of B as a does, on a row of C likewise
-        *lower, b = [inverse @ coefficient for coefficient in self.b]
+        *lower, b = self.b
         for coefficient in reversed(lower):
-            b = a @ b + coefficient
+            b = self.a @ b + coefficient
         *lower, c = self.c
         for coefficient in reversed(lower):
-            c = c @ a + coefficient
+            c = c @ self.a + coefficient
         kept = tuple(int(k) for k in self.kept)
-        return Slow(a.value, b.value, c.value, kept, self.basis.value), ranks
+        return Slow(self.a.value, b.value, c.value, kept, self.basis.value)
 
-    def _deflate(self, rank: int) -> Rank:
+    def _deflate(self, rank: int) -> None:
         """Take off the rows without rates, and as many variables."""
         from scipy.linalg import qr
 
@@ -199,28 +205,34 @@ class _Reduction:
         found = counted(values, max(float(np.linalg.norm(self.a.value, 2)), float(values[0])))
         if found.value < n - rank:
             raise np.linalg.LinAlgError("algebraic rows that depend on each other")
-        pivots = qr(a2.value, mode="r", pivoting=True)[1]
+        self.ranks.append(found)
+        pivots = qr(a2.value * self._weights[self.kept], mode="r", pivoting=True)[1]
         out, stay = np.sort(pivots[: n - rank]), np.sort(pivots[n - rank :])
         # 0 = a2_out v_out + a2_stay v_stay + b2 u
         inverse = a2.take(columns=out).inverse()
         follow = -inverse @ a2.take(columns=stay)
         parts = [split(b) for b in self.b]
         driven = [-inverse @ b2 for _, b2 in parts]
-        b_new = [b1 for b1, _ in parts] + [Tracked.of(np.zeros_like(parts[0][0].value))]
-        for k, drive in enumerate(driven):
-            b_new[k] += a1.take(columns=out) @ drive
-            b_new[k + 1] += -e1.take(columns=out) @ drive
-        if not b_new[-1].value.any():
-            b_new.pop()
+        self.b = added([b1 for b1, _ in parts], [a1.take(columns=out) @ d for d in driven])
+        none = Tracked.of(np.zeros_like(self.b[0].value))
+        self.b = added(self.b, [none, *(-e1.take(columns=out) @ d for d in driven)])
+        self.direct = added(self.direct, [self.basis.take(columns=out) @ d for d in driven])
 
         def put_in(m: Tracked) -> Tracked:
             return m.take(columns=stay) + m.take(columns=out) @ follow
 
         self.e, self.a, self.basis = put_in(e1), put_in(a1), put_in(self.basis)
-        self.b = b_new
         self.c = [put_in(c) for c in self.c]
         self.kept = self.kept[stay]
-        return found
+
+
+def added(first: list[Tracked], second: list[Tracked]) -> list[Tracked]:
+    """Return the sum of two polynomials; powers that vanished are left off."""
+    longer, shorter = (first, second) if len(first) >= len(second) else (second, first)
+    found = [m + shorter[k] if k < len(shorter) else m for k, m in enumerate(longer)]
+    while len(found) > 1 and not found[-1].value.any():
+        found.pop()
+    return found
 
 
 def poles_of(a: Matrix) -> NDArray[Any]:
@@ -234,9 +246,8 @@ def poles_of(a: Matrix) -> NDArray[Any]:
         return np.zeros(0)
     values = np.linalg.eigvals(a)
     none = np.zeros((n, 0))
-    turned = _Reduction(Scaled(a, np.eye(n), none, none.T, none.T, np.ones(n), 1.0))
     try:
-        moving = len(turned.run()[0].kept)
+        moving = len(Reduction(Scaled(a, np.eye(n), none, none.T, none.T, np.ones(n), 1.0)).kept)
     except np.linalg.LinAlgError:
         moving = n
     values[np.argsort(np.abs(values), kind="stable")[: n - moving]] = 0.0

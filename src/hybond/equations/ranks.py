@@ -35,14 +35,6 @@ ALL = slice(None)
 class Rank:
     """A rank and how clear it is.
 
-    Parameters
-    ----------
-    value : int
-    smallest : float
-        The smallest singular value that counts, as a part of the size; 1 if there is none.
-    dropped : float
-        The largest one that does not count, likewise; 0 if there is none.
-
     Examples
     --------
     >>> rank_of(np.array([[1.0, 2.0], [2.0, 4.0]])).value
@@ -51,7 +43,9 @@ class Rank:
 
     value: int
     smallest: float = 1.0
+    """The smallest singular value that counts, as a part of the size; 1 if there is none."""
     dropped: float = 0.0
+    """The largest one that does not count, likewise; 0 if there is none."""
 
     @property
     def sure(self) -> bool:

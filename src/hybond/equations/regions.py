@@ -31,36 +31,25 @@ T = TypeVar("T")
 
 @dataclass(slots=True)
 class Region(Generic[T]):
-    """Some switch variables and tears with the rows that close them, eliminated together.
-
-    Parameters
-    ----------
-    space : Space
-        The combinations of machine states that matter to it.
-    switches, tears : tuple of int
-    constraints : tuple of int
-        Positions in `SwitchForm.constraints`.
-    values : list of dict
-        Per combination: each variable as a row of knowns and, if storage gave way, rates.
-    replaced : list of dict
-        Per combination: target columns whose row gives way, to the constraint that takes its
-        place.
-    void : dict
-        Combinations in which sources contradict each other, or nothing determines what a rate
-        reads, with the reason: the eliminated form has no rows there.
-    why_kept : str
-        Empty if it was eliminated.
-    """
+    """Some switch variables and tears with the rows that close them, eliminated together."""
 
     space: Space
+    """The combinations of machine states that matter to it."""
     switches: tuple[int, ...]
     tears: tuple[int, ...]
     constraints: tuple[int, ...]
+    """Positions in `SwitchForm.constraints`."""
     values: list[dict[int, Row[T]]] = field(default_factory=list)
+    """Per combination: each variable as a row of knowns and, if storage gave way, rates."""
     replaced: list[dict[int, Row[T]]] = field(default_factory=list)
+    """Per combination: target columns whose row gives way, to the constraint that takes its
+    place."""
     undetermined: list[tuple[int, ...]] = field(default_factory=list)
     void: dict[int, str] = field(default_factory=dict)
+    """Combinations in which sources contradict each other, or nothing determines what a rate reads,
+    with the reason: the eliminated form has no rows there."""
     why_kept: str = ""
+    """Empty if it was eliminated."""
 
     @property
     def variables(self) -> tuple[int, ...]:
@@ -84,7 +73,6 @@ def regions_of(form: SwitchForm[T], *, compact: bool = False) -> list[Region[T]]
 
     Parameters
     ----------
-    form : SwitchForm
     compact : bool
         Whether a region may be eliminated though some of its combinations have no solution
         (`Region.void`); else it is kept.

@@ -13,31 +13,23 @@ from hybond.model.graph import FlatGraph
 
 @dataclass(frozen=True, slots=True)
 class Slots:
-    """The layout for one graph.
-
-    Parameters
-    ----------
-    index : dict
-        Canonical name to slot.
-    size : int
-        Number of slots of one copy; ``pre(name)`` stands at ``index[name] + size``.
-    u, du, s, x, w : slice
-        Inputs, input rates, integrated signals, stored quantities, and bond variables (all
-        efforts, then all flows).
-    on, states, at : slice
-        Booleans.
-    """
+    """The layout for one graph."""
 
     index: dict[str, int]
+    """Canonical name to slot."""
     size: int
+    """Number of slots of one copy; ``pre(name)`` stands at ``index[name] + size``."""
     u: slice
     du: slice
     s: slice
     x: slice
     w: slice
+    """`u`, `du`, `s`, `x` and `w`: inputs, input rates, integrated signals, stored quantities, and
+    bond variables (all efforts, then all flows)."""
     on: slice
     states: slice
     at: slice
+    """`on`, `states` and `at`: Booleans."""
 
 
 def slots_of(graph: FlatGraph) -> Slots:

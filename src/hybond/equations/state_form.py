@@ -41,54 +41,36 @@ T = TypeVar("T")
 
 @dataclass
 class StateEquations(Generic[T]):
-    """Mixed-Boolean state equations of a graph; made by `state_equations`.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    reference : tuple of int
-        The mode in which all switch variables are zero.
-    form : SwitchForm
-    regions : list of Region
-    rows : list of MixedRow
-        One per stored quantity in the graph's order, then one per kept variable. A row sums to
-        zero; its columns are those of `form`, co-energy variables standing for storage.
-    outputs : list of MixedRow
-        ``y = row``.
-    output_names : tuple of str
-    kept : tuple of int
-        Columns of variables that were not eliminated.
-    row_names : tuple of str
-        The stored quantity whose rate row it is, the variable that a row closes, or its number.
-    lost : tuple of int
-        Columns of variables that nothing determines and nothing reads.
-    place : dict
-        Where each column stands: ``("rate", k)``, ``("state", k)``, ``("input", k)``,
-        ``("law", k)``.
-    in_x : callable
-        Puts stored quantities in place of co-energy variables in a row.
-    again : callable
-        Derives the long form.
-    laws : tuple of int
-        Columns of what nonlinear laws give, and of co-energy variables of nonlinear storage.
-    """
+    """Mixed-Boolean state equations of a graph; made by `state_equations`."""
 
     graph: FlatGraph
     reference: Mode
+    """The mode in which all switch variables are zero."""
     form: SwitchForm[T]
     regions: list[Region[T]]
     rows: list[MixedRow[T]]
+    """One per stored quantity in the graph's order, then one per kept variable. A row sums to zero;
+    its columns are those of `form`, co-energy variables standing for storage."""
     outputs: list[MixedRow[T]]
+    """``y = row``."""
     output_names: tuple[str, ...]
     kept: tuple[int, ...]
+    """Columns of variables that were not eliminated."""
     row_names: tuple[str, ...]
+    """The stored quantity whose rate row it is, the variable that a row closes, or its number."""
     lost: tuple[int, ...]
+    """Columns of variables that nothing determines and nothing reads."""
     naming: Naming
     sources: tuple[int, ...]
     laws: tuple[int, ...]
+    """Columns of what nonlinear laws give, and of co-energy variables of nonlinear storage."""
     place: dict[int, tuple[str, int]]
+    """Where each column stands: ``("rate", k)``, ``("state", k)``, ``("input", k)``, ``("law",
+    k)``."""
     in_x: Callable[[Row[T]], Row[T]]
+    """Puts stored quantities in place of co-energy variables in a row."""
     again: Callable[[], StateEquations[T]] | None = None
+    """Derives the long form."""
 
     @property
     def ring(self) -> Ring[T]:

@@ -47,32 +47,22 @@ _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """The surface ``g = 0`` between two states of a machine.
-
-    Parameters
-    ----------
-    machine : int
-    below, above : int
-        The states in which the machine is for ``g < 0`` and ``g > 0``.
-    g : Expr
-        The switching function, in canonical names.
-    text : str
-        The surface as written: ``v.f = 0``.
-    up, down : Rule
-        The rules ``below -> above`` and ``above -> below``.
-    up_rest, down_rest : tuple of Expr
-        What else each of them asks for.
-    """
+    """The surface ``g = 0`` between two states of a machine."""
 
     machine: int
     below: int
     above: int
+    """`below` and `above`: the states in which the machine is for ``g < 0`` and ``g > 0``."""
     g: Expr
+    """The switching function, in canonical names."""
     text: str
+    """The surface as written: ``v.f = 0``."""
     up: Rule
     down: Rule
+    """`up` and `down`: the rules ``below -> above`` and ``above -> below``."""
     up_rest: tuple[Expr, ...]
     down_rest: tuple[Expr, ...]
+    """`up_rest` and `down_rest`: what else each of them asks for."""
 
 
 def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:

@@ -29,32 +29,21 @@ T = TypeVar("T")
 
 @dataclass(slots=True)
 class SwitchForm(Generic[T]):
-    """The mode-independent solution of a graph.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    ring : Ring
-    rows : Rows
-        The columns, and what closes each switch variable.
-    targets : dict
-        Column of each rate (and of what each held resistor receives) to its value, a row of
-        knowns, switch variables and tears.
-    outputs : list of Row
-        The wanted signals, likewise.
-    tears : tuple of int
-        Columns that the structure leaves free.
-    constraints : list of Row
-        Rows that hold in every mode, each without a rate.
-    """
+    """The mode-independent solution of a graph."""
 
     graph: FlatGraph
     ring: Ring[T]
     rows: Rows[T]
+    """The columns, and what closes each switch variable."""
     targets: dict[int, Row[T]]
+    """Column of each rate (and of what each held resistor receives) to its value, a row of knowns,
+    switch variables and tears."""
     outputs: list[Row[T]]
+    """The wanted signals, likewise."""
     tears: tuple[int, ...]
+    """Columns that the structure leaves free."""
     constraints: list[Row[T]]
+    """Rows that hold in every mode, each without a rate."""
     solution: Peeling[T]
     partner: dict[tuple[str, int, int], int]
     """Column by kind, index and port."""
@@ -95,7 +84,6 @@ def switch_form(
 
     Parameters
     ----------
-    graph : FlatGraph
     ring : Ring
         Numbers or symbols.
     reference : tuple of int

@@ -30,27 +30,18 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TransferFunctions:
-    """Transfer functions from every input to every output of one mode.
-
-    Parameters
-    ----------
-    outputs, inputs : tuple of str
-    entries : mapping of (str, str) to Rational
-        Output and input to a rational function of ``s`` (in 1/s, the complex frequency) and of
-        parameters. A pair without influence has none.
-    display : Display
-    values : mapping
-        The model's values of the names in `entries`.
-    notes : tuple of str
-        What the functions leave out.
-    """
+    """Transfer functions from every input to every output of one mode."""
 
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     entries: Mapping[tuple[str, str], Rational]
+    """Output and input to a rational function of ``s`` (in 1/s, the complex frequency) and of
+    parameters. A pair without influence has none."""
     display: Display
     values: Mapping[str, float]
+    """The model's values of the names in `entries`."""
     notes: tuple[str, ...] = ()
+    """What the functions leave out."""
 
     def __getitem__(self, key: tuple[str, str]) -> str:
         return self._text(self.entries[key]) if key in self.entries else "0"
@@ -197,7 +188,6 @@ def transfer_functions(eq: StateEquations[Any], mode: Mode) -> TransferFunctions
     ----------
     eq : StateEquations
         With outputs. Numbers are taken as exact decimals.
-    mode : tuple of int
 
     Raises
     ------

@@ -7,10 +7,10 @@ from typing import Any
 from hybond.equations.booleans import Cube
 from hybond.equations.display import joined, signed, split
 from hybond.equations.mixed import MixedRow
+from hybond.equations.notation import LatexNotation, Notation, in_latex, in_markdown
 from hybond.equations.state_form import StateEquations
 from hybond.model.expressions import Expr, Number
 from hybond.model.expressions import names as names_of
-from hybond.model.expressions import to_latex as expr_latex
 from hybond.model.expressions import to_text as expr_text
 from hybond.model.graph import Mode
 from hybond.units import format_quantity
@@ -27,42 +27,30 @@ def write_text(eq: StateEquations[Any], mode: Mode | None = None) -> str:
 
     Parameters
     ----------
-    eq : StateEquations
     mode : tuple of int, optional
         One mode; default all, with Booleans.
     """
-    writer = _Text(eq, mode)
-    return "\n".join(_page(writer))
-
-
-def write_markdown(eq: StateEquations[Any], mode: Mode | None = None) -> str:
-    """Return the equations for Markdown: one aligned formula and a list."""
-    writer = _Latex(eq, mode)
-    body = " \\\\\n".join(writer.equations())
-    lines = [f"$$\n\\begin{{aligned}}\n{body}\n\\end{{aligned}}\n$$"]
-    where = [f"- ${line}$" for line in writer.where()]
-    notes = [f"- {note}" for note in _notes(eq, mode)]
-    return "\n".join([*lines, "", *where, *notes]).rstrip() + "\n"
-
-
-def write_latex(eq: StateEquations[Any], mode: Mode | None = None) -> str:
-    """Return the equations as a LaTeX ``align*``; what is to be said besides as comments."""
-    writer = _Latex(eq, mode)
-    notes = "".join(f"\n% {note}" for note in _notes(eq, mode))
-    return (
-        "\\begin{align*}\n"
-        + " \\\\\n".join([*writer.equations(), *("& " + line for line in writer.where())])
-        + "\n\\end{align*}"
-        + notes
-    )
-
-
-def _page(writer: _Text) -> list[str]:
+    writer = _Writer(eq, mode, Notation(eq.display))
     lines = writer.equations()
     where = writer.where()
     if where:
         lines += ["where", *(f"  {line}" for line in where)]
-    return lines + [f"# {note}" for note in _notes(writer.eq, writer.mode)]
+    return "\n".join(lines + [f"# {note}" for note in _notes(eq, mode)])
+
+
+def write_markdown(eq: StateEquations[Any], mode: Mode | None = None) -> str:
+    """Return the equations for Markdown: one aligned formula and a list."""
+    writer = _Writer(eq, mode, LatexNotation(eq.display))
+    where = [f"- ${line}$" for line in writer.where()]
+    notes = [f"- {note}" for note in _notes(eq, mode)]
+    return "\n".join([in_markdown(writer.equations()), "", *where, *notes]).rstrip() + "\n"
+
+
+def write_latex(eq: StateEquations[Any], mode: Mode | None = None) -> str:
+    """Return the equations as a LaTeX ``align*``; what is to be said besides as comments."""
+    writer = _Writer(eq, mode, LatexNotation(eq.display))
+    rows = [*writer.equations(), *("& " + line for line in writer.where())]
+    return in_latex(rows, _notes(eq, mode))
 
 
 def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
@@ -105,71 +93,43 @@ def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
 
 
 class _Writer:
-    """What text and LaTeX share: which terms an equation has."""
+    """Which terms an equation has."""
 
-    times = "*"
-
-    def __init__(self, eq: StateEquations[Any], mode: Mode | None) -> None:
+    def __init__(self, eq: StateEquations[Any], mode: Mode | None, say: Notation) -> None:
         self.eq = eq
         self.mode = mode
-        self.show = eq.display
-
-    # -- to be defined by each form
-
-    def variable(self, name: str) -> str:
-        raise NotImplementedError
-
-    def rate(self, name: str) -> str:
-        raise NotImplementedError
-
-    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
-        raise NotImplementedError
-
-    def product(self, cube: Cube) -> str:
-        raise NotImplementedError
-
-    def brackets(self, inner: str) -> str:
-        return f"({inner})"
-
-    def formula(self, e: Expr) -> str:
-        raise NotImplementedError
-
-    def equals(self, left: str, right: str) -> str:
-        raise NotImplementedError
-
-    def every(self, time: str) -> str:
-        raise NotImplementedError
-
-    # -- equations
+        self.say = say
 
     def equations(self) -> list[str]:
         """Return one equation per state, one per kept variable, then the outputs."""
         found = [self._equation(row) for row in self.eq.rows]
         for name, row in zip(self.eq.output_names, self.eq.outputs, strict=True):
-            found.append(self.equals(self.variable(name), self._sum(self._terms(row, 1.0))))
+            found.append(self.say.equals(self.say.variable(name), self._sum(self._terms(row, 1.0))))
         return found
 
     def where(self) -> list[str]:
-        """Return the laws and sources that the equations name."""
+        """Return the laws and sources that the equations name, not aligned."""
         eq = self.eq
         found = []
         read: set[str] = set()
         for k in eq.laws:
             e = self._law(k)
             read |= {n for n in names_of(e) if n.startswith(("e:", "f:"))}
-            found.append(self.equals(self.variable(eq.law_name(k)), self.formula(e)))
+            found.append(self.say.equals(self.say.variable(eq.law_name(k)), self.say.formula(e)))
         for name in sorted(read, key=lambda n: (n[0], int(n[2:]))):
             row = eq.bond_row(name)
-            text = self.variable(self.show.name(name))
+            text = self.say.variable(self.eq.display.name(name))
             value = self._sum(self._terms(row, 1.0))
             if value != text:
-                found.append(self.equals(text, value))
+                found.append(self.say.equals(text, value))
         found += self._integrals()
         for k in eq.sources:
             e = self._law(k)
             if not self._inline(k):
-                found.append(self.equals(self.variable(eq.source_name(k)), self.formula(e)))
-        return found
+                found.append(
+                    self.say.equals(self.say.variable(eq.source_name(k)), self.say.formula(e))
+                )
+        return [line.replace("&= ", "= ") for line in found]
 
     def _integrals(self) -> list[str]:
         """Return the rates of the integrated signals that the equations read, or their samples."""
@@ -187,15 +147,19 @@ class _Writer:
                     continue
                 if int(name[2:]) in samples:
                     sample = samples[int(name[2:])]
-                    now = self.equals(self.variable(integral.path), self.formula(sample.values[0]))
-                    found.append(now + self.every(format_quantity(sample.every, "s")))
+                    now = self.say.equals(
+                        self.say.variable(integral.path), self.say.formula(sample.values[0])
+                    )
+                    found.append(now + self.say.every(format_quantity(sample.every, "s")))
                     read |= names_of(sample.values[0])
                     continue
                 row = eq.signal_row(integral.rate)
                 value = (
-                    self.formula(integral.rate) if row is None else self._sum(self._terms(row, 1.0))
+                    self.say.formula(integral.rate)
+                    if row is None
+                    else self._sum(self._terms(row, 1.0))
                 )
-                found.append(self.equals(self.rate(integral.path), value))
+                found.append(self.say.equals(self.say.rate(integral.path), value))
                 read |= names_of(integral.rate)
         return found
 
@@ -212,13 +176,13 @@ class _Writer:
         return (
             e is not None
             and not isinstance(e, Number)
-            and len(expr_text(self.show.expression(e))) <= INLINE
+            and len(expr_text(self.eq.display.expression(e))) <= INLINE
         )
 
     def _equation(self, row: MixedRow[Any]) -> str:
         left = self._sum(self._terms(row, 1.0, kinds=("rate",)))
         right = self._sum(self._terms(row, -1.0, kinds=("state", "input", "law")))
-        return self.equals(left, right)
+        return self.say.equals(left, right)
 
     def _terms(
         self,
@@ -251,96 +215,28 @@ class _Writer:
         eq = self.eq
         match kind:
             case "state":
-                return False, self.variable(eq.states[j])
+                return False, self.say.variable(eq.states[j])
             case "rate":
-                return False, self.rate(eq.states[j])
+                return False, self.say.rate(eq.states[j])
             case "law":
-                return False, self.variable(eq.law_names[j])
+                return False, self.say.variable(eq.law_names[j])
             case _ if self._inline(column):
-                negative, text = signed(self.formula(self._law(column)))
+                negative, text = signed(self.say.formula(self._law(column)))
                 return negative, text if _simple(text) else f"({text})"
             case _:
-                return False, self.variable(eq.source_name(column))
+                return False, self.say.variable(eq.source_name(column))
 
     def _sum(self, terms: Terms) -> str:
         total: list[str] = []
         for cube in sorted(terms, key=lambda c: (len(c), c)):
-            parts = [self.term(piece, name) for name, c in terms[cube] for piece in split(c)]
+            parts = [self.say.term(piece, name) for name, c in terms[cube] for piece in split(c)]
             if cube and len(parts) == 1:
                 ((name, c),) = terms[cube]
-                parts = [self.term(c, name, cube)]
+                parts = [self.say.term(c, name, cube)]
             elif cube:
-                negative = all(p.startswith("-") for p in parts)
-                inner = joined(_leading([p[1:] if negative else p for p in parts]))
-                text = f"{self.product(cube)}{self.times}{self.brackets(inner)}"
-                parts = [f"-{text}" if negative else text]
+                parts = [self.say.grouped(cube, parts)]
             total += parts
         return joined(total) if total else "0"
-
-
-class _Text(_Writer):
-    def variable(self, name: str) -> str:
-        return name
-
-    def rate(self, name: str) -> str:
-        return f"{name}'"
-
-    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
-        return self.show.term(c, self.show.cube(cube), variable)
-
-    def product(self, cube: Cube) -> str:
-        return self.show.cube(cube)
-
-    def formula(self, e: Expr) -> str:
-        return expr_text(self.show.expression(e))
-
-    def equals(self, left: str, right: str) -> str:
-        return f"{left} = {right}"
-
-    def every(self, time: str) -> str:
-        return f"  every {time}"
-
-
-class _Latex(_Writer):
-    times = r" \, "
-
-    def variable(self, name: str) -> str:
-        return self.show.latex_name(name)
-
-    def rate(self, name: str) -> str:
-        body = self.show.latex_name(name)
-        head, mark, tail = body.partition("_")
-        return rf"\dot{{{head}}}{mark}{tail}"
-
-    def term(self, c: Any, variable: str, cube: Cube = ()) -> str:
-        negative, size = signed(self.show.latex_times(c, variable))
-        if cube:
-            size = self.times.join([self.product(cube), size])
-        return f"-{size}" if negative else size
-
-    def product(self, cube: Cube) -> str:
-        return self.show.cube_latex(cube)
-
-    def brackets(self, inner: str) -> str:
-        return rf"\left({inner}\right)"
-
-    def formula(self, e: Expr) -> str:
-        return expr_latex(self.show.expression(e))
-
-    def equals(self, left: str, right: str) -> str:
-        return f"{left} &= {right}"
-
-    def every(self, time: str) -> str:
-        return rf" \quad\text{{every {time}}}"
-
-    def where(self) -> list[str]:
-        return [line.replace("&= ", "= ") for line in super().where()]
-
-
-def _leading(parts: list[str]) -> list[str]:
-    """Return terms with one that has no minus in front, if there is one."""
-    first = next((k for k, p in enumerate(parts) if not p.startswith("-")), 0)
-    return [parts[first], *parts[:first], *parts[first + 1 :]]
 
 
 def _simple(text: str) -> bool:

@@ -22,7 +22,6 @@ def to_c(model: Model, **options: object) -> str:
 
     Parameters
     ----------
-    model : Model
     **options
         Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``points``, ``step``, ``theta``,
         ``max_step``, ``impact``; those that are left out are the experiment's.

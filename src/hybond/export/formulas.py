@@ -73,21 +73,14 @@ _PAIRED = {
 
 @dataclass
 class Formulas:
-    """The expressions of one model.
-
-    Parameters
-    ----------
-    slot : mapping
-        Canonical names to identifiers of their slots.
-    parameter : mapping
-        Names of parameters, and of numbers that follow from them, to identifiers of their places.
-    tables : dict
-        Tables that expressions read, arguments then values, by identifier; filled on the way.
-    """
+    """The expressions of one model."""
 
     slot: Mapping[str, str]
+    """Canonical names to identifiers of their slots."""
     parameter: Mapping[str, str] = field(default_factory=dict)
+    """Names of parameters, and of numbers that follow from them, to identifiers of their places."""
     tables: dict[tuple[float, ...], str] = field(default_factory=dict)
+    """Tables that expressions read, arguments then values, by identifier; filled on the way."""
     calls: set[str] = field(default_factory=set)
     """Portable functions that the expressions call."""
     read: set[str] = field(default_factory=set)

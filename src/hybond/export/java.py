@@ -29,7 +29,6 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
 
     Parameters
     ----------
-    model : Model
     name : str
         Of the class; by default made of the model's.
     **options

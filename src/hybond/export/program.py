@@ -117,33 +117,21 @@ class PairCase:
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """A model, ready to be printed.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    runs : Runtime
-    slots : list of (str, int, str)
-        Identifier, number and meaning of the slots that expressions read.
-    points : dict of str to tuple of float
-        Tables that they read.
-    values, pairs : list
-        Expressions.
-    roots : tuple of str
-        Functions that main and expressions call.
-    graph : FlatGraph
-        With plain numbers.
-    parameters : Parameters
-    """
+    """A model, ready to be printed."""
 
     tables: ModelTables
     runs: Runtime
     slots: list[tuple[str, int, str]]
+    """Identifier, number and meaning of the slots that expressions read."""
     points: dict[str, tuple[float, ...]]
+    """Tables that they read."""
     values: list[Case]
     pairs: list[PairCase]
+    """`values` and `pairs`: expressions."""
     roots: tuple[str, ...]
+    """Functions that main and expressions call."""
     graph: FlatGraph
+    """With plain numbers."""
     parameters: Parameters
 
 

@@ -22,10 +22,6 @@ def to_python(model: Model) -> str:
     its submodels, those from files too, so that the script stands alone. Run as a program it
     simulates the experiment and prints the events.
 
-    Parameters
-    ----------
-    model : Model
-
     Raises
     ------
     ModelError

@@ -16,26 +16,18 @@ from hybond.names import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One language or format.
-
-    Parameters
-    ----------
-    home, function : str
-        Module and function: ``function(model, **options)`` returns the text, or the bytes of a file
-        that is not a text.
-    suffix : str
-        How names of such files end.
-    says : str
-        What it is, in a few words.
-    options : frozenset of str
-        Options that the function takes.
-    """
+    """One language or format."""
 
     home: str
     function: str
+    """`home` and `function`: module and function: ``function(model, **options)`` returns the text,
+    or the bytes of a file that is not a text."""
     suffix: str
+    """How names of such files end."""
     says: str
+    """What it is, in a few words."""
     options: frozenset[str] = frozenset()
+    """Options that the function takes."""
 
 
 RUN = frozenset(

@@ -32,7 +32,6 @@ def edit_toml(text: str, old: dict[str, Any], new: dict[str, Any], *, finely: bo
 
     Parameters
     ----------
-    text : str
     old, new : dict
         Data of a model file; keys that are in neither are left alone.
     finely : bool

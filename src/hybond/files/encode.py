@@ -28,7 +28,6 @@ def to_data(model: Model, *, inline: bool = False) -> dict[str, Any]:
 
     Parameters
     ----------
-    model : Model
     inline : bool
         Whether submodels that are files become part of the data, so that it stands alone; else
         they stay references.

@@ -19,10 +19,6 @@ def whole(path: str | Path) -> Iterator[Path]:
     The new file lies beside `path` and ends in the same suffix; links are followed, permissions
     kept. What is not a regular file, as a pipe or a terminal, is given as it is.
 
-    Parameters
-    ----------
-    path : str or Path
-
     Yields
     ------
     Path

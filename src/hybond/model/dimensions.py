@@ -61,7 +61,6 @@ def infer_dimension(
 
     Parameters
     ----------
-    e : Expr
     lookup : callable
         From a path to its dimension, or None where it is unknown.
     where : str

@@ -14,35 +14,24 @@ Variable = Literal["e", "f"]
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What all nodes of one kind have in common.
-
-    Parameters
-    ----------
-    name : str
-        The symbol of the field, ``"C"``; also the key in a model file.
-    meaning : str
-        A phrase for messages.
-    least, most : int or None
-        Number of bonds; None is no limit.
-    energy : {"q", "p", None}
-        The stored quantity: displacement, momentum or nothing.
-    imposes : {"e", "f", None}
-        The variable that the element gives to its bond: always (a source), or preferably (a
-        storage in integral causality).
-    fixed : bool
-        Whether `imposes` is a must.
-    law : {"e", "f", None}
-        The variable on the left of the law as written with a plain value (``R``: ``e = R f``).
-    """
+    """What all nodes of one kind have in common."""
 
     name: str
+    """The symbol of the field, ``"C"``; also the key in a model file."""
     meaning: str
+    """A phrase for messages."""
     least: int = 1
     most: int | None = 1
+    """`least` and `most`: number of bonds; None is no limit."""
     energy: Literal["q", "p"] | None = None
+    """The stored quantity: displacement, momentum or nothing."""
     imposes: Variable | None = None
+    """The variable that the element gives to its bond: always (a source), or preferably (a storage
+    in integral causality)."""
     fixed: bool = False
+    """Whether `imposes` is a must."""
     law: Variable | None = None
+    """The variable on the left of the law as written with a plain value (``R``: ``e = R f``)."""
 
     @property
     def symbol(self) -> str:

@@ -15,23 +15,16 @@ from hybond.model.expressions import Expr
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """One output expression per port.
-
-    Parameters
-    ----------
-    output : {"e", "f"}
-        Which variable the expressions give. A storage gives its co-energy variable (C: e, I: f).
-    expressions : tuple of Expr
-        One per port, in local and canonical names. A two-port has one: its modulus.
-    matrix : tuple of tuples or None
-        Set if the law is linear with constant coefficients: ``output = matrix @ argument``, the
-        argument being the stored quantities of a storage, the conjugate variables of a
-        resistor. Constant sources and moduli have a matrix of one entry.
-    """
+    """One output expression per port."""
 
     output: Literal["e", "f"]
+    """Which variable the expressions give. A storage gives its co-energy variable (C: e, I: f)."""
     expressions: tuple[Expr, ...]
+    """One per port, in local and canonical names. A two-port has one: its modulus."""
     matrix: tuple[tuple[float, ...], ...] | None = None
+    """Set if the law is linear with constant coefficients: ``output = matrix @ argument``, the
+    argument being the stored quantities of a storage, the conjugate variables of a resistor.
+    Constant sources and moduli have a matrix of one entry."""
 
     @property
     def linear(self) -> bool:
@@ -45,50 +38,36 @@ TWO_SIDED = ("coulomb", "relay")
 
 @dataclass(frozen=True, slots=True)
 class JunctionLaw:
-    """The law of a junction, in canonical names.
-
-    Parameters
-    ----------
-    kind : str
-        ``diode``, ``thyristor``, ``unilateral``, ``coulomb`` or ``relay``; see `junction_laws`.
-    node : int
-        The junction.
-    common, net : Expr
-        The conjugate pair; `net` leaves out the source that the law itself brought in.
-    limit, breakaway : Expr or None
-        Of ``coulomb`` and ``relay``: what the net variable is while it slides, and at most at rest.
-    gap : Expr or None
-        Distance: the contact can be closed only where it is not positive.
-    gate : Expr or None
-        Condition under which a thyristor may begin to conduct.
-    restitution : Expr or None
-        Newton's coefficient.
-    stiffness : Expr or None
-        Of the contact, for impact laws that spread an impact over several contacts.
-    source : int or None
-        The source that the law brought in.
-    impulsive : bool
-        Whether friction may carry an impulse.
-    second : JunctionLaw or None
-        Friction in two directions: the law of the other junction of the pair.
-    planar : bool
-        Whether the law is one of such a pair.
-    """
+    """The law of a junction, in canonical names."""
 
     kind: str
+    """``diode``, ``thyristor``, ``unilateral``, ``coulomb`` or ``relay``; see `junction_laws`."""
     node: int
+    """The junction."""
     common: Expr
     net: Expr
+    """`common` and `net`: the conjugate pair; `net` leaves out the source that the law itself
+    brought in."""
     limit: Expr | None = None
     breakaway: Expr | None = None
+    """`limit` and `breakaway`: of ``coulomb`` and ``relay``: what the net variable is while it
+    slides, and at most at rest."""
     gap: Expr | None = None
+    """Distance: the contact can be closed only where it is not positive."""
     gate: Expr | None = None
+    """Condition under which a thyristor may begin to conduct."""
     restitution: Expr | None = None
+    """Newton's coefficient."""
     stiffness: Expr | None = None
+    """Of the contact, for impact laws that spread an impact over several contacts."""
     source: int | None = None
+    """The source that the law brought in."""
     impulsive: bool = False
+    """Whether friction may carry an impulse."""
     second: JunctionLaw | None = None
+    """Friction in two directions: the law of the other junction of the pair."""
     planar: bool = False
+    """Whether the law is one of such a pair."""
 
     @property
     def junctions(self) -> tuple[JunctionLaw, ...]:

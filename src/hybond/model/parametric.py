@@ -21,22 +21,15 @@ from hybond.names import join
 
 @dataclass(frozen=True, slots=True)
 class Parametric:
-    """The law of an element in names of parameters.
-
-    Parameters
-    ----------
-    matrix : tuple of tuples of Expr, or None
-        As `Law.matrix`: ``output = matrix @ argument``; None if the law is not linear with
-        constant coefficients.
-    expressions : tuple of Expr
-        As `Law.expressions`.
-    own : mapping
-        The values of the element's own names, SI.
-    """
+    """The law of an element in names of parameters."""
 
     matrix: tuple[tuple[Expr, ...], ...] | None
+    """As `Law.matrix`: ``output = matrix @ argument``; None if the law is not linear with constant
+    coefficients."""
     expressions: tuple[Expr, ...]
+    """As `Law.expressions`."""
     own: Mapping[str, float] = field(default_factory=dict)
+    """The values of the element's own names, SI."""
 
 
 def parametric(node: Node, written: Written, resolver: Resolver) -> Parametric:

@@ -84,65 +84,44 @@ class BlockPart:
     """A block of signals that is called at the instants ``phase + n*every``.
 
     Its outputs are signals, ``block.output``, held from instant to instant.
-
-    Parameters
-    ----------
-    inputs : mapping
-        Name of an input to an expression, which is read a priori.
-    outputs : mapping
-        Name of an output to its value before the first instant, which has its unit.
-    every, phase : number or str
-        s.
-    function : callable
-        ``function(t, u) -> y``, where u and y are dicts by name; from Python only.
-    fmu : str
-        The file of a functional mock-up unit, as written.
-    description : object
-        What the FMU says of itself.
-    parameters : mapping
-        Values of its parameters.
-    units : mapping
-        Units of those inputs and parameters that have one.
     """
 
     inputs: Mapping[str, Value]
+    """Name of an input to an expression, which is read a priori."""
     outputs: Mapping[str, Value]
+    """Name of an output to its value before the first instant, which has its unit."""
     every: Value
     phase: Value = 0.0
+    """`every` and `phase`: s."""
     function: Callable[[float, dict[str, float]], Mapping[str, float]] | None = None
+    """``function(t, u) -> y``, where u and y are dicts by name; from Python only."""
     fmu: str | None = None
+    """The file of a functional mock-up unit, as written."""
     description: Any = field(default=None, compare=False)
+    """What the FMU says of itself."""
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    """Values of its parameters."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Units of those inputs and parameters that have one."""
 
 
 @dataclass(frozen=True, slots=True)
 class InputPart:
-    """An input. Exactly one of `constant`, `table`, `pwm`, `function` is given.
-
-    Parameters
-    ----------
-    constant : number or str
-    table : sequence of (time, value)
-    linear : bool
-        Join the table's points by straight lines; else each value is held.
-    period : number or str
-        The table begins anew that long after its first time, again and again.
-    pwm : mapping
-        ``period``, ``duty``, ``high`` (1), ``low`` (0), ``phase`` (0).
-    function : callable
-        ``function(t) -> float``, from Python only.
-    breaks : sequence of float
-        The times where `function` is not smooth.
-    """
+    """An input. Exactly one of `constant`, `table`, `pwm`, `function` is given."""
 
     constant: Value = None
     table: Sequence[Sequence[Value]] | None = None
+    """Points: times and values."""
     linear: bool = False
+    """Join the table's points by straight lines; else each value is held."""
     period: Value = None
+    """The table begins anew that long after its first time, again and again."""
     pwm: Mapping[str, Value] | None = None
+    """``period``, ``duty``, ``high`` (1), ``low`` (0), ``phase`` (0)."""
     function: Callable[[float], float] | None = None
+    """``function(t) -> float``, from Python only."""
     breaks: Sequence[float] = ()
+    """The times where `function` is not smooth."""
 
 
 @dataclass(frozen=True, slots=True)

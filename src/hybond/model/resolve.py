@@ -43,14 +43,7 @@ _QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
 
 
 class Resolver:
-    """Names to canonical names for one flattened model.
-
-    Parameters
-    ----------
-    opened : Opened
-    nodes, bonds, storages : sequences of the flat graph's records
-    machines : mapping of machine path to (index, state names)
-    """
+    """Names to canonical names for one flattened model."""
 
     def __init__(
         self,

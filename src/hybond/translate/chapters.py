@@ -17,10 +17,8 @@ class Chapters(Braces):
 
     Parameters
     ----------
-    program : Program
     roots : iterable of str
         Functions that are called from outside; what they do not need is not printed.
-    effects : Effects, optional
     uses : mapping, optional
         What the program's functions change and use, if it is known already.
     """

@@ -12,21 +12,14 @@ _FOR_TOOLS = re.compile(r"#\s*(noqa|type:|pragma|mypy:|ruff:|fmt:)")
 
 @dataclass(frozen=True, slots=True)
 class Comments:
-    """What `tokenize` sees and `ast` does not.
-
-    Parameters
-    ----------
-    own : dict of int to (int, str)
-        Comments that have a line to themselves: line to column and text.
-    behind : dict of int to str
-        Comments behind code.
-    blank : set of int
-        Lines with nothing in them.
-    """
+    """What `tokenize` sees and `ast` does not."""
 
     own: dict[int, tuple[int, str]] = field(default_factory=dict)
+    """Comments that have a line to themselves: line to column and text."""
     behind: dict[int, str] = field(default_factory=dict)
+    """Comments behind code."""
     blank: set[int] = field(default_factory=set)
+    """Lines with nothing in them."""
 
     def between(self, first: int, last: int, column: int = 0) -> tuple[str, ...]:
         """Return the comments on lines of their own from `first` to `last`, from `column` on."""

@@ -36,22 +36,15 @@ Holder = tuple[str, str, str]
 
 @dataclass
 class Effects:
-    """What is known of a program.
-
-    Parameters
-    ----------
-    written : set of Holder
-        References through which something is changed.
-    changes : dict of str to frozenset of str
-        Of each function: the fields, ``Mode.stored``, and the kinds of arrays, ``Floats``, that a
-        call of it may change; ``put`` if it writes text.
-    makers : frozenset of str
-        Functions that are given the arena that they take memory from; see `memory`.
-    """
+    """What is known of a program."""
 
     written: set[Holder] = field(default_factory=set)
+    """References through which something is changed."""
     changes: dict[str, frozenset[str]] = field(default_factory=dict)
+    """Of each function: the fields, ``Mode.stored``, and the kinds of arrays, ``Floats``, that a
+    call of it may change; ``put`` if it writes text."""
     makers: frozenset[str] = frozenset()
+    """Functions that are given the arena that they take memory from; see `memory`."""
 
     def of(self, e: Expr) -> frozenset[str]:
         """Return what the evaluation of an expression changes."""
@@ -78,7 +71,6 @@ def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = T
 
     Parameters
     ----------
-    program : Program
     roots : iterable of str
         Functions that are called from outside, where their results may be changed.
     ordered : bool

@@ -11,18 +11,12 @@ from hybond.translate.walks import blocks, of_statement
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Declarations, by the identity of statements of the tree.
-
-    Parameters
-    ----------
-    first : set of int
-        Assignments that declare their target.
-    before : dict of int to list of (name, type)
-        What is declared ahead of a statement, because its first values come from inside it.
-    """
+    """Declarations, by the identity of statements of the tree."""
 
     first: set[int] = field(default_factory=set)
+    """Assignments that declare their target."""
     before: dict[int, list[tuple[str, Type]]] = field(default_factory=dict)
+    """What is declared ahead of a statement, because its first values come from inside it."""
 
 
 def places(function: Function) -> Places:

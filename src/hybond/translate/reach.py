@@ -12,22 +12,15 @@ from hybond.translate.walks import every
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """Names of what is needed.
-
-    Parameters
-    ----------
-    functions, constants, records : frozenset of str
-    words : frozenset of str
-        Words and functions of `math`, conversions too.
-    fields : frozenset of (str, str)
-        Record and name of each field that is read or written.
-    """
+    """Names of what is needed."""
 
     functions: frozenset[str]
     constants: frozenset[str]
     records: frozenset[str]
     words: frozenset[str]
+    """Words and functions of `math`, conversions too."""
     fields: frozenset[tuple[str, str]]
+    """Record and name of each field that is read or written."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,6 @@ class Specialist:
 
     Parameters
     ----------
-    program : Program
     effects : Effects
         What its functions change.
     """

@@ -66,18 +66,11 @@ class Loop:
 
 @dataclass
 class Body:
-    """A function's body while it is read.
-
-    Parameters
-    ----------
-    scope : Scope
-    result : Type
-        What the function returns.
-    comments : Comments
-    """
+    """A function's body while it is read."""
 
     scope: Scope
     result: Type
+    """What the function returns."""
     comments: Comments
     loops: list[Loop] = field(default_factory=list)
     alive: bool = True

@@ -32,7 +32,6 @@ def open_ports(
 
     Parameters
     ----------
-    graph : FlatGraph
     mode : tuple of int
         With all laws in their first branch.
     bent : frozenset of int

@@ -25,62 +25,43 @@ WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A junction whose law is left open.
-
-    Parameters
-    ----------
-    machine : int
-        Its machine.
-    law : JunctionLaw
-    given : {"common", "net"}
-        What `l` is: the common variable, or minus the net variable.
-    path : str
-    """
+    """A junction whose law is left open."""
 
     machine: int
+    """Its machine."""
     law: JunctionLaw
     given: Given
+    """What `l` is: the common variable, or minus the net variable."""
     path: str
 
 
 @dataclass(frozen=True, slots=True)
 class LawPort:
-    """A pair of complementary variables.
-
-    Parameters
-    ----------
-    given, answer : str
-        Their names, ``l1`` and ``w1``.
-    path, kind : str
-        The junction and its law.
-    orientation : {"common", "net"}
-        What `given` is: the common variable, or minus the net variable.
-    given_signal, answer_signal : str
-        The signals that they are: ``d.f`` and ``-d.e``.
-    given_words, answer_words : str
-        The same for people.
-    bounded : {"one-sided", "given", "answer"}
-        ``one-sided``: both are at least zero, one of them is. Else the one that lies between
-        ``-limit`` and ``limit``.
-    limit, breakaway, gap, gate, restitution : Expr or None
-        In canonical names.
-    """
+    """A pair of complementary variables."""
 
     given: str
     answer: str
+    """`given` and `answer`: their names, ``l1`` and ``w1``."""
     path: str
     kind: str
+    """`path` and `kind`: the junction and its law."""
     orientation: Given
+    """What `given` is: the common variable, or minus the net variable."""
     given_signal: str
     answer_signal: str
+    """`given_signal` and `answer_signal`: the signals that they are: ``d.f`` and ``-d.e``."""
     given_words: str
     answer_words: str
+    """`given_words` and `answer_words`: the same for people."""
     bounded: Literal["one-sided", "given", "answer"]
+    """``one-sided``: both are at least zero, one of them is. Else the one that lies between
+    ``-limit`` and ``limit``."""
     limit: Expr | None = None
     breakaway: Expr | None = None
     gap: Expr | None = None
     gate: Expr | None = None
     restitution: Expr | None = None
+    """`limit`, `breakaway`, `gap`, `gate` and `restitution`: in canonical names."""
 
 
 def law_ports(graph: FlatGraph, ports: tuple[Port, ...], *, symbolic: bool) -> tuple[LawPort, ...]:

@@ -24,23 +24,16 @@ SMALL = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Properties:
-    """Properties of a complementarity system, in numbers.
-
-    Parameters
-    ----------
-    semidefinite : bool
-        Whether ``D + D^T`` is positive semi-definite.
-    passive : bool
-        Whether what is stored is a storage function: its rate, sources being zero, is at most
-        ``l . w``. Sufficient: another function may do where this one does not.
-    degrees : tuple of int or None
-        Of each port: 0 if `l` acts on its own `w` at once, 1 if through one storage, and so on;
-        None if not at all.
-    """
+    """Properties of a complementarity system, in numbers."""
 
     semidefinite: bool
+    """Whether ``D + D^T`` is positive semi-definite."""
     passive: bool
+    """Whether what is stored is a storage function: its rate, sources being zero, is at most ``l .
+    w``. Sufficient: another function may do where this one does not."""
     degrees: tuple[int | None, ...]
+    """Of each port: 0 if `l` acts on its own `w` at once, 1 if through one storage, and so on; None
+    if not at all."""
 
     def sentences(self, given: tuple[str, ...], answers: tuple[str, ...]) -> list[str]:
         """Return the properties in words."""

@@ -26,28 +26,20 @@ T = TypeVar("T")
 
 @dataclass
 class Derived(Generic[T]):
-    """Rows of a linear complementarity system.
-
-    Parameters
-    ----------
-    rates, answers : list of Row
-        One per stored quantity, one per law.
-    constraints : list of Row
-        Zero in every branch of the laws.
-    states, inputs, laws : tuple of int
-        The columns of the rows.
-    names, formulas : dict
-        Of the inputs, by column.
-    """
+    """Rows of a linear complementarity system."""
 
     rates: list[Row[T]]
     answers: list[Row[T]]
+    """`rates` and `answers`: one per stored quantity, one per law."""
     constraints: list[Row[T]]
+    """Zero in every branch of the laws."""
     states: tuple[int, ...]
     inputs: tuple[int, ...]
     laws: tuple[int, ...]
+    """`states`, `inputs` and `laws`: the columns of the rows."""
     names: dict[int, str]
     formulas: dict[int, Expr]
+    """`names` and `formulas`: of the inputs, by column."""
 
 
 def derive_rows(

@@ -26,14 +26,7 @@ STEP = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class Tangent:
-    """``x' = A x + E l + a``, ``w = C x + D l + c`` near a point.
-
-    Parameters
-    ----------
-    A, E, C, D : array
-    a, c : array
-        What is left at ``x = 0, l = 0``: sources, and what the tangent has there.
-    """
+    """``x' = A x + E l + a``, ``w = C x + D l + c`` near a point."""
 
     A: Matrix
     E: Matrix
@@ -41,6 +34,7 @@ class Tangent:
     D: Matrix
     a: Vector
     c: Vector
+    """`a` and `c`: what is left at ``x = 0, l = 0``: sources, and what the tangent has there."""
 
 
 def tangent(graph: FlatGraph, mode: Mode, ports: tuple[Port, ...]) -> Tangent:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from hybond.analysis.complementarity.ports import LawPort
 from hybond.equations.display import joined, signed, split
+from hybond.equations.notation import LatexNotation, Notation, in_latex, in_markdown
 from hybond.model.expressions import Expr, Number
 from hybond.model.expressions import names as names_of
-from hybond.model.expressions import to_latex as expr_latex
 from hybond.model.expressions import to_text as expr_text
 
 if TYPE_CHECKING:
@@ -35,8 +35,7 @@ def write_latex(form: ComplementarityForm) -> str:
     rows = [f"{left} &= {right}" for left, right in writer.equations()]
     rows += [f"& {line}" for law in form.laws for line in writer.condition(law)]
     rows += [f"& {left} = {right}" for left, right in (*writer.pairs(), *writer.where())]
-    comments = "".join(f"\n% {note}" for note in notes(form))
-    return "\\begin{align*}\n" + " \\\\\n".join(rows) + "\n\\end{align*}" + comments
+    return in_latex(rows, notes(form))
 
 
 def write_markdown(form: ComplementarityForm) -> str:
@@ -44,7 +43,6 @@ def write_markdown(form: ComplementarityForm) -> str:
     writer = _Latex(form)
     rows = [f"{left} &= {right}" for left, right in writer.equations()]
     rows += [f"& {line}" for law in form.laws for line in writer.condition(law)]
-    body = " \\\\\n".join(rows)
     words = {law.given: law.given_words for law in form.laws}
     words |= {law.answer: law.answer_words for law in form.laws}
     pairs = zip(
@@ -53,7 +51,7 @@ def write_markdown(form: ComplementarityForm) -> str:
     lines = [f"- ${left} = {right}$, {words[name]}" for name, (left, right) in pairs]
     lines += [f"- ${left} = {right}$" for left, right in writer.where()]
     lines += [f"- {note}" for note in notes(form)]
-    return f"$$\n\\begin{{aligned}}\n{body}\n\\end{{aligned}}\n$$\n\n" + "\n".join(lines) + "\n"
+    return "\n".join([in_markdown(rows), "", *lines]) + "\n"
 
 
 def to_data(form: ComplementarityForm) -> dict[str, Any]:
@@ -127,30 +125,18 @@ def notes(form: ComplementarityForm) -> list[str]:
 class _Writer:
     """What text and LaTeX share."""
 
-    def __init__(self, form: ComplementarityForm) -> None:
+    def __init__(self, form: ComplementarityForm, say: Notation) -> None:
         self.form = form
-        self.show = form.display
-
-    def variable(self, name: str) -> str:
-        raise NotImplementedError
-
-    def rate(self, name: str) -> str:
-        raise NotImplementedError
-
-    def term(self, c: Any, variable: str) -> str:
-        raise NotImplementedError
-
-    def formula(self, e: Expr) -> str:
-        raise NotImplementedError
+        self.say = say
 
     def equations(self) -> list[tuple[str, str]]:
         """Return left and right side of each row."""
         form = self.form
         found = []
         for k, name in enumerate(form.states):
-            found.append((self.rate(name), self._row(k, (form.A, form.B, form.E, form.a))))
+            found.append((self.say.rate(name), self._row(k, (form.A, form.B, form.E, form.a))))
         for k, name in enumerate(form.answers):
-            found.append((self.variable(name), self._row(k, (form.C, form.F, form.D, form.c))))
+            found.append((self.say.variable(name), self._row(k, (form.C, form.F, form.D, form.c))))
         return found
 
     def _row(self, k: int, matrices: tuple[Any, ...]) -> str:
@@ -159,16 +145,16 @@ class _Writer:
             for j, name in enumerate(m.columns):
                 for _, c in m.terms(k, j):
                     variable = "" if name == "1" else self._column(name)
-                    parts += [self.term(piece, variable) for piece in split(c)]
+                    parts += [self.say.term(piece, variable) for piece in split(c)]
         return joined(parts) if parts else "0"
 
     def _column(self, name: str) -> str:
-        return self.rate(name[:-1]) if name.endswith("'") else self.variable(name)
+        return self.say.rate(name[:-1]) if name.endswith("'") else self.say.variable(name)
 
     def where(self) -> list[tuple[str, str]]:
         """Return what inputs are, and rates of the integrated signals that are read."""
         form = self.form
-        found = [(self._column(n), self.formula(form.formulas[n])) for n in form.inputs]
+        found = [(self._column(n), self.say.formula(form.formulas[n])) for n in form.inputs]
         read = {n for e in form.formulas.values() for n in names_of(e)}
         for law in form.laws:
             for e in (law.limit, law.breakaway, law.gap, law.gate, law.restitution):
@@ -178,7 +164,7 @@ class _Writer:
             for name in wanted:
                 seen.add(name)
                 integral = form.graph.integrals[int(name[2:])]
-                found.append((self.rate(integral.path), self.formula(integral.rate)))
+                found.append((self.say.rate(integral.path), self.say.formula(integral.rate)))
                 read |= names_of(integral.rate)
         return found
 
@@ -191,23 +177,14 @@ class _Writer:
                 (law.answer, law.answer_signal),
             ):
                 minus, path = signed(signal)
-                text = self.variable(path)
-                found.append((self.variable(name), f"-{text}" if minus else text))
+                text = self.say.variable(path)
+                found.append((self.say.variable(name), f"-{text}" if minus else text))
         return found
 
 
 class _Text(_Writer):
-    def variable(self, name: str) -> str:
-        return name
-
-    def rate(self, name: str) -> str:
-        return f"{name}'"
-
-    def term(self, c: Any, variable: str) -> str:
-        return self.show.term(c, "", variable) if variable else self.show.coefficient(c)
-
-    def formula(self, e: Expr) -> str:
-        return expr_text(self.show.expression(e))
+    def __init__(self, form: ComplementarityForm) -> None:
+        super().__init__(form, Notation(form.display))
 
     def condition(self, law: LawPort) -> list[str]:
         """Return the lines that say how a pair is bounded."""
@@ -215,67 +192,69 @@ class _Text(_Writer):
         if law.bounded != "one-sided":
             held, free = (g, w) if law.bounded == "given" else (w, g)
             assert law.limit is not None
-            limit = self.formula(law.limit)
+            limit = self.say.formula(law.limit)
             size = limit if limit.replace(".", "").replace("_", "").isalnum() else f"({limit})"
             ways = f"{held} = -{size} where {free} > 0, {limit} where {free} < 0"
             lines = [f"-{size} <= {held} <= {limit}, {ways}"]
             if law.breakaway is not None:
-                lines.append(f"  at rest ({free} = 0) |{held}| <= {self.formula(law.breakaway)}")
+                lines.append(
+                    f"  at rest ({free} = 0) |{held}| <= {self.say.formula(law.breakaway)}"
+                )
             return lines
         lines = [f"0 <= {g} ⟂ {w} >= 0"]
         off = g if law.orientation == "common" else w
         if law.gap is not None:
-            lines[0] += f" where {self.formula(law.gap)} <= 0; elsewhere {off} = 0"
+            lines[0] += f" where {self.say.formula(law.gap)} <= 0; elsewhere {off} = 0"
         if law.gate is not None:
-            lines[0] += f"; {off} begins only while {self.formula(law.gate)}"
+            lines[0] += f"; {off} begins only while {self.say.formula(law.gate)}"
         if law.restitution is not None and law.restitution != Number(0.0):
             net = w if law.orientation == "common" else g
-            eps = self.formula(law.restitution)
+            eps = self.say.formula(law.restitution)
             other = g if net == w else w
             lines.append(f"  in an impact 0 <= {other} ⟂ {net} + {eps}*pre({net}) >= 0")
         return lines
 
 
-class _Latex(_Writer):
+class _LawNotation(LatexNotation):
+    """LaTeX in which the variables of laws have their letters."""
+
+    def __init__(self, form: ComplementarityForm) -> None:
+        super().__init__(form.display)
+        self.own = {*form.given, *form.answers}
+
     def variable(self, name: str) -> str:
-        if name in self.form.given or name in self.form.answers:
+        if name in self.own:
             letter = {"λ": r"\lambda", "ω": r"\omega"}.get(name[0], name[0])
             return f"{letter}_{{{name[1:]}}}"
-        return self.show.latex_name(name)
+        return super().variable(name)
 
-    def rate(self, name: str) -> str:
-        body = self.show.latex_name(name)
-        head, mark, tail = body.partition("_")
-        return rf"\dot{{{head}}}{mark}{tail}"
 
-    def term(self, c: Any, variable: str) -> str:
-        return self.show.latex_times(c, variable) if variable else self.show.latex(c)
-
-    def formula(self, e: Expr) -> str:
-        return expr_latex(self.show.expression(e))
+class _Latex(_Writer):
+    def __init__(self, form: ComplementarityForm) -> None:
+        super().__init__(form, _LawNotation(form))
 
     def condition(self, law: LawPort) -> list[str]:
         """Return the lines that say how a pair is bounded."""
-        g, w = self.variable(law.given), self.variable(law.answer)
+        g, w = self.say.variable(law.given), self.say.variable(law.answer)
         if law.bounded != "one-sided":
             held, free = (g, w) if law.bounded == "given" else (w, g)
             assert law.limit is not None
-            limit = self.formula(law.limit)
+            limit = self.say.formula(law.limit)
             lines = [rf"{held} \in -\left({limit}\right) \, \mathrm{{Sgn}}\left({free}\right)"]
             if law.breakaway is not None:
-                size = self.formula(law.breakaway)
+                size = self.say.formula(law.breakaway)
                 lines[0] += rf", \quad \left|{held}\right| \le {size} \text{{ at }} {free} = 0"
             return lines
         lines = [rf"0 \le {g} \perp {w} \ge 0"]
         off = g if law.orientation == "common" else w
         if law.gap is not None:
-            lines[0] += rf" \text{{ where }} {self.formula(law.gap)} \le 0"
+            lines[0] += rf" \text{{ where }} {self.say.formula(law.gap)} \le 0"
             lines[0] += rf", \text{{ elsewhere }} {off} = 0"
         if law.gate is not None:
-            lines[0] += rf", \quad {off} \text{{ begins only while }} {self.formula(law.gate)}"
+            lines[0] += rf", \quad {off} \text{{ begins only while }} {self.say.formula(law.gate)}"
         if law.restitution is not None and law.restitution != Number(0.0):
             net, other = (w, g) if law.orientation == "common" else (g, w)
-            eps = self.formula(law.restitution)
+            eps = self.say.formula(law.restitution)
             lines.append(
                 rf"0 \le {other} \perp {net}^+ + {eps} \, {net}^- \ge 0 \text{{ in an impact}}"
             )

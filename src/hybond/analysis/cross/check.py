@@ -28,9 +28,8 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING
+from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING, seconds
 from hybond.simulation import simulate
-from hybond.units import parse_unit, try_quantity
 
 FIXED = ("moreau-jean", "rk4", "euler")
 """Engines with a step of fixed length."""
@@ -332,21 +331,7 @@ def _values(
     given = step if step is not None else graph.experiment.get("step")
     if given is None:
         end = until if until is not None else graph.experiment.get("until", 0.0)
-        h = _seconds(end) / STEPS
+        h = seconds(end, "until") / STEPS
     else:
-        h = _seconds(given)
+        h = seconds(given, "step")
     return [h / 2.0**k for k in range(levels + MORE)]
-
-
-def _seconds(value: float | str) -> float:
-    if isinstance(value, float | int):
-        return float(value)
-    quantity = try_quantity(value)
-    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
-        raise UsageError(
-            f"{value!r} is not a time",
-            code="HB-S106",
-            where="step",
-            hint='write 1e-3 or "1 ms"',
-        )
-    return quantity.value

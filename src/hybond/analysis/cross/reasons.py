@@ -29,39 +29,26 @@ SMALL = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """A reason for a legitimate difference.
-
-    Parameters
-    ----------
-    name : str
-        ``simultaneous impacts``, ``friction during impact``, ``several solutions``,
-        ``thresholds``, ``pinnacles and resets``, ``sliding``, ``events closer than the step``,
-        ``a run that stopped``.
-    text : str
-        What was found.
-    since : float
-        From when on, s.
-    """
+    """A reason for a legitimate difference."""
 
     name: str
+    """``simultaneous impacts``, ``friction during impact``, ``several solutions``, ``thresholds``,
+    ``pinnacles and resets``, ``sliding``, ``events closer than the step``, ``a run that
+    stopped``."""
     text: str
+    """What was found."""
     since: float
+    """From when on, s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Uniqueness:
-    """Whether complementarity leaves the answer open.
-
-    Parameters
-    ----------
-    shares : frozenset of (str, str)
-        Machine and ``common`` or ``net`` of what is not unique, though all that is stored is.
-    several : bool
-        Whether what is stored need not be unique either.
-    """
+    """Whether complementarity leaves the answer open."""
 
     shares: frozenset[tuple[str, str]] = frozenset()
+    """Machine and ``common`` or ``net`` of what is not unique, though all that is stored is."""
     several: bool = False
+    """Whether what is stored need not be unique either."""
 
 
 def uniqueness(graph: FlatGraph, modes: list[Mode]) -> Uniqueness:
@@ -115,8 +102,6 @@ def reasons(
 
     Parameters
     ----------
-    graph : FlatGraph
-    a, b : Result
     step : float or None
         Of the run that has one.
     unique : Uniqueness

@@ -39,46 +39,31 @@ PAD = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """What is compared.
-
-    Parameters
-    ----------
-    name, unit : str
-    kind : {"stored", "integrated", "common", "net"}
-        The last two: the integral over time of a junction law's variable.
-    machine : str
-        Of the law, empty if it is none.
-    """
+    """What is compared."""
 
     name: str
     unit: str
     kind: Kind
+    """The last two: the integral over time of a junction law's variable."""
     machine: str = ""
+    """Of the law, empty if it is none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How far two runs are apart in one quantity, as parts of `scale`.
-
-    Parameters
-    ----------
-    quantity : Quantity
-    scale : float
-        The largest value of the quantity, SI.
-    mean : float
-        Over the run.
-    largest, time : float
-        Away from events, and when (s): around an event two runs differ by its whole jump.
-    since : float or None
-        First time away from events at which they are further apart than the tolerance.
-    """
+    """How far two runs are apart in one quantity, as parts of `scale`."""
 
     quantity: Quantity
     scale: float
+    """The largest value of the quantity, SI."""
     mean: float
+    """Over the run."""
     largest: float
     time: float
+    """`largest` and `time`: away from events, and when (s): around an event two runs differ by its
+    whole jump."""
     since: float | None
+    """First time away from events at which they are further apart than the tolerance."""
 
     def to_data(self) -> dict[str, Any]:
         """Return plain data in SI."""
@@ -162,9 +147,6 @@ def compared(
 
     Parameters
     ----------
-    names : sequence of Quantity
-    a, b : Result
-    tolerance : float
     step : float or None
         Of the run that has one.
     """

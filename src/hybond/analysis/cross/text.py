@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from hybond.names import in_columns
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def cross_text(found: CrossCheck) -> str:
                 "" if level.order is None or found.refined == "rtol" else f"{level.order:.2f}",
             )
         )
-    lines += _table(rows)
+    lines += in_columns(rows)
     shown = found.differences[:SHOWN]
     if shown:
         rows = [("  worst at the last", "mean", "largest", "at t, s")]
@@ -40,7 +40,7 @@ def cross_text(found: CrossCheck) -> str:
             if d.quantity.kind in ("common", "net"):
                 name = f"integral of {name}"
             rows.append((f"  {name}", f"{d.mean:.3g}", f"{d.largest:.3g}", f"{d.time:.6g}"))
-        lines += _table(rows)
+        lines += in_columns(rows)
     lines.append(_events(found))
     if found.shares:
         shares = ", ".join(f"{d.quantity.name} {d.mean:.2g}" for d in found.shares)
@@ -64,8 +64,3 @@ def _events(found: CrossCheck) -> str:
     if e.parted is not None:
         text += f"; they part at t = {e.parted:.6g} s ({e.machine}: {' -> '.join(e.states)})"
     return text
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(r[k]) for r in rows) for k in range(len(rows[0]))]
-    return ["  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)).rstrip() for r in rows]

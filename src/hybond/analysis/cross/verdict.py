@@ -24,27 +24,18 @@ LONGER = 1.3
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """Two runs at one step, or one tolerance.
-
-    Parameters
-    ----------
-    value : float
-        The step in s, or the relative tolerance.
-    mean : float
-        The mean difference of the worst quantity, as a part of the largest value it has.
-    name : str
-        That quantity.
-    order : float or None
-        Observed: of the step by which the difference has shrunk since the level before.
-    since : float or None
-        From when on the runs are further apart than the tolerance, s; away from events.
-    """
+    """Two runs at one step, or one tolerance."""
 
     value: float
+    """The step in s, or the relative tolerance."""
     mean: float
+    """The mean difference of the worst quantity, as a part of the largest value it has."""
     name: str
+    """That quantity."""
     order: float | None
+    """Observed: of the step by which the difference has shrunk since the level before."""
     since: float | None
+    """From when on the runs are further apart than the tolerance, s; away from events."""
 
 
 def level_of(value: float, kept: Sequence[Difference], before: Sequence[Level]) -> Level:
@@ -95,7 +86,6 @@ def verdict_of(
 
     Parameters
     ----------
-    found : sequence of Level
     limit : float
         Mean difference up to which runs agree.
     kept : sequence of Difference

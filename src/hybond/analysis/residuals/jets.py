@@ -14,28 +14,16 @@ from hybond.equations.symbolic.rational import Rational
 
 @dataclass(frozen=True, slots=True)
 class Jet:
-    """A known or one of its derivatives.
-
-    Parameters
-    ----------
-    column : int
-        The column of the known.
-    order : int
-        How often it is differentiated.
-    """
+    """A known or one of its derivatives."""
 
     column: int
+    """The column of the known."""
     order: int
+    """How often it is differentiated."""
 
 
 class Jets:
-    """Numbers the jets that occur, lower orders and earlier columns first come, first served.
-
-    Parameters
-    ----------
-    known : mapping of int to Known
-    ring : Symbols
-    """
+    """Numbers the jets that occur, lower orders and earlier columns first come, first served."""
 
     def __init__(self, known: Mapping[int, Known], ring: Symbols) -> None:
         self.known = known

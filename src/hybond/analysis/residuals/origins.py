@@ -16,19 +16,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Unobserved:
-    """Storage whose state does not follow from the sensors.
-
-    Parameters
-    ----------
-    path : str
-        The stored quantity.
-    where : str
-        In which modes: empty for all of them.
-    why : str
-    """
+    """Storage whose state does not follow from the sensors."""
 
     path: str
+    """The stored quantity."""
     where: str
+    """In which modes: empty for all of them."""
     why: str
 
     def __str__(self) -> str:

@@ -28,34 +28,23 @@ from hybond.model.graph import Mode
 
 @dataclass(slots=True)
 class Region:
-    """Variables that are eliminated together.
-
-    Parameters
-    ----------
-    space : Space
-    switches, free, constraints : list of int
-        Constraints by position in `UnitPivots.constraints`.
-    values : list of dict
-        Per combination: what each variable is.
-    open : list of set of int
-        Per combination: variables that no sensor determines.
-    special : bool
-        Whether a coefficient that is zero only at the model's own values was dropped.
-    left : list of dict
-        Per combination: rows among knowns, by the row that they come from.
-    why_left_out : str
-        Empty if it was eliminated.
-    """
+    """Variables that are eliminated together."""
 
     space: Space
     switches: list[int]
     free: list[int]
     constraints: list[int] = field(default_factory=list)
+    """`switches`, `free` and `constraints`: the last by position in `UnitPivots.constraints`."""
     values: list[dict[int, Row[Rational]]] = field(default_factory=list)
+    """Per combination: what each variable is."""
     open: list[set[int]] = field(default_factory=list)
+    """Per combination: variables that no sensor determines."""
     special: bool = False
+    """Whether a coefficient that is zero only at the model's own values was dropped."""
     left: list[dict[Item, Row[Rational]]] = field(default_factory=list)
+    """Per combination: rows among knowns, by the row that they come from."""
     why_left_out: str = ""
+    """Empty if it was eliminated."""
 
     @property
     def variables(self) -> set[int]:
@@ -65,20 +54,13 @@ class Region:
 
 @dataclass(slots=True)
 class Found:
-    """Residuals before they are named.
-
-    Parameters
-    ----------
-    rows : list of (Item, MixedRow)
-        Columns are knowns.
-    regions : list of Region
-    large : list of Region
-        Regions that were not eliminated; their constraints are left out.
-    """
+    """Residuals before they are named."""
 
     rows: list[tuple[Item, MixedRow[Rational]]]
+    """Columns are knowns."""
     regions: list[Region]
     large: list[Region]
+    """Regions that were not eliminated; their constraints are left out."""
 
 
 def global_rows(given: SensorRows, pivots: UnitPivots, *, mode: Mode | None = None) -> Found:
@@ -86,8 +68,6 @@ def global_rows(given: SensorRows, pivots: UnitPivots, *, mode: Mode | None = No
 
     Parameters
     ----------
-    given : SensorRows
-    pivots : UnitPivots
     mode : tuple of int, optional
         Only this mode: nothing is tabulated then, however many switches meet.
     """

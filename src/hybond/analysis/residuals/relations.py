@@ -67,10 +67,6 @@ class Module:
     lattice reduction for polynomial matrices*, J. Symbolic Computation 35(4), 2003, which is a
     Groebner basis of the module. A relation belongs to it if and only if it reduces to nothing.
 
-    Parameters
-    ----------
-    relations : iterable of Relation
-
     Examples
     --------
     ``y = 0`` does not follow from ``y' + y = 0``, the converse does:

@@ -39,22 +39,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Residual:
-    """One residual of a `Residuals`.
-
-    Parameters
-    ----------
-    name : str
-        ``G1``, ``G2``, ...
-    origin : str
-        The law that is compared: ``balance of 1-junction in``.
-    row : MixedRow
-        Coefficients of sensors, sources and their derivatives, by mode.
-    of : Residuals
-    """
+    """One residual of a `Residuals`."""
 
     name: str
+    """``G1``, ``G2``, ..."""
     origin: str
+    """The law that is compared: ``balance of 1-junction in``."""
     row: MixedRow[Rational]
+    """Coefficients of sensors, sources and their derivatives, by mode."""
     of: Residuals = field(repr=False, compare=False)
 
     @property

@@ -46,23 +46,15 @@ ROOTS = ("e:", "f:", "x:", "s:")
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A column of what a diagnosis knows.
-
-    Parameters
-    ----------
-    name : str
-        A sensor as the model calls it, or the source.
-    kind : {"sensor", "source"}
-    formula : Expr
-        In canonical names: what the sensor measures, what the source gives.
-    node : int
-        The source; -1 for a sensor.
-    """
+    """A column of what a diagnosis knows."""
 
     name: str
+    """A sensor as the model calls it, or the source."""
     kind: Literal["sensor", "source"]
     formula: Expr
+    """In canonical names: what the sensor measures, what the source gives."""
     node: int = -1
+    """The source; -1 for a sensor."""
 
     @property
     def constant(self) -> bool:
@@ -72,46 +64,31 @@ class Known:
 
 @dataclass(slots=True)
 class SensorRows:
-    """All rows of a graph with sensors.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    ring : Symbols
-    rows : list of Row
-        Each sums to zero in every mode.
-    kinds : list of int
-        `SENSOR`, `LAW`, `BALANCE` or `MONITORED`, per row.
-    owners : list of int
-        The node that each row comes from; -1 for sensors.
-    known : dict
-        Columns that are known.
-    switches : dict
-        Switch column to the machines that decide about it.
-    closing : dict
-        Switch column and key of the machines' states to the row that closes it; None if no law
-        can be used there.
-    storages : dict
-        Storage to the column of its stored quantity.
-    unused : dict
-        Node to the reason why its law is not used.
-    monitored : set of int
-        Junctions whose common variable a sensor gives.
-    """
+    """All rows of a graph with sensors."""
 
     graph: FlatGraph
     ring: Symbols
     rows: list[Row[Rational]] = field(default_factory=list)
+    """Each sums to zero in every mode."""
     kinds: list[int] = field(default_factory=list)
+    """`SENSOR`, `LAW`, `BALANCE` or `MONITORED`, per row."""
     owners: list[int] = field(default_factory=list)
+    """The node that each row comes from; -1 for sensors."""
     known: dict[int, Known] = field(default_factory=dict)
+    """Columns that are known."""
     switches: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    """Switch column to the machines that decide about it."""
     closing: dict[tuple[int, tuple[object, ...]], Row[Rational] | None] = field(
         default_factory=dict
     )
+    """Switch column and key of the machines' states to the row that closes it; None if no law can
+    be used there."""
     storages: dict[int, int] = field(default_factory=dict)
+    """Storage to the column of its stored quantity."""
     unused: dict[int, str] = field(default_factory=dict)
+    """Node to the reason why its law is not used."""
     monitored: set[int] = field(default_factory=set)
+    """Junctions whose common variable a sensor gives."""
     _assembly: Assembly[Rational] | None = None
     _values: dict[str, int] = field(default_factory=dict)
     _seen: int = -1

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.residuals.fault_reactions import Fault, Reactions, faults_of
-from hybond.analysis.residuals.text import aligned
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode
+from hybond.names import in_columns
 
 if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import Residuals
@@ -154,7 +154,7 @@ class Signatures:
         """Return the matrix as text; ``1`` reacts, ``'`` only while the fault changes."""
         cells = self._cells(mode)
         width = max((len(n) for n in self.residuals), default=1)
-        return aligned([(row[0], *(c.rjust(width) for c in row[1:])) for row in cells])
+        return "\n".join(in_columns((row[0], *(c.rjust(width) for c in row[1:])) for row in cells))
 
     def to_markdown(self, mode: Mode | Mapping[str, str] | None = None) -> str:
         """Return matrix and groups as Markdown."""

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from hybond.analysis.residuals.jets import Jet
 from hybond.analysis.residuals.sensor_rows import Known
 from hybond.equations.booleans import Cube
-from hybond.equations.display import joined, signed, split
+from hybond.equations.display import joined, split
+from hybond.equations.notation import LatexNotation, Notation, in_markdown, leading
 from hybond.model.expressions import Number
 from hybond.model.expressions import to_text as expr_text
 from hybond.model.graph import Mode
+from hybond.names import in_columns
 
 if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import Residual, Residuals
@@ -48,9 +49,8 @@ def _order(about: Residuals, jet: Jet) -> tuple[Any, ...]:
 
 def write_residual(residual: Residual, mode: Mode | None = None, *, form: Form = "text") -> str:
     """Return the formula of one residual."""
-    show = residual.of.display
     latex = form == "latex"
-    times = r" \, " if latex else "*"
+    say = (LatexNotation if latex else Notation)(residual.of.display)
     total: list[str] = []
     terms = terms_of(residual, mode)
     for cube in sorted(terms, key=lambda c: (len(c), [(v, not on) for v, on in c])):
@@ -62,26 +62,16 @@ def write_residual(residual: Residual, mode: Mode | None = None, *, form: Form =
         ]
         groups = _gathered(pieces, latex)
         whole = cube if len(groups) == 1 else ()
-        product = show.cube_latex(cube) if latex else show.cube(cube)
         parts = []
         for name, c in groups:
-            if not latex:
-                parts.append(show.term(c, show.cube(whole), name))
-                continue
-            negative, size = signed(show.latex_times(c, name) if name else show.latex(c))
+            part = say.term(c, name, whole)
             if name.startswith(OPEN):
                 # a fraction's bar binds as brackets do
                 inner = name.removeprefix(OPEN).removesuffix(CLOSE)
-                size = size.replace(rf"\frac{{{name}}}", rf"\frac{{{inner}}}")
-            size = times.join([product, size]) if whole else size
-            parts.append(f"-{size}" if negative else size)
-        if cube and not whole:
-            negative = all(p.startswith("-") for p in parts)
-            inner = joined(_leading([p[1:] if negative else p for p in parts]))
-            bracket = rf"\left({inner}\right)" if latex else f"({inner})"
-            parts = [f"{'-' if negative else ''}{product}{times}{bracket}"]
-        total += parts
-    return joined(_leading(total)) if total else "0"
+                part = part.replace(rf"\frac{{{name}}}", rf"\frac{{{inner}}}")
+            parts.append(part)
+        total += [say.grouped(cube, parts)] if cube and not whole else parts
+    return joined(leading(total)) if total else "0"
 
 
 def _named(about: Residuals, jet: Jet, c: Any, form: Form) -> tuple[str, Any]:
@@ -123,26 +113,12 @@ def _gathered(pieces: list[tuple[str, Any]], latex: bool) -> list[tuple[str, Any
     return found
 
 
-def _leading(parts: list[str]) -> list[str]:
-    """Return terms with one that has no minus in front, if there is one."""
-    first = next((k for k, p in enumerate(parts) if not p.startswith("-")), 0)
-    return [parts[first], *parts[:first], *parts[first + 1 :]]
-
-
 def name_of(about: Residuals, jet: Jet, form: Form = "text") -> str:
     """Return what a sensor, source or derivative is called."""
     name = about.jets.known[jet.column].name
     if form == "text":
-        name = name if _plain(name) else f"({name})"
-        return name + "'" * jet.order
-    body = about.display.latex_name(name)
-    if not jet.order:
-        return body
-    head, mark, tail = body.partition("_")
-    dots = {1: r"\dot", 2: r"\ddot", 3: r"\dddot"}.get(jet.order)
-    if dots is None:
-        return rf"{head}^{{({jet.order})}}{mark}{tail}"
-    return rf"{dots}{{{head}}}{mark}{tail}"
+        return Notation(about.display).rate(name if _plain(name) else f"({name})", jet.order)
+    return LatexNotation(about.display).rate(name, jet.order)
 
 
 def _plain(name: str) -> bool:
@@ -244,21 +220,12 @@ def _cells(about: Residuals) -> list[tuple[str, ...]]:
 
 def write_table(about: Residuals) -> str:
     """Return one line per residual."""
-    return aligned([HEADER, *_cells(about)])
-
-
-def aligned(cells: Sequence[Sequence[str]]) -> str:
-    """Return rows of cells in columns."""
-    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    return "\n".join(
-        "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells
-    )
+    return "\n".join(in_columns([HEADER, *_cells(about)]))
 
 
 def write_markdown(about: Residuals) -> str:
     """Return residuals and notes as Markdown."""
-    body = " \\\\\n".join(f"{r.name} &= {r.latex()}" for r in about)
-    lines = [f"$$\n\\begin{{aligned}}\n{body}\n\\end{{aligned}}\n$$", ""]
+    lines = [in_markdown([f"{r.name} &= {r.latex()}" for r in about]), ""]
     lines += [f"- {line}" for line in [*where_of(about), *notes_of(about)]]
     return "\n".join(lines) + "\n"
 

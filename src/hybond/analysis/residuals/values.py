@@ -27,24 +27,18 @@ Piece = tuple[Array, Mode, dict[str, Array], dict[str, Array]]
 
 @dataclass(frozen=True)
 class ResidualValues:
-    """Values of all residuals at some instants.
-
-    Parameters
-    ----------
-    t : array, shape (m,)
-    modes : tuple of Mode
-        The mode that the residuals were evaluated for, per instant.
-    values : dict of str to array, shape (m,)
-        Per residual. NaN where a derivative that it reads is not available (the second one in a
-        nonlinear mode).
-    sizes : dict of str to array, shape (m,)
-        The sum of the magnitudes of the terms: what a value is to be compared with.
-    """
+    """Values of all residuals at some instants."""
 
     t: Array
+    """Shape (m,)."""
     modes: tuple[Mode, ...]
+    """The mode that the residuals were evaluated for, per instant."""
     values: Mapping[str, Array]
+    """Dict of str to array, shape (m,). Per residual. NaN where a derivative that it reads is not
+    available (the second one in a nonlinear mode)."""
     sizes: Mapping[str, Array]
+    """Dict of str to array, shape (m,). The sum of the magnitudes of the terms: what a value is to
+    be compared with."""
 
     def __getitem__(self, name: str) -> Array:
         return self.values[name]

@@ -22,20 +22,12 @@ from hybond.model.graph import FlatGraph
 
 @dataclass(frozen=True, slots=True)
 class Squeezed:
-    """A network of springs and dampers: a leaf (``kind`` C or R) or parts at a junction.
-
-    Parameters
-    ----------
-    kind : {"C", "R", "1", "0"}
-        Spring, damper, parts with one flow, parts with one effort.
-    symbol : Expr
-        Compliance or resistance of a leaf, seen from the contact.
-    value : float
-    parts : tuple of Squeezed
-    """
+    """A network of springs and dampers: a leaf (``kind`` C or R) or parts at a junction."""
 
     kind: str
+    """Spring, damper, parts with one flow, parts with one effort."""
     symbol: Expr = ONE
+    """Compliance or resistance of a leaf, seen from the contact."""
     value: float = 0.0
     parts: tuple[Squeezed, ...] = ()
 
@@ -53,10 +45,8 @@ def network(
 
     Parameters
     ----------
-    graph : FlatGraph
     compressed : list of (Branch, gain symbol, gain)
         The massless branches of the contact's junction.
-    junction : str
 
     Raises
     ------

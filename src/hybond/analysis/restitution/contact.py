@@ -32,32 +32,22 @@ from hybond.units import Domain
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A part of the model that collides as one mass, seen from the contact.
-
-    Parameters
-    ----------
-    inertias : tuple of str
-        The inertias that a blow at the contact sets in motion.
-    mass : Expr
-        Their mass at the contact, transformers included.
-    value : float
-        Its value, SI.
-    pull : float or None
-        Effort of its constant sources at the contact (against the body's motion); None if there
-        are others.
-    others : tuple of str
-        Springs, dampers and sources of flow on the body: a blow does not move them.
-    branch, gain
-        Where it hangs on the contact.
-    """
+    """A part of the model that collides as one mass, seen from the contact."""
 
     inertias: tuple[str, ...]
+    """The inertias that a blow at the contact sets in motion."""
     mass: Expr
+    """Their mass at the contact, transformers included."""
     value: float
+    """Its value, SI."""
     pull: float | None
+    """Effort of its constant sources at the contact (against the body's motion); None if there are
+    others."""
     others: tuple[str, ...]
+    """Springs, dampers and sources of flow on the body: a blow does not move them."""
     branch: Branch = field(repr=False)
     gain: float = field(repr=False)
+    """`branch` and `gain`: where it hangs on the contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +159,6 @@ def find_contact(graph: FlatGraph, junction: str, *, state: str | None = None) -
 
     Parameters
     ----------
-    graph : FlatGraph
     junction : str
         Dotted path of the junction, or of a switched C or R.
     state : str

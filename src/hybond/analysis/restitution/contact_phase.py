@@ -57,8 +57,6 @@ def simulated_phase(
 
     Parameters
     ----------
-    graph : FlatGraph
-    contact : Contact
     ends : {"release", "zero compression"}
     speed : float
         Speed of approach, SI.

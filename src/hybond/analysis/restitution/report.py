@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from hybond.analysis.restitution.restitution import DT, Rebound, Restitution
 from hybond.model.expressions import Binary, Expr, Name, Number, names, to_latex, to_text
+from hybond.names import in_columns
 from hybond.units import format_quantity, parse_unit
 
 _TIME = parse_unit("s")[1]
@@ -239,9 +240,7 @@ def plain(found: Restitution) -> str:
         lines.append(f"  {warning(found)}")
     lines += ["", "Contact phase integrated (no time step)"]
     rows = [_METHODS, *(_row(r, found.contact.domain.flow_unit) for r in found.rebounds)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(_METHODS))]
-    for row in rows:
-        lines.append("  " + "  ".join(map(str.ljust, row, widths)).rstrip())
+    lines += [f"  {line}" for line in in_columns(rows)]
     lines += [f"  note: {note}" for note in found.notes]
     steps = derivation(found)
     if steps:

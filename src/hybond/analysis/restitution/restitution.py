@@ -35,29 +35,19 @@ _ONE = Number(1.0)
 
 @dataclass(frozen=True, slots=True)
 class Rebound:
-    """A restitution found by integrating the contact phase.
-
-    Parameters
-    ----------
-    ends : {"release", "zero compression"}
-        When contact ends: the force, or the compression, is back at zero.
-    method : {"closed form", "simulation"}
-    sources : bool
-        Whether sources act (weight); then the value depends on the speed of impact.
-    speed : float or None
-        Speed of impact, SI; None if the value is the same for all.
-    value : float
-        0 if the contact never ends.
-    duration : float
-        Of the contact phase, s; infinite if it never ends.
-    """
+    """A restitution found by integrating the contact phase."""
 
     ends: Ends
+    """When contact ends: the force, or the compression, is back at zero."""
     method: Literal["closed form", "simulation"]
     sources: bool
+    """Whether sources act (weight); then the value depends on the speed of impact."""
     speed: float | None
+    """Speed of impact, SI; None if the value is the same for all."""
     value: float
+    """0 if the contact never ends."""
     duration: float
+    """Of the contact phase, s; infinite if it never ends."""
 
 
 @dataclass(frozen=True, slots=True)

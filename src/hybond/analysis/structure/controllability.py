@@ -38,35 +38,24 @@ INVOLVED = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """Controllability, or observability, of one mode.
-
-    Parameters
-    ----------
-    finite, infinite, impulse : bool
-    rank : int
-        Dimension of the controllable (or observable) part of the motion; `order` if all of it.
-    order : int
-    modes : array
-        The finite eigenvalues that are not controllable (or observable), 1/s.
-    variables : tuple of int
-        The variables of the descriptor that are involved: those of the uncontrollable
-        combinations, or those that move in motions which no output shows.
-    margin : float
-        The smallest singular value of the (scaled) test matrix at the finite eigenvalues; 1 if
-        there are none. Near `RANK` the property is about to be lost.
-    sure : bool
-        Whether no rank was near its limit and both tests agree.
-    """
+    """Controllability, or observability, of one mode."""
 
     finite: bool
     infinite: bool
     impulse: bool
     rank: int
+    """Dimension of the controllable (or observable) part of the motion; `order` if all of it."""
     order: int
     modes: NDArray[np.generic]
+    """The finite eigenvalues that are not controllable (or observable), 1/s."""
     variables: tuple[int, ...]
+    """The variables of the descriptor that are involved: those of the uncontrollable combinations,
+    or those that move in motions which no output shows."""
     margin: float
+    """The smallest singular value of the (scaled) test matrix at the finite eigenvalues; 1 if there
+    are none. Near `RANK` the property is about to be lost."""
     sure: bool
+    """Whether no rank was near its limit and both tests agree."""
 
     @property
     def complete(self) -> bool:
@@ -79,7 +68,6 @@ def controllability(p: Pencil, *, at_poles: bool = True) -> Reach:
 
     Parameters
     ----------
-    p : Pencil
     at_poles : bool
         Whether to make the second test, at the eigenvalues; without it `margin` is NaN.
 

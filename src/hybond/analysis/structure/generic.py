@@ -25,7 +25,6 @@ def generic(graph: FlatGraph, seed: int) -> FlatGraph:
 
     Parameters
     ----------
-    graph : FlatGraph
     seed : int
         The same seed gives the same values.
 

@@ -33,8 +33,6 @@ class ModeMatrices:
 
     Parameters
     ----------
-    graph : FlatGraph
-    outputs : sequence of str
     reference : tuple of int, optional
         The reference mode of the equations.
 

@@ -34,28 +34,19 @@ Variable = tuple[int, str]
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """What the strokes say about the controllability of one mode.
-
-    Parameters
-    ----------
-    order : int
-        Storages in integral causality.
-    unreached : tuple of int
-        Those of them to which no causal path leads from a source.
-    stuck : tuple of int
-        Storages that stay in integral causality in the derivative assignment. Which ones is a
-        matter of choice, how many is not.
-    dualised : tuple of int
-        Source nodes that were dualised for it.
-    conflicts : bool
-        Whether an assignment has causal conflicts; then nothing is claimed.
-    """
+    """What the strokes say about the controllability of one mode."""
 
     order: int
+    """Storages in integral causality."""
     unreached: tuple[int, ...]
+    """Those of them to which no causal path leads from a source."""
     stuck: tuple[int, ...]
+    """Storages that stay in integral causality in the derivative assignment. Which ones is a matter
+    of choice, how many is not."""
     dualised: tuple[int, ...]
+    """Source nodes that were dualised for it."""
     conflicts: bool
+    """Whether an assignment has causal conflicts; then nothing is claimed."""
 
     @property
     def controllable(self) -> bool | None:

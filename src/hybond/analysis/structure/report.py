@@ -10,6 +10,7 @@ from typing import Any
 from hybond.analysis.structure.rows import ModeStructure, Property, Word
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode
+from hybond.names import in_columns
 
 CAVEAT = "Per-mode results imply nothing about the switched system."
 HEADER = (
@@ -31,14 +32,6 @@ SHOWN = 4
 class StructureReport:
     """The structure of a model, mode by mode; prints as a table.
 
-    Parameters
-    ----------
-    graph : FlatGraph
-    rows : tuple of ModeStructure
-    selection : str
-        Which modes these are.
-    inputs, outputs : tuple of str
-
     Examples
     --------
     >>> import hybond as hb
@@ -56,6 +49,7 @@ class StructureReport:
     graph: FlatGraph
     rows: tuple[ModeStructure, ...]
     selection: str
+    """Which modes these are."""
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
@@ -113,7 +107,7 @@ class StructureReport:
         of impulses. ``no*`` holds for nearly all values of the elements, but not at these.
         """
         cells = [HEADER, *(_cells(r) for r in self.rows)]
-        return _aligned(cells)
+        return "\n".join(in_columns(cells))
 
     def notes(self) -> list[str]:
         """Return what there is to say, per mode."""
@@ -136,7 +130,10 @@ class StructureReport:
         notes = self.notes()
         lines += ["", *notes] if notes else []
         if len(self.rows) > 1:
-            lines += ["", _aligned([("", "in each mode", "in some mode"), *self._summary_cells()])]
+            lines += [
+                "",
+                *in_columns([("", "in each mode", "in some mode"), *self._summary_cells()]),
+            ]
         lines += ["", CAVEAT]
         return "\n".join(line.rstrip() for line in lines)
 
@@ -285,9 +282,3 @@ def _cells(row: ModeStructure) -> tuple[str, ...]:
         listed(row.loops),
         "-" if row.stiffness is None else f"{row.stiffness.ratio:.2g}",
     )
-
-
-def _aligned(cells: list[tuple[str, ...]]) -> str:
-    widths = [max(len(r[k]) for r in cells) for k in range(len(cells[0]))]
-    lines = ["  ".join(c.ljust(w) for c, w in zip(r, widths, strict=True)) for r in cells]
-    return "\n".join(line.rstrip() for line in lines)

@@ -103,12 +103,7 @@ CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_int)
 
 
 class Answering:
-    """Answers the questions of one run by the library, and keeps what is raised meanwhile.
-
-    Parameters
-    ----------
-    calls : Calls
-    """
+    """Answers the questions of one run by the library, and keeps what is raised meanwhile."""
 
     def __init__(self, calls: Calls) -> None:
         self.question = Question()
@@ -116,6 +111,10 @@ class Answering:
         answers = _answers(calls, self.question, self._raised)
         next(answers)
         self.callback = CALLBACK(answers.send)
+
+    def of(self, library: ctypes.CDLL, handle: ctypes.c_void_p) -> None:
+        """Answer what a run or a look asks."""
+        library.hybond_ask(handle, ctypes.byref(self.question), self.callback)
 
     def taken(self) -> BaseException:
         """Return what a call raised, and forget it."""

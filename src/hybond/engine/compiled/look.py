@@ -32,25 +32,18 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Motions one after the other in which nothing is slid on.
-
-    Parameters
-    ----------
-    t : array, shape (motions,)
-        When each begins, s.
-    state, landed : array of int, shape (motions, machines)
-        The states of machines, and whether each has landed.
-    first : array of int, shape (motions + 1,)
-        Where the points of each begin, and where the last ones end.
-    energy : float
-        The largest energy that the run has seen, J.
-    """
+    """Motions one after the other in which nothing is slid on."""
 
     t: Vector
+    """Shape (motions,). When each begins, s."""
     state: Numbers
     landed: Numbers
+    """Shape (motions, machines). `state` and `landed`: the states of machines, and whether each has
+    landed."""
     first: Numbers
+    """Shape (motions + 1,). Where the points of each begin, and where the last ones end."""
     energy: float
+    """The largest energy that the run has seen, J."""
 
 
 class Look(ABC):
@@ -58,10 +51,6 @@ class Look(ABC):
 
     First `into` says what the motion is, from its mode to what it slides on; what is asked next
     lies there. It does not matter what was looked into before.
-
-    Parameters
-    ----------
-    tables : ModelTables
     """
 
     def __init__(self, tables: ModelTables) -> None:
@@ -218,7 +207,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        points : Points or Within
         slots : array of int
             Which: slots of the vector of values, those of stored quantities and integrated signals
             with the state put back on its constraints; a second copy follows, a priori values.
@@ -244,7 +232,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        motions : Motions
         points : Within
             Those of the first motion first.
         slots : array of int
@@ -281,7 +268,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        points : Points or Within
         slots : array of int
             As for `values`.
 
@@ -326,7 +312,6 @@ class Look(ABC):
 
         Parameters
         ----------
-        steps : Steps
         begin, end : array, shape (pairs,), optional
             s; from the begin of each step to where it was ended if they are not given.
 

@@ -32,7 +32,7 @@ typedef struct Image {
 
 typedef struct HybondMembers {
     HybondRun *run;
-    HybondLook *look;
+    HybondRun *look;
     Image begun, looking;
     double *event, *t;
     int *step;
@@ -85,13 +85,13 @@ SHOWN HybondMembers *hybond_members_begin(const Model *model, int times)
         return NULL;
     }
     all->times = times;
-    all->run = hybond_begin(model);
-    all->look = hybond_look_begin(model);
+    all->run = hybond_begin(model, 0);
+    all->look = hybond_begin(model, 1);
     all->t = malloc(((size_t)times + 1) * sizeof(double));
     all->step = malloc(((size_t)times + 1) * sizeof(int));
     if (all->run == NULL || all->look == NULL || all->t == NULL || all->step == NULL
-        || !keep_image(&all->run->own.arena, &all->begun)
-        || !keep_image(&all->look->own.arena, &all->looking)) {
+        || !keep_image(&all->run->arena, &all->begun)
+        || !keep_image(&all->look->arena, &all->looking)) {
         hybond_members_end(all);
         return NULL;
     }
@@ -102,7 +102,7 @@ SHOWN void hybond_members_end(HybondMembers *all)
 {
     if (all != NULL) {
         hybond_end(all->run);
-        hybond_look_end(all->look);
+        hybond_end(all->look);
         free(all->begun.bytes);
         free(all->looking.bytes);
         free(all->event);
@@ -147,10 +147,10 @@ static int look_at_points(HybondMembers *all, const HybondSets *sets, int first,
                           double energy, double *out)
 {
     const Report *log = all->run->log;
-    HybondLook *look = all->look;
+    HybondRun *look = all->look;
     const int machines = look->model->machines;
     const int *place = log->step_place->at + (size_t)(2 + 2 * machines) * (size_t)first + 2;
-    if (setjmp(look->own.arena.spent) != 0) {
+    if (setjmp(look->arena.spent) != 0) {
         return ORDINARY;
     }
     if (look_into(look->e, look->l, log->step_time->at[3 * first], place, place + machines, 0,
@@ -170,12 +170,12 @@ static int look_after_end(HybondMembers *all, const HybondSets *sets, int from, 
 {
     static const int accepted = 1;
     const Report *log = all->run->log;
-    HybondLook *look = all->look;
+    HybondRun *look = all->look;
     const Model *m = look->model;
     const int last = log->instants - 1;
     const int *place = log->instant_place->at + (size_t)(3 + 2 * m->machines) * (size_t)last + 3;
     const int states = m->storages + m->integrals;
-    if (setjmp(look->own.arena.spent) != 0) {
+    if (setjmp(look->arena.spent) != 0) {
         return ORDINARY;
     }
     /* nothing has landed, as in Signals.after: what passes time there is not asked */
@@ -217,7 +217,7 @@ static int look_at_outputs(HybondMembers *all, const HybondSets *sets, double *o
     }
     all->t[points++] = end;
     int from = 0;
-    restore(&all->look->own.arena, &all->looking);
+    restore(&all->look->arena, &all->looking);
     for (int first = 0, next = 0; first < steps; first = next) {
         for (next = first + 1; next < steps && goes_on(log, next, machines); ++next) {
         }
@@ -272,7 +272,7 @@ static int run_member(HybondMembers *all, HybondSets *sets, int k)
     for (int j = 0; j < sets->entries; ++j) {
         *sets->place[j] = number[j];
     }
-    restore(&run->own.arena, &all->begun);
+    restore(&run->arena, &all->begun);
     run->status = PAUSED;
     while (run->status == PAUSED && *sets->stop == 0) {
         (void)hybond_run(run, LARGEST_SLICE);

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import OK, NativeModel, library, model_struct
+from hybond.engine.compiled.native import NativeModel, library, model_struct
 from hybond.engine.compiled.points import address
+from hybond.engine.compiled.sliced import OK
 
 Vector = NDArray[np.float64]
 _POINTERS = ("number", "place", "slot", "t", "stop", "status", "count", "end", "out")

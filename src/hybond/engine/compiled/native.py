@@ -10,36 +10,25 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-import threading
 import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
+from hybond.engine.compiled.answering import CALLBACK, Answering, Question
 from hybond.engine.compiled.build import NAME
 from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
-from hybond.engine.compiled.rows import (
-    MACHINES_OF_INSTANT,
-    MACHINES_OF_STEP,
-    Rows,
-    Seen,
-    copied_floats,
-    copied_ints,
-)
+from hybond.engine.compiled.rows import COUNTS, Rows, Seen, rows_of
+from hybond.engine.compiled.sliced import OK, RAISED, SPENT, SlicedRun
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 from hybond.model.expressions.slots import plain, slot_of
 
-OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
-LONGEST_SLICE = 2**31 - 1
-SLICE = 2000
-"""Steps and instants between two looks at the world outside."""
 _KINDS: dict[str, Any] = {
     "int": ctypes.c_int,
     "float": ctypes.c_double,
@@ -84,7 +73,7 @@ def library() -> ctypes.CDLL:
         raise Unavailable(f"{path.name} was built from other sources: install hybond again")
     found.hybond_columns.restype = ctypes.POINTER(ctypes.c_char_p)
     found.hybond_begin.restype = ctypes.c_void_p
-    found.hybond_begin.argtypes = [ctypes.c_void_p]
+    found.hybond_begin.argtypes = [ctypes.c_void_p, ctypes.c_int]
     found.hybond_run.argtypes = [ctypes.c_void_p, ctypes.c_int]
     found.hybond_try.argtypes = [ctypes.c_void_p] * 3
     found.hybond_see.argtypes = [ctypes.c_void_p, ctypes.POINTER(Seen)]
@@ -121,12 +110,7 @@ def model_struct() -> type[ctypes.Structure]:
 
 
 class NativeModel:
-    """The tables of a model where the library reads them.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    """
+    """The tables of a model where the library reads them."""
 
     def __init__(self, tables: ModelTables) -> None:
         self.tables = tables
@@ -185,25 +169,20 @@ class NativeModel:
         setattr(self.record, name, column.ctypes.data_as(ctypes.POINTER(kind)))
 
 
-class NativeRun:
+class NativeRun(SlicedRun):
     """One run of a model by the library.
 
     Parameters
     ----------
-    model : NativeModel
     runners : mapping of str to Runner
-        What runs each block, by its path; others have to close them. By default the run has its
-        own, and closes them when it ends.
+        As `SlicedRun`.
     fmus : bool
-        The consent to run the code of functional mock-up units.
+        Likewise.
 
     Raises
     ------
     Unavailable
         If there is no library.
-    UsageError
-        HB-S117 for an FMU without consent.
-    MemoryError
 
     Examples
     --------
@@ -224,231 +203,80 @@ class NativeRun:
         runners: Mapping[str, Runner] | None = None,
         fmus: bool = False,
     ) -> None:
+        super().__init__(model.tables, runners, fmus=fmus)
         self.model = model
         self._library = library()
-        numbers = model.tables.numbers
+        self._handle = begun(self, model)
         self._answering: Answering | None = None
-        self._close_runners: Callable[[], object] = do_nothing
-        calls = None
-        if numbers["called"] or numbers["blocks"]:
-            calls = Calls(model.tables, runners, fmus=fmus)
-        handle = self._library.hybond_begin(ctypes.byref(model.record))
-        if not handle:
-            raise MemoryError
-        self._handle = ctypes.c_void_p(handle)
-        self._lock = threading.Lock()
-        self._close = weakref.finalize(self, self._library.hybond_end, self._handle)
-        if calls is not None:
-            self._answering = Answering(calls)
-            question = ctypes.byref(self._answering.question)
-            self._library.hybond_ask(self._handle, question, self._answering.callback)
-            if runners is None:
-                self._close_runners = weakref.finalize(self, calls.close)
+        if self._calls is not None:
+            self._answering = Answering(self._calls)
+            self._answering.of(self._library, self._handle)
         self._seen = Seen()
-        self.status = PAUSED
-        self._look()
+        self._see()
 
-    def _look(self) -> None:
-        self._library.hybond_see(self._handle, ctypes.byref(self._seen))
+    def _refusal(self, which: int) -> Refusal:
+        return refusal_of(self._library, self._handle, which)
 
-    @property
-    def t(self) -> float:
-        """The time that was reached, s."""
-        return float(self._seen.t)
+    def _see(self) -> None:
+        s, model = self._seen, self.model.record
+        self._library.hybond_see(self._handle, ctypes.byref(s))
+        self.t, self.energy = s.t, s.energy
+        self.y = _copied(s.y, np.float64, (s.states,))
+        self.mode = tuple((s.tried if s.settling else s.state)[: model.machines])
+        self.stuck = s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
+        self.rejected, self.evaluations, self.modes_made = s.rejected, s.evaluations, s.modes_made
+        self.propagated = s.propagated[: model.reasons + 2] if s.propagated else []
+        self.error = None if self._answering is None else self._answering.error
 
-    @property
-    def y(self) -> NDArray[np.float64]:
-        """The state there: stored quantities, then integrated signals."""
-        return copied_floats(self._seen.y, self._seen.states)
+    def _go(self, many: int) -> None:
+        self.status = self._library.hybond_run(self._handle, many)
+        self._see()
+        if self.status == SPENT:
+            raise MemoryError
+        if self.error is not None:
+            self.status = RAISED
 
-    @property
-    def fault(self) -> Refusal:
-        """What stopped the run."""
-        return refusal_of(self._library, self._handle, 0)
-
-    @property
-    def unrest(self) -> Refusal:
-        """Why a structure at rest had no solution, the last time."""
-        return refusal_of(self._library, self._handle, 1)
-
-    @property
-    def mode(self) -> tuple[int, ...]:
-        """The state of each machine: in the mode that is being tried, or in which time passes."""
-        seen = self._seen
-        states = seen.tried if seen.settling else seen.state
-        return tuple(states[k] for k in range(self.model.record.machines))
-
-    @property
-    def stuck(self) -> tuple[int, int, int, float, float]:
-        """Of events that accumulate: machine or -1, how many, why, their limit, s, the ratio."""
-        s = self._seen
-        return s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
-
-    @property
-    def energy(self) -> float:
-        """The largest energy that the run has seen, J."""
-        return float(self._seen.energy)
-
-    @property
-    def rejected(self) -> int:
-        """Steps that were tried and found too long."""
-        return int(self._seen.rejected)
-
-    @property
-    def evaluations(self) -> int:
-        """How often the rates of the state were evaluated."""
-        return int(self._seen.evaluations)
-
-    @property
-    def modes_made(self) -> int:
-        """Modes whose equations were made."""
-        return int(self._seen.modes_made)
-
-    @property
-    def propagated(self) -> list[int]:
-        """Modes that were propagated exactly; those that were not, reason by reason; slides.
-
-        Empty if the method is another one.
-        """
-        seen = self._seen.propagated
-        return seen[: int(self.model.record.reasons) + 2] if seen else []
-
-    @property
-    def error(self) -> BaseException | None:
-        """What an input or a block raised, which ended the run; None if nothing was."""
-        return None if self._answering is None else self._answering.error
-
-    def slices(
-        self,
-        *,
-        steps: int | Callable[[], int] = SLICE,
-        between: Callable[[float], None] | None = None,
-    ) -> Iterator[Rows]:
-        """Run on to the end; yield what was written down, slice after slice.
-
-        Who leaves the loop can go on later: nothing is lost, nothing comes twice. What an input or
-        a block raises is raised here, after what was written down before it; so is an interrupt
-        that comes meanwhile. The run has ended then.
-
-        Parameters
-        ----------
-        steps : int or callable
-            Steps and instants of a slice; -1: all in one. A callable is asked before each.
-        between : callable
-            Called with the time after each slice; what it raises ends the run there.
-
-        Raises
-        ------
-        ValueError
-            For a slice of no steps.
-        MemoryError
-        NumericsError
-            HB-N306 if a block fails.
-        """
-        if isinstance(steps, int):
-            check_slice(steps)
-        while self.status == PAUSED:
-            many = steps if isinstance(steps, int) else steps()
-            check_slice(many)
-            with self._lock:
-                self.status = self._library.hybond_run(self._handle, many)
-                self._look()
-                if self.status == SPENT:
-                    raise MemoryError
-                if self.error is not None:
-                    self.status = RAISED
-                rows = self._rows()
-                self._library.hybond_forget(self._handle)
-            yield rows
-            if between is not None and self.status != RAISED:
-                between(self.t)
-        self._close_runners()
-        if self.status == RAISED:
-            # there is none if a second interrupt came while the first one was kept
-            raise self.error or KeyboardInterrupt
-
-    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
-        """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.
-
-        None if it cannot be entered: `fault` says why. The run can do nothing else any more.
-
-        Parameters
-        ----------
-        state : array of int, shape (machines,)
-
-        Raises
-        ------
-        ValueError
-            For a run that has begun.
-        MemoryError
-        """
-        asked = np.ascontiguousarray(state, dtype=np.intc)
-        hold = np.zeros(len(self.model.tables.rules), dtype=np.intc)
-        check_fresh(self.status, self.t)
-        with self._lock:
-            status = self._library.hybond_try(self._handle, asked.ctypes.data, hold.ctypes.data)
-            self._look()
-            self.status = REFUSED
+    def _try(self, state: NDArray[np.intc]) -> NDArray[np.intc] | None:
+        hold = np.zeros(len(self.tables.rules), dtype=np.intc)
+        status = self._library.hybond_try(self._handle, state.ctypes.data, hold.ctypes.data)
+        self._see()
         if status == SPENT:
             raise MemoryError
         if self.error is not None:
             raise self.error
         return hold if status == OK else None
 
-    def _rows(self) -> Rows:
-        s = self._seen
-        n, machines = s.states, self.model.record.machines
-        return Rows(
-            copied_floats(s.step_time, s.steps, 3),
-            copied_floats(s.step_until, s.steps),
-            copied_floats(s.step_state, s.steps, 3, n),
-            copied_floats(s.step_dense, s.steps, 4, n),
-            copied_ints(s.step_place, s.steps, MACHINES_OF_STEP + 2 * machines),
-            copied_floats(s.instant_time, s.instants, 2),
-            copied_floats(s.instant_state, s.instants, 2, n),
-            copied_ints(s.instant_place, s.instants, MACHINES_OF_INSTANT + 2 * machines),
-            copied_ints(s.visit, s.visits, 5),
-            copied_floats(s.visit_energy, s.visits, 3),
-            copied_ints(s.fired, s.fireds, 6),
-            copied_floats(s.read, s.reads, 3),
-            copied_ints(s.hit, s.hits),
-            copied_floats(s.hit_area, s.hits, 2),
-            copied_ints(s.over, s.overs),
-            copied_ints(s.open, s.opens),
-            copied_ints(s.slid, s.slids),
-            copied_floats(s.slide_time, s.slides),
-            copied_ints(s.warn, s.warns),
-            copied_ints(s.warn_first, s.warns + 1 if s.warns else 0),
-            copied_floats(s.warn_time, s.warns),
-            copied_floats(s.about, s.abouts),
-            copied_floats(s.step_bonds, s.bond_rows, 2 * self.model.record.bonds),
-            copied_floats(s.step_energy, s.steps if s.bond_rows else 0, 3),
-            copied_floats(s.instant_since, s.instants),
-            copied_ints(s.step_bond, s.steps if s.bond_rows else 0),
+    def _taken(self) -> Rows:
+        s, model = self._seen, self.model.record
+        rows = rows_of(
+            {name: getattr(s, name) for name in (*COUNTS, "warns", "abouts")},
+            lambda name, kind, shape: _copied(getattr(s, name), kind, shape),
+            states=s.states,
+            machines=model.machines,
+            bonds=model.bonds,
         )
+        self._library.hybond_forget(self._handle)
+        return rows
 
 
-def check_slice(steps: int) -> None:
-    """Refuse a slice that is none.
-
-    Raises
-    ------
-    ValueError
-    """
-    if steps != -1 and not 1 <= steps <= LONGEST_SLICE:
-        raise ValueError(f"a slice of {steps} steps: 1 to {LONGEST_SLICE}, or -1: all in one")
-
-
-def check_fresh(status: int, t: float) -> None:
-    """Refuse to try a mode in a run that has begun.
+def begun(owner: object, model: NativeModel, *, looking: bool = False) -> ctypes.c_void_p:
+    """Return a new run or look in the library, whose memory is given back with its owner.
 
     Raises
     ------
-    ValueError
+    MemoryError
     """
-    if status != PAUSED or t > 0.0:
-        raise ValueError("the run has begun")
+    handle = library().hybond_begin(ctypes.byref(model.record), int(looking))
+    if not handle:
+        raise MemoryError
+    found = ctypes.c_void_p(handle)
+    weakref.finalize(owner, library().hybond_end, found)
+    return found
 
 
-def do_nothing() -> None:
-    """Do nothing: a run without blocks has none to close."""
+def _copied(begin: Any, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return an array of the library as our own."""
+    size = int(np.prod(shape))
+    if not size:
+        return np.zeros(shape, dtype=kind)
+    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy()

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import weakref
 from typing import Any
 
 import numpy as np
 
 from hybond.engine.compiled.answering import Answering, Calls
 from hybond.engine.compiled.look import Look, Motion, Motions
-from hybond.engine.compiled.native import OK, RAISED, SPENT, NativeModel, library
+from hybond.engine.compiled.native import NativeModel, begun, library
 from hybond.engine.compiled.points import Numbers, Points, PointsRecord, Vector, Within, address
+from hybond.engine.compiled.refusal import refusal_of
+from hybond.engine.compiled.sliced import OK, RAISED, SPENT
 from hybond.errors import NumericsError
+
+ASKED = ("values", "parts", "powers", "energies")
 
 
 @functools.cache
@@ -27,41 +30,28 @@ def _looking() -> ctypes.CDLL:
     handle, number = ctypes.c_void_p, ctypes.c_int
     points = ctypes.POINTER(PointsRecord)
     arguments: dict[str, list[Any]] = {
-        "begin": [handle],
         "into": [
             *(handle, ctypes.c_double, handle, handle, number, handle),
             *(number, number, handle, ctypes.c_double),
         ],
         "modes": [handle, handle],
         "linear": [handle, ctypes.POINTER(number)],
-        "values": [handle, points, number, handle, handle],
+        "at": [handle, number, points, number, handle, handle, handle, handle],
         "along": [
             *(handle, points, number, handle, number, handle, handle, handle, handle),
             *(ctypes.c_double, handle),
         ],
-        "parts": [handle, points, number, handle, handle, handle],
-        "powers": [handle, points, handle],
-        "energies": [handle, points, handle, handle],
         "stored": [handle, number, handle, handle],
         "sources": [handle, handle, handle],
         "by_knowns": [handle, number, handle, handle],
-        "fault": [handle, ctypes.POINTER(ctypes.c_char_p), ctypes.POINTER(ctypes.c_double)],
-        "end": [handle],
     }
     for name, types in arguments.items():
         getattr(found, f"hybond_look_{name}").argtypes = types
-    found.hybond_look_begin.restype = ctypes.c_void_p
-    for name in ("fault", "end"):
-        getattr(found, f"hybond_look_{name}").restype = None
     return found
 
 
 class NativeLook(Look):
     """Looks into the motion of finished runs of a model, by the library.
-
-    Parameters
-    ----------
-    model : NativeModel
 
     Raises
     ------
@@ -91,16 +81,11 @@ class NativeLook(Look):
         super().__init__(model.tables)
         self.model = model
         self._library = _looking()
-        handle = self._library.hybond_look_begin(ctypes.byref(model.record))
-        if not handle:
-            raise MemoryError
-        self._handle = ctypes.c_void_p(handle)
+        self._handle = begun(self, model, looking=True)
         self._answering: Answering | None = None
         if model.tables.numbers["called"]:
             self._answering = Answering(Calls(model.tables, looking=True))
-            question = ctypes.byref(self._answering.question)
-            self._library.hybond_ask(self._handle, question, self._answering.callback)
-        self._close = weakref.finalize(self, self._library.hybond_look_end, self._handle)
+            self._answering.of(self._library, self._handle)
 
     def _enter(self, motion: Motion) -> int:
         m = motion
@@ -133,13 +118,14 @@ class NativeLook(Look):
         slots: Numbers | None,
         end: Vector | None,
     ) -> None:
-        asked: list[Any] = [ctypes.byref(points.record(first, last))]
-        if slots is not None:
-            asked += [len(slots), address(slots)]
-        if end is not None:
-            asked.append(address(end))
-        places = (address(out) for out in outs)
-        self._check(getattr(self._library, f"hybond_look_{what}")(self._handle, *asked, *places))
+        self._check(
+            self._library.hybond_look_at(
+                *(self._handle, ASKED.index(what), ctypes.byref(points.record(first, last))),
+                *((0, None) if slots is None else (len(slots), address(slots))),
+                *(None if end is None else address(end), address(outs[0])),
+                address(outs[1]) if len(outs) > 1 else None,
+            )
+        )
 
     def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
         m = motions
@@ -177,7 +163,6 @@ class NativeLook(Look):
             raise MemoryError
         if status == RAISED and self._answering is not None:
             raise self._answering.taken()
-        texts, t = (ctypes.c_char_p * 3)(), ctypes.c_double()
-        self._library.hybond_look_fault(self._handle, texts, ctypes.byref(t))
-        code, why, place = ((text or b"").decode() for text in texts)
-        raise NumericsError(f"{why}, at t = {t.value:.9g} s", code=code, where=place)
+        fault = refusal_of(self._library, self._handle, 0)
+        why = f"{fault.why}, at t = {fault.t:.9g} s"
+        raise NumericsError(why, code=fault.code, where=fault.place)

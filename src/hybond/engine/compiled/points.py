@@ -29,16 +29,6 @@ class PointsRecord(ctypes.Structure):
 class Points:
     """Points of a motion with their states.
 
-    Parameters
-    ----------
-    t : array, shape (points,)
-        s.
-    y : array, shape (points, states)
-        Stored quantities, then integrated signals.
-    accepted : bool or array of bool, shape (points,)
-        Which of the states are on the constraints of the mode already, as those are with which
-        steps begin and end. The others are put back on them.
-
     Raises
     ------
     ValueError
@@ -46,8 +36,12 @@ class Points:
     """
 
     t: Vector
+    """Shape (points,). s."""
     y: Vector
+    """Shape (points, states). Stored quantities, then integrated signals."""
     accepted: Numbers
+    """Bool or array of bool, shape (points,). Which of the states are on the constraints of the
+    mode already, as those are with which steps begin and end. The others are put back on them."""
 
     def __init__(self, t: ArrayLike, y: ArrayLike, *, accepted: ArrayLike = False) -> None:
         times, states = floats(t, 1, "t"), floats(y, 2, "y")
@@ -73,16 +67,6 @@ class Points:
 class Steps:
     """Steps of a motion, one after the other, in one mode: rows of the log of a run.
 
-    Parameters
-    ----------
-    time : array, shape (steps, 3)
-        Begin and end of the polynomial, and where the step was ended, s.
-    state : array, shape (steps, 3, states)
-        The state there.
-    dense : array, shape (steps, 4, states)
-        Coefficients of the polynomial ``y(t) = state[0] + dense[0] x + ... + dense[3] x**4``, with
-        ``x = (t - time[0])/(time[1] - time[0])``.
-
     Raises
     ------
     ValueError
@@ -90,8 +74,12 @@ class Steps:
     """
 
     time: Vector
+    """Shape (steps, 3). Begin and end of the polynomial, and where the step was ended, s."""
     state: Vector
+    """Shape (steps, 3, states). The state there."""
     dense: Vector
+    """Shape (steps, 4, states). Coefficients of the polynomial ``y(t) = state[0] + dense[0] x + ...
+    + dense[3] x**4``, with ``x = (t - time[0])/(time[1] - time[0])``."""
 
     def __init__(self, time: ArrayLike, state: ArrayLike, dense: ArrayLike) -> None:
         times, states = floats(time, 2, "time"), floats(state, 3, "state")
@@ -119,14 +107,6 @@ class Steps:
 class Within:
     """Points within steps; where a step begins or was ended the state is the accepted one.
 
-    Parameters
-    ----------
-    steps : Steps
-    t : array, shape (points,)
-        s.
-    step : array of int, shape (points,), optional
-        The step of each point; found if it is not given.
-
     Raises
     ------
     ValueError
@@ -135,7 +115,9 @@ class Within:
 
     steps: Steps
     t: Vector
+    """Shape (points,). s."""
     step: Numbers
+    """Shape (points,), optional. The step of each point; found if it is not given."""
 
     def __init__(self, steps: Steps, t: ArrayLike, step: ArrayLike | None = None) -> None:
         times = floats(t, 1, "t")

@@ -19,23 +19,16 @@ class FaultSeen(ctypes.Structure):
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Why a run was refused, as the engine says it.
-
-    Parameters
-    ----------
-    code, why, place : str
-        Empty texts if nothing was.
-    t : float
-        s.
-    about : tuple of float
-        What is known of it: `hybond.engine.reasons.facts` says what the numbers are.
-    """
+    """Why a run was refused, as the engine says it."""
 
     code: str
     why: str
     place: str
+    """`code`, `why` and `place`: empty texts if nothing was."""
     t: float
+    """s."""
     about: tuple[float, ...]
+    """What is known of it: `hybond.engine.reasons.facts` says what the numbers are."""
 
 
 def refusal_of(library: ctypes.CDLL, run: ctypes.c_void_p, which: int) -> Refusal:

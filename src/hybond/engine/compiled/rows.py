@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,121 +13,150 @@ from numpy.typing import NDArray
 MACHINES_OF_STEP = 2
 """Where the states of machines begin in a row of `step_place`."""
 MACHINES_OF_INSTANT = 3
-_ENDS = ("settling", "rejected", "stuck_machine", "stuck_events", "stuck_why")
-_COUNTS = (
+COUNTS = (
     *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
-    *("slides", "warns", "abouts"),
+    *("slides", "rejected", "bond_rows"),
 )
-_FLOATS = (
-    *("step_time", "step_until", "step_state", "step_dense"),
-    *("instant_time", "instant_state", "visit_energy", "hit_area", "read"),
-    *("slide_time", "warn_time", "about"),
+"""Numbers of the log; those of its warnings are beside them."""
+FLOATS = (
+    *("step_time", "step_until", "step_state", "step_dense", "step_bonds", "step_energy"),
+    *("instant_time", "instant_state", "instant_since", "visit_energy", "hit_area", "read"),
+    "slide_time",
 )
-_INTS = (
-    *("step_place", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
-    *("warn", "warn_first"),
+INTS = (
+    *("step_place", "step_bond", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
 )
+_NUMBER, _NUMBERS = ctypes.c_int, ctypes.POINTER(ctypes.c_double)
+_INDEX = ctypes.POINTER(ctypes.c_int)
 
 
 class Seen(ctypes.Structure):
     """What is read of a run: as `HybondSeen` in ``library.c``."""
 
     _fields_ = (
-        ("y", ctypes.POINTER(ctypes.c_double)),
-        ("state", ctypes.POINTER(ctypes.c_int)),
-        ("tried", ctypes.POINTER(ctypes.c_int)),
-        ("t", ctypes.c_double),
-        ("energy", ctypes.c_double),
-        *((name, ctypes.c_int) for name in ("status", "states", "evaluations", "modes_made")),
-        ("propagated", ctypes.POINTER(ctypes.c_int)),
-        *((n, ctypes.c_int) for n in _ENDS),
-        *((n, ctypes.c_double) for n in ("stuck_t", "stuck_ratio")),
-        *((n, ctypes.c_int) for n in _COUNTS),
-        *((n, ctypes.POINTER(ctypes.c_double)) for n in _FLOATS),
-        *((n, ctypes.POINTER(ctypes.c_int)) for n in _INTS),
-        ("bond_rows", ctypes.c_int),
-        *(
-            (n, ctypes.POINTER(ctypes.c_double))
-            for n in ("step_bonds", "step_energy", "instant_since")
-        ),
-        ("step_bond", ctypes.POINTER(ctypes.c_int)),
+        *(("y", _NUMBERS), ("state", _INDEX), ("tried", _INDEX)),
+        *((name, ctypes.c_double) for name in ("t", "energy")),
+        *((name, _NUMBER) for name in ("states", "evaluations", "modes_made")),
+        ("propagated", _INDEX),
+        *((name, _NUMBER) for name in ("settling", "stuck_machine", "stuck_events", "stuck_why")),
+        *((name, ctypes.c_double) for name in ("stuck_t", "stuck_ratio")),
+        *((name, _NUMBER) for name in ("warns", "abouts")),
+        *((name, _INDEX) for name in ("warn", "warn_first")),
+        *((name, _NUMBERS) for name in ("warn_time", "about")),
+        *((name, _NUMBER) for name in COUNTS),
+        *((name, _NUMBERS) for name in FLOATS),
+        *((name, _INDEX) for name in INTS),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are.
-
-    Parameters
-    ----------
-    step_time : array, shape (steps, 3)
-        Begin and end of each step, and where it was ended, s.
-    step_until : array, shape (steps,)
-        The next timed event, s.
-    step_state : array, shape (steps, 3, states)
-        The state there.
-    step_dense : array, shape (steps, 4, states)
-    step_place : array of int, shape (steps, 2 + 2 machines)
-    instant_time : array, shape (instants, 2)
-    instant_state : array, shape (instants, 2, states)
-        Before and after.
-    instant_place : array of int, shape (instants, 3 + 2 machines)
-    visit : array of int, shape (visits, 5)
-    visit_energy : array, shape (visits, 3)
-    fired : array of int, shape (transitions, 6)
-    read : array, shape (values, 3)
-    hit : array of int, shape (hits,)
-    hit_area : array, shape (hits, 2)
-    over, open, slid : arrays of int
-    slide_time : array, shape (slides,)
-    warn, warn_first : arrays of int, shape (warnings,), (warnings + 1,)
-        Their kinds, and where their numbers begin in `about`.
-    warn_time, about : array
-    step_bonds : array, shape (points, 2 bonds)
-        Of time-stepping: bond variables where steps end, and where a motion begins.
-    step_energy : array, shape (steps or 0, 3)
-    instant_since : array, shape (instants,)
-        When the step began within which it happened, s; -1 where it was located.
-    step_bond : array of int, shape (steps or 0,)
-    """
+    """What a slice of a run wrote down; `hybond.engine.run.log` says what the columns are."""
 
     step_time: NDArray[np.float64]
+    """Shape (steps, 3). Begin and end of each step, and where it was ended, s."""
     step_until: NDArray[np.float64]
+    """Shape (steps,). The next timed event, s."""
     step_state: NDArray[np.float64]
+    """Shape (steps, 3, states). The state there."""
     step_dense: NDArray[np.float64]
+    """Shape (steps, 4, states)."""
     step_place: NDArray[np.intc]
+    """Shape (steps, 2 + 2 machines)."""
     instant_time: NDArray[np.float64]
+    """Shape (instants, 2)."""
     instant_state: NDArray[np.float64]
+    """Shape (instants, 2, states). Before and after."""
     instant_place: NDArray[np.intc]
+    """Shape (instants, 3 + 2 machines)."""
     visit: NDArray[np.intc]
+    """Shape (visits, 5)."""
     visit_energy: NDArray[np.float64]
+    """Shape (visits, 3)."""
     fired: NDArray[np.intc]
+    """Shape (transitions, 6)."""
     read: NDArray[np.float64]
+    """Shape (values, 3)."""
     hit: NDArray[np.intc]
+    """Shape (hits,)."""
     hit_area: NDArray[np.float64]
+    """Shape (hits, 2)."""
     over: NDArray[np.intc]
     open: NDArray[np.intc]
     slid: NDArray[np.intc]
     slide_time: NDArray[np.float64]
+    """Shape (slides,)."""
     warn: NDArray[np.intc]
     warn_first: NDArray[np.intc]
+    """Shape (warnings,), (warnings + 1,). `warn` and `warn_first`: their kinds, and where their
+    numbers begin in `about`."""
     warn_time: NDArray[np.float64]
     about: NDArray[np.float64]
     step_bonds: NDArray[np.float64]
+    """Shape (points, 2 bonds). Of time-stepping: bond variables where steps end, and where a motion
+    begins."""
     step_energy: NDArray[np.float64]
+    """Shape (steps or 0, 3)."""
     instant_since: NDArray[np.float64]
+    """Shape (instants,). When the step began within which it happened, s; -1 where it was
+    located."""
     step_bond: NDArray[np.intc]
+    """Shape (steps or 0,)."""
 
 
-def copied_floats(begin: Any, *shape: int) -> NDArray[np.float64]:
-    """Return an array of numbers of the library as our own."""
-    size = math.prod(shape)
-    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy() if size else np.zeros(shape)
+def rows_of(
+    many: Mapping[str, int],
+    copied: Callable[[str, type, tuple[int, ...]], NDArray[Any]],
+    *,
+    states: int,
+    machines: int,
+    bonds: int,
+) -> Rows:
+    """Return the rows of a log.
 
-
-def copied_ints(begin: Any, *shape: int) -> NDArray[np.intc]:
-    """Return an array of whole numbers of the library as our own."""
-    size = math.prod(shape)
-    if not size:
-        return np.zeros(shape, dtype=np.intc)
-    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy()
+    Parameters
+    ----------
+    many : mapping
+        `COUNTS`, ``warns`` and ``abouts``.
+    copied : callable
+        ``copied(name, type, shape)`` returns a column of the log as an array of its own.
+    states, machines, bonds : int
+        Of the model.
+    """
+    steps, instants, warns = many["steps"], many["instants"], many["warns"]
+    powered = steps if many["bond_rows"] else 0
+    shapes: dict[str, tuple[int, ...]] = {
+        "step_time": (steps, 3),
+        "step_until": (steps,),
+        "step_state": (steps, 3, states),
+        "step_dense": (steps, 4, states),
+        "step_place": (steps, MACHINES_OF_STEP + 2 * machines),
+        "instant_time": (instants, 2),
+        "instant_state": (instants, 2, states),
+        "instant_place": (instants, MACHINES_OF_INSTANT + 2 * machines),
+        "visit": (many["visits"], 5),
+        "visit_energy": (many["visits"], 3),
+        "fired": (many["fireds"], 6),
+        "read": (many["reads"], 3),
+        "hit": (many["hits"],),
+        "hit_area": (many["hits"], 2),
+        "over": (many["overs"],),
+        "open": (many["opens"],),
+        "slid": (many["slids"],),
+        "slide_time": (many["slides"],),
+        "warn": (warns,),
+        "warn_first": (warns + 1 if warns else 0,),
+        "warn_time": (warns,),
+        "about": (many["abouts"],),
+        "step_bonds": (many["bond_rows"], 2 * bonds),
+        "step_energy": (powered, 3),
+        "instant_since": (instants,),
+        "step_bond": (powered,),
+    }
+    whole = {*INTS, "warn", "warn_first"}
+    return Rows(
+        **{
+            name: copied(name, np.intc if name in whole else np.float64, shape)
+            for name, shape in shapes.items()
+        }
+    )

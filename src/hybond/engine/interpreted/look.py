@@ -29,12 +29,7 @@ from hybond.errors import NumericsError
 
 
 class PythonLook(Look):
-    """Looks into the motion of finished runs of a model, by the engine in Python.
-
-    Parameters
-    ----------
-    model : PythonModel
-    """
+    """Looks into the motion of finished runs of a model, by the engine in Python."""
 
     def __init__(self, model: PythonModel) -> None:
         super().__init__(model.tables)

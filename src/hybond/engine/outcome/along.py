@@ -14,31 +14,23 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Along:
-    """Points in segments of one block, with the steps in which they lie.
-
-    Parameters
-    ----------
-    points : array of int, shape (points,)
-        Which of all points these are.
-    step : array of int, shape (points,)
-        The step of each, of those that follow.
-    time, state, dense : array
-        Steps.
-    begin, place, many : array
-        Of each segment: when it begins, the row with the states of machines, how many points.
-    resting : list of int
-        Segments left out: some of their points are behind the last step.
-    """
+    """Points in segments of one block, with the steps in which they lie."""
 
     points: NDArray[np.intp]
+    """Shape (points,). Which of all points these are."""
     step: NDArray[np.intp]
+    """Shape (points,). The step of each, of those that follow."""
     time: Vector
     state: Vector
     dense: Vector
+    """`time`, `state` and `dense`: steps."""
     begin: Vector
     place: NDArray[np.intc]
     many: NDArray[np.intp]
+    """`begin`, `place` and `many`: of each segment: when it begins, the row with the states of
+    machines, how many points."""
     resting: list[int]
+    """Segments left out: some of their points are behind the last step."""
 
     @staticmethod
     def of(

@@ -25,10 +25,6 @@ MANY = 1_000_000
 class Apart:
     """A model at t = 0, in any state and mode.
 
-    Parameters
-    ----------
-    graph : FlatGraph
-
     Examples
     --------
     >>> import hybond as hb

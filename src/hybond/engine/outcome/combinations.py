@@ -19,24 +19,16 @@ Kind = Literal["additive", "product"]
 
 @dataclass(frozen=True, slots=True)
 class Combination:
-    """The modes around some surfaces, as they are combined.
-
-    Parameters
-    ----------
-    surfaces : tuple of int
-        Their numbers in the tables; none if nothing is slid on.
-    product : bool
-        Whether all corners of the cube of their weights are combined.
-    mode : Mode
-        The mode shown.
-    modes : array of int, shape (parts, machines), or None
-        The states of machines in each mode that is combined.
-    """
+    """The modes around some surfaces, as they are combined."""
 
     surfaces: tuple[int, ...] = ()
+    """Their numbers in the tables; none if nothing is slid on."""
     product: bool = False
+    """Whether all corners of the cube of their weights are combined."""
     mode: Mode = ()
+    """The mode shown."""
     modes: NDArray[np.intc] | None = None
+    """Shape (parts, machines), or None. The states of machines in each mode that is combined."""
 
     def is_like(self, other: Combination) -> bool:
         """Whether the same surfaces are slid on in the same way."""

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.native import ACCUMULATES, REFUSED
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
@@ -39,10 +39,6 @@ class EngineRun:
 
     Parameters
     ----------
-    model : Prepared
-    progress : callable
-    keep : int or None
-    journal : Journal or None
     runners : mapping
         What runs each block, by its path.
     """

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import Literal
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.look import Look
 from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, library
 from hybond.engine.compiled.native_look import NativeLook
-from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.compiled.rows import Rows
+from hybond.engine.compiled.sliced import SlicedRun
 from hybond.engine.tables import ModelTables, tables_of, written_tables
 from hybond.engine.tables.options import Options, Settings
 from hybond.errors import UsageError
@@ -23,102 +19,27 @@ from hybond.model.graph import FlatGraph
 Asked = Literal["library", "python"]
 
 
-class SlicedRun(Protocol):
-    """A run in slices, as `NativeRun` is, which says what all this means."""
-
-    status: int
-
-    def slices(
-        self,
-        *,
-        steps: int | Callable[[], int] = ...,
-        between: Callable[[float], None] | None = None,
-    ) -> Iterator[Rows]:
-        """Run on to the end; yield what was written down, slice after slice."""
-
-    def tried(self, state: ArrayLike) -> NDArray[np.intc] | None:
-        """Enter a mode at the start: of each rule whether it leaves it."""
-
-    @property
-    def t(self) -> float:
-        """The time that was reached, s."""
-
-    @property
-    def y(self) -> NDArray[Any]:
-        """The state there."""
-
-    @property
-    def mode(self) -> tuple[int, ...]:
-        """The state of each machine."""
-
-    @property
-    def fault(self) -> Refusal:
-        """What stopped the run."""
-
-    @property
-    def unrest(self) -> Refusal:
-        """Why a structure at rest had no solution."""
-
-    @property
-    def stuck(self) -> tuple[int, int, int, float, float]:
-        """What is known of events that accumulate."""
-
-    @property
-    def energy(self) -> float:
-        """The largest energy that the run has seen, J."""
-
-    @property
-    def rejected(self) -> int:
-        """Steps that were tried and found too long."""
-
-    @property
-    def evaluations(self) -> int:
-        """How often the rates of the state were evaluated."""
-
-    @property
-    def modes_made(self) -> int:
-        """Modes whose equations were made."""
-
-    @property
-    def propagated(self) -> list[int]:
-        """Modes that were propagated exactly, and those that were not."""
-
-
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A model, prepared for runs by an engine.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    written : callable
-        ``written(tables)`` is the same with other numbers in its slots: those of these tables.
-    run : callable
-        ``run(runners)`` is a run that has not begun; what runs each block is by its path.
-    look : callable
-        ``look()`` looks into finished runs.
-    """
+    """A model, prepared for runs by an engine."""
 
     tables: ModelTables
     written: Callable[[ModelTables], Prepared]
+    """``written(tables)`` is the same with other numbers in its slots: those of these tables."""
     run: Callable[[Mapping[str, Runner] | None], SlicedRun]
+    """``run(runners)`` is a run that has not begun; what runs each block is by its path."""
     look: Callable[[], Look]
+    """``look()`` looks into finished runs."""
 
 
 @dataclass(frozen=True, slots=True)
 class EngineChoice:
-    """What makes a run.
-
-    Parameters
-    ----------
-    prepare : callable
-        Takes the tables of a model.
-    said : str
-        What a result says of it.
-    """
+    """What makes a run."""
 
     prepare: Callable[[ModelTables], Prepared]
+    """Takes the tables of a model."""
     said: str
+    """What a result says of it."""
 
 
 def choose_engine(asked: Asked | None = None) -> EngineChoice:

@@ -37,12 +37,7 @@ SLIDING = -1
 
 
 class Explaining:
-    """The words of one model.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    """
+    """The words of one model."""
 
     def __init__(self, tables: ModelTables) -> None:
         graph = self.graph = tables.graph

@@ -18,7 +18,6 @@ class Journal:
     ----------
     path : Path
         Replaced if it is there.
-    graph : FlatGraph
     """
 
     def __init__(self, path: Path, graph: FlatGraph) -> None:

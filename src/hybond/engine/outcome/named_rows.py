@@ -14,22 +14,17 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class NamedRows:
-    """Signals that are signed sums of bond variables.
-
-    Parameters
-    ----------
-    names : tuple of str
-        ``x.e``, ``x.f`` of one-ports, the common variable of junctions, and the net variable of
-        controlled ones.
-    name, variable : arrays of int, shape (terms,)
-        To which name each term belongs, and the bond variable that it takes.
-    sign : array, shape (terms,)
-    """
+    """Signals that are signed sums of bond variables."""
 
     names: tuple[str, ...]
+    """``x.e``, ``x.f`` of one-ports, the common variable of junctions, and the net variable of
+    controlled ones."""
     name: NDArray[np.intp]
     variable: NDArray[np.intp]
+    """Shape (terms,). `name` and `variable`: to which name each term belongs, and the bond variable
+    that it takes."""
     sign: Vector
+    """Shape (terms,)."""
 
     def of(self, w: Vector, floor: Vector) -> dict[str, float]:
         """Return the signals of `w` that stand out of `floor`, shape (2 * bonds,), by name."""

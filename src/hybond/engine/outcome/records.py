@@ -166,7 +166,6 @@ class Instants:
 
     Parameters
     ----------
-    rows : Rows
     mode : Mode
         In which time was before the first.
     """
@@ -190,13 +189,7 @@ class Instants:
 
 
 class Records:
-    """Turns the rows of one run into its trace.
-
-    Parameters
-    ----------
-    tables : ModelTables
-    trace : Trace
-    """
+    """Turns the rows of one run into its trace."""
 
     def __init__(self, tables: ModelTables, trace: Trace) -> None:
         self.graph = tables.graph

@@ -35,7 +35,6 @@ class Signals:
     ----------
     model : Prepared
         That the run was made with.
-    trace : Trace
     """
 
     def __init__(self, model: Prepared, trace: Trace) -> None:
@@ -79,7 +78,6 @@ class Signals:
 
         Parameters
         ----------
-        segments : Chronicle of Segment
         which : array of int, shape (points,)
             The segment of each point, in order.
         t : array, shape (points,)
@@ -221,7 +219,6 @@ class Signals:
 
         Parameters
         ----------
-        segment : Segment
         expressions : sequence of Expr
             In canonical names.
         t : array, shape (times,)
@@ -279,7 +276,6 @@ class Signals:
 
         Parameters
         ----------
-        segment : Segment
         known : array, shape (storages + 2 * sources, points)
             Co-energy variables, values of `sources`, their rates; or derivatives of all of these.
         """

@@ -34,22 +34,15 @@ IDLE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class StepError:
-    """The estimated error of a run.
-
-    Parameters
-    ----------
-    step : float
-        Of the run, s.
-    end, mean : float
-        Of the worst variable, as a part of the largest value it has had.
-    variable : str
-        Which one.
-    """
+    """The estimated error of a run."""
 
     step: float
+    """Of the run, s."""
     end: float
     mean: float
+    """`end` and `mean`: of the worst variable, as a part of the largest value it has had."""
     variable: str
+    """Which one."""
 
     @property
     def advised(self) -> float:

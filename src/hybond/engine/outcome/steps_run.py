@@ -28,10 +28,6 @@ class StepsRun:
 
     Parameters
     ----------
-    graph : FlatGraph
-    settings : Settings
-    maker : EngineChoice
-    progress : callable
     runners : mapping
         What runs each block, by its path: a block may run once only, so that the error of such a
         run is not estimated.

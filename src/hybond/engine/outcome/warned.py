@@ -36,13 +36,7 @@ REBOUND = "its rebounds do not vanish"
 
 
 class Warnings:
-    """The warnings of one run.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    explain : Explaining
-    """
+    """The warnings of one run."""
 
     def __init__(self, graph: FlatGraph, explain: Explaining) -> None:
         self.graph = graph

@@ -50,27 +50,13 @@ LARGEST = 2**31 - 1
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What a run is asked for.
-
-    Parameters
-    ----------
-    until, rtol, max_step, event_tol : float
-    atol : float or None
-    solver : str
-        One of `METHODS`.
-    step : float or None
-        Of fixed steps, s.
-    theta : float
-        Of time-stepping.
-    slides : bool
-    impact : tuple of str and float
-        Law of impacts, and the exponent of springs.
-    max_events, max_steps, max_writes : int
-    """
+    """What a run is asked for."""
 
     until: float
     solver: str
+    """One of `METHODS`."""
     step: float | None
+    """Of fixed steps, s."""
     event_tol: float
     max_events: int
     max_writes: int
@@ -79,8 +65,10 @@ class Settings:
     max_step: float = math.inf
     slides: bool = False
     impact: tuple[str, float] = ("newton", 1.0)
+    """Law of impacts, and the exponent of springs."""
     max_steps: int = LARGEST
     theta: float = 0.5
+    """Of time-stepping."""
 
     @property
     def numbers(self) -> dict[str, float]:

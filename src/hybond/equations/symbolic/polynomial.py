@@ -96,11 +96,6 @@ def _ratio(a: Coefficient, b: Coefficient) -> Coefficient:
 class Polynomial:
     """A polynomial; immutable, hashable, equal if and only if it is the same polynomial.
 
-    Parameters
-    ----------
-    terms : mapping of Monomial to Coefficient
-        Zero coefficients are dropped.
-
     Examples
     --------
     >>> a, b = Polynomial.atom("a"), Polynomial.atom("b")
@@ -113,6 +108,7 @@ class Polynomial:
     __slots__ = ("_hash", "_probe", "terms")
 
     terms: dict[Monomial, Coefficient]
+    """Zero coefficients are dropped."""
 
     def __init__(self, terms: Mapping[Monomial, Coefficient]) -> None:
         self.terms = {m: c for m, c in terms.items() if c}

@@ -30,7 +30,6 @@ class Rational:
 
     Parameters
     ----------
-    coefficient : int or Fraction
     monomial : Monomial
         Atoms with exponents of any sign.
     factors : dict of Polynomial to int

@@ -50,7 +50,6 @@ def to_expr(
 
     Parameters
     ----------
-    r : Rational
     name : callable
         What to call an atom, or a name inside a formula that an atom stands for.
     meaning : mapping of str to Expr

@@ -113,8 +113,7 @@ static bool make_unit(Unit *u)
     release(&u->arena);
     memset(u, 0, sizeof *u);
     u->model = MODEL;
-    Ask ask = {0};
-    return asked(u, answer_made, &ask);
+    return asked(u, answer_made, NULL);
 }
 
 /* Settle the start, once its inputs are known. */
@@ -136,12 +135,7 @@ static bool answer_ready(Unit *u, Ask *ask)
     return is_ready(u);
 }
 
-static bool ready(Unit *u)
-{
-    Ask ask = {0};
-    return asked(u, answer_ready, &ask);
-}
-
+/* Put the value of a variable there; false if there is no such variable, or it has no value. */
 static bool answer_value(Unit *u, Ask *ask)
 {
     const unsigned reference = ask->reference;
@@ -181,13 +175,6 @@ static bool answer_value(Unit *u, Ask *ask)
     return true;
 }
 
-/* Put the value of a variable there; false if there is no such variable, or it has no value. */
-static bool get_value(Unit *u, unsigned reference, double *value)
-{
-    Ask ask = {.reference = reference, .values = value};
-    return asked(u, answer_value, &ask);
-}
-
 static bool set_value(Unit *u, unsigned reference, double value)
 {
     if (u->spent) {
@@ -208,6 +195,7 @@ static bool set_value(Unit *u, unsigned reference, double value)
     return true;
 }
 
+/* Run to a time, with the inputs that hold from now on. */
 static bool answer_run(Unit *u, Ask *ask)
 {
     if (!is_ready(u)) {
@@ -217,13 +205,7 @@ static bool answer_run(Unit *u, Ask *ask)
     return !u->failed;
 }
 
-/* Run to a time, with the inputs that hold from now on. */
-static bool run_to(Unit *u, double t)
-{
-    Ask ask = {.t = t};
-    return asked(u, answer_run, &ask);
-}
-
+/* Settle an instant that the importer has found; say whether states jumped, and what comes next. */
 static bool answer_instant(Unit *u, Ask *ask)
 {
     if (!is_ready(u)) {
@@ -241,54 +223,11 @@ static bool answer_instant(Unit *u, Ask *ask)
     return !u->failed;
 }
 
-/* Settle an instant that the importer has found; say whether states jumped, and what comes next. */
-static bool settle_instant(Unit *u, bool *jumped, double *next)
-{
-    Ask ask = {.t = HUGE_VAL};
-    const bool fine = asked(u, answer_instant, &ask);
-    *jumped = ask.found;
-    *next = ask.t;
-    return fine;
-}
-
+/* Find whether a guard holds that the importer has not found. */
 static bool answer_guards(Unit *u, Ask *ask)
 {
     ask->found = is_ready(u) && guard_holds(u->e);
     return !u->failed;
-}
-
-/* Find whether a guard holds that the importer has not found. */
-static bool look_back(Unit *u, bool *stepped_over)
-{
-    Ask ask = {0};
-    const bool fine = asked(u, answer_guards, &ask);
-    *stepped_over = ask.found;
-    return fine;
-}
-
-static bool set_unit_time(Unit *u, double t)
-{
-    if (!u->spent) {
-        u->e->t = t;
-    }
-    return !u->spent;
-}
-
-static bool set_unit_states(Unit *u, const double *x, size_t n)
-{
-    for (size_t k = 0; k < n && !u->spent; k++) {
-        u->e->y[k] = x[k];
-    }
-    return !u->spent;
-}
-
-static bool get_unit_states(Unit *u, double *x, size_t n)
-{
-    const bool fine = ready(u);
-    for (size_t k = 0; k < n && fine; k++) {
-        x[k] = u->e->y[k];
-    }
-    return fine;
 }
 
 static bool answer_rates(Unit *u, Ask *ask)
@@ -296,28 +235,25 @@ static bool answer_rates(Unit *u, Ask *ask)
     return rates_now(u->e, ask->values) == 0;
 }
 
-static bool get_rates(Unit *u, double *rate)
-{
-    Ask ask = {.values = rate};
-    return asked(u, answer_rates, &ask);
-}
-
 static bool answer_indicators(Unit *u, Ask *ask)
 {
     return indicators_now(u->e, ask->values) == 0;
 }
 
-static bool get_indicators(Unit *u, double *z)
+static bool answer_states(Unit *u, Ask *ask)
 {
-    Ask ask = {.values = z};
-    return asked(u, answer_indicators, &ask);
+    const bool fine = is_ready(u);
+    for (int k = 0; k < u->e->states && fine; k++) {
+        ask->values[k] = u->e->y[k];
+    }
+    return fine;
 }
 
-static bool get_nominals(Unit *u, double *x, size_t n)
+static bool answer_nominals(Unit *u, Ask *ask)
 {
-    const bool fine = ready(u);
-    for (size_t k = 0; k < n && fine; k++) {
-        x[k] = nominal_now(u->e, (int)k);
+    const bool fine = is_ready(u);
+    for (int k = 0; k < u->e->states && fine; k++) {
+        ask->values[k] = nominal_now(u->e, k);
     }
     return fine;
 }
@@ -332,3 +268,9 @@ static const char *fault_text(Unit *u)
              fault->t, fault->why != NULL ? fault->why : "");
     return u->text;
 }
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif

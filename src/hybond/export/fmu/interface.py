@@ -16,25 +16,16 @@ SECOND = parse_unit("s")[1]
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A variable of the unit.
-
-    Parameters
-    ----------
-    name : str
-    dimension : Dimension or None
-        None if the model does not say.
-    start : float
-        In SI.
-    about : str
-    follows : bool
-        Of a parameter: whether it is made of others.
-    """
+    """A variable of the unit."""
 
     name: str
     dimension: Dimension | None = None
+    """None if the model does not say."""
     start: float = 0.0
+    """In SI."""
     about: str = ""
     follows: bool = False
+    """Of a parameter: whether it is made of others."""
 
     @property
     def unit(self) -> str:
@@ -48,31 +39,23 @@ class Interface:
 
     Value references count the variables in this order: time (0), parameters, inputs, outputs,
     states, derivatives of the states.
-
-    Parameters
-    ----------
-    name, title : str
-    identifier : str
-        What the C functions and the library are called by.
-    token : str
-        A digest of all else: it changes with the model.
-    indicators : int
-        Event indicators.
-    until, rtol : float
-        The default experiment.
     """
 
     name: str
     title: str
     identifier: str
+    """What the C functions and the library are called by."""
     token: str
+    """A digest of all else: it changes with the model."""
     parameters: tuple[Shown, ...]
     inputs: tuple[Shown, ...]
     outputs: tuple[Shown, ...]
     states: tuple[Shown, ...]
     indicators: int
+    """Event indicators."""
     until: float
     rtol: float
+    """`until` and `rtol`: the default experiment."""
 
     def first(self, group: str) -> int:
         """Return the value reference of the first variable of a group."""
@@ -122,7 +105,6 @@ def interface_of(
 
     Parameters
     ----------
-    graph : FlatGraph
     outputs : sequence of str
         Names of signals, as in results.
     text : str

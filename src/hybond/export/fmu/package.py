@@ -45,7 +45,6 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
 
     Parameters
     ----------
-    model : Model
     fmi : {"3.0", "2.0"}
         The version of the standard.
     **options
@@ -127,10 +126,14 @@ def unit_source(model: Model, found: Exported, own: Interface, fmi: str) -> str:
         f"static const double INPUT_START[] = {{{levels}}};",
         "",
         *_parameters(found, own, inputs),
-        (HOME / "common.c").read_text(encoding="utf-8"),
-        (HOME / f"fmi{fmi[0]}.c").read_text(encoding="utf-8"),
+        _text("common.c"),
+        _text(f"fmi{fmi[0]}.c").replace("@ALIKE@\n", _text("alike.c")),
     ]
     return c_file(model, found, "\n".join(lines))
+
+
+def _text(name: str) -> str:
+    return (HOME / name).read_text(encoding="utf-8")
 
 
 def _parameters(found: Exported, own: Interface, inputs: Sequence[int]) -> list[str]:

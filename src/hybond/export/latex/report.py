@@ -54,7 +54,6 @@ def to_latex(model: Model, *, run: Result | None = None) -> str:
 
     Parameters
     ----------
-    model : Model
     run : Result, optional
         The results shown. Default: those of the model's experiment; without an ``until`` there,
         none.

@@ -32,31 +32,21 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Extended:
-    """``E v' = A v + B u`` with integrals, sources and outputs among the variables.
-
-    Parameters
-    ----------
-    E, A, B : array
-    variables : tuple of str
-        Stored quantities, integrated signals, kept pseudo-states, sources, outputs.
-    stored : int
-        How many of them may be states: stored quantities and integrals.
-    inputs : tuple of str
-        Every source and every input of the model.
-    default : tuple of int
-        Those that come from outside.
-    outputs : list of int
-        Where the outputs stand among the variables.
-    """
+    """``E v' = A v + B u`` with integrals, sources and outputs among the variables."""
 
     E: Matrix
     A: Matrix
     B: Matrix
     variables: tuple[str, ...]
+    """Stored quantities, integrated signals, kept pseudo-states, sources, outputs."""
     stored: int
+    """How many of them may be states: stored quantities and integrals."""
     inputs: tuple[str, ...]
+    """Every source and every input of the model."""
     default: tuple[int, ...]
+    """Those that come from outside."""
     outputs: list[int]
+    """Where the outputs stand among the variables."""
 
 
 def extended(graph: FlatGraph, mode: Mode, outputs: tuple[str, ...]) -> Extended:

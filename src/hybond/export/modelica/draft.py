@@ -21,10 +21,6 @@ would do, but for tools that compare with the values of the iteration before."""
 class Draft:
     """A model on its way to text; declarations and equations come up as they are read.
 
-    Parameters
-    ----------
-    model : Model
-
     Attributes
     ----------
     form, sudden : Form

@@ -23,7 +23,6 @@ def input_text(given: Input, name: str, slope: str) -> InputText:
 
     Parameters
     ----------
-    given : Input
     name, slope : str
         Names of its value and, where it is read, of its slope; `slope` may be empty.
     """

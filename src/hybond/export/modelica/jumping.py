@@ -16,7 +16,6 @@ def jumping_of(graph: FlatGraph, form: Form) -> frozenset[int]:
 
     Parameters
     ----------
-    graph : FlatGraph
     form : Form
         Its equations, as a jump sees them.
 

@@ -29,7 +29,6 @@ class Live:
 
     Parameters
     ----------
-    model : Model
     graph : FlatGraph
         Of that model.
     """

@@ -47,7 +47,6 @@ class Pairs:
 
         Parameters
         ----------
-        e : Expr
         slack : callable, optional
             What is compared with zero, to the text of the size below which it counts as zero.
         """

@@ -15,17 +15,11 @@ PART = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Where the start settles.
-
-    Parameters
-    ----------
-    mode : tuple of int
-    values : tuple of float
-        Stored quantities, then integrals.
-    """
+    """Where the start settles."""
 
     mode: Mode
     values: tuple[float, ...]
+    """Stored quantities, then integrals."""
 
 
 def start_of(graph: FlatGraph) -> Start:

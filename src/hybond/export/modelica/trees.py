@@ -17,20 +17,13 @@ Leaf = Callable[[Mode], str | None]
 
 @dataclass
 class Trees:
-    """Writes formulas that depend on the mode.
-
-    Parameters
-    ----------
-    graph : FlatGraph
-    state : callable
-        Machine and state to the text of the condition that the machine is in it.
-    gaps : dict
-        Combinations (machine, state) that a formula was asked for and has none, to its name.
-    """
+    """Writes formulas that depend on the mode."""
 
     graph: FlatGraph
     state: Callable[[int, int], str]
+    """Machine and state to the text of the condition that the machine is in it."""
     gaps: dict[tuple[tuple[int, int], ...], str] = field(default_factory=dict)
+    """Combinations (machine, state) that a formula was asked for and has none, to its name."""
 
     def text(self, name: str, machines: Sequence[int], leaf: Leaf) -> str | None:
         """Return a formula; None if no mode has one.

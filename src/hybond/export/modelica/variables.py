@@ -20,10 +20,6 @@ from hybond.model.graph import Mode
 class Variables:
     """What canonical names are in the text of a draft, which grows as they are asked for.
 
-    Parameters
-    ----------
-    draft : Draft
-
     Attributes
     ----------
     modes : Trees

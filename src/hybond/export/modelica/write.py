@@ -31,10 +31,6 @@ def to_modelica(model: Model) -> str:
     the state on entry is a formula, and `reinit` writes it when nothing fires any more. Nothing is
     needed beyond the language, 3.2 or later.
 
-    Parameters
-    ----------
-    model : Model
-
     Raises
     ------
     ModelError

@@ -29,32 +29,6 @@ class Algebra:
 
     No operation may raise on floats out of range; an algebra of other values may refuse, and then
     the closure passes its exception on.
-
-    Parameters
-    ----------
-    add, sub, mul, div, pow, neg : callable
-        Arithmetic.
-    compare : callable
-        ``compare(op)`` returns the function of two values for ``"<"``, ``"<="``, ``">"``,
-        ``">="``, ``"=="`` or ``"!="``.
-    and_, or_, not_ : callable
-        Logic of two values (one for `not_`). A value may be a number: nonzero is true.
-    where : callable
-        ``where(c, a, b)``, `a` where `c` is true, else `b`.
-    call : mapping
-        From each name of `FUNCTIONS` to its function.
-    const : callable
-        The value of a Python float or bool of the text.
-    table, slope : callable
-        ``table(x, y, extrapolate)`` returns the function of one value that reads the table;
-        `slope` likewise reads the slope of its segments.
-    pre : callable
-        Applied to every value read inside `Pre`.
-    lazy : bool
-        Values are single and have a truth value: `if`, `and` and `or` evaluate only what they
-        need, and `where`, `and_` and `or_` are not called.
-    wrap : callable
-        Applied once to the finished closure.
     """
 
     add: Callable[[Any, Any], Any]
@@ -63,18 +37,32 @@ class Algebra:
     div: Callable[[Any, Any], Any]
     pow: Callable[[Any, Any], Any]
     neg: Callable[[Any], Any]
+    """`add`, `sub`, `mul`, `div`, `pow` and `neg`: arithmetic."""
     compare: Callable[[str], Callable[[Any, Any], Any]]
+    """``compare(op)`` returns the function of two values for ``"<"``, ``"<="``, ``">"``, ``">="``,
+    ``"=="`` or ``"!="``."""
     and_: Callable[[Any, Any], Any]
     or_: Callable[[Any, Any], Any]
     not_: Callable[[Any], Any]
+    """`and_`, `or_` and `not_`: logic of two values (one for `not_`). A value may be a number:
+    nonzero is true."""
     where: Callable[[Any, Any, Any], Any]
+    """``where(c, a, b)``, `a` where `c` is true, else `b`."""
     call: Mapping[str, Callable[..., Any]]
+    """From each name of `FUNCTIONS` to its function."""
     const: Callable[[float], Any]
+    """The value of a Python float or bool of the text."""
     table: Callable[[Points, Points, str], Closure]
     slope: Callable[[Points, Points, str], Closure]
+    """`table` and `slope`: ``table(x, y, extrapolate)`` returns the function of one value that
+    reads the table; `slope` likewise reads the slope of its segments."""
     pre: Callable[[Any], Any] = same
+    """Applied to every value read inside `Pre`."""
     lazy: bool = False
+    """Values are single and have a truth value: `if`, `and` and `or` evaluate only what they need,
+    and `where`, `and_` and `or_` are not called."""
     wrap: Callable[[Closure], Closure] = same
+    """Applied once to the finished closure."""
 
 
 def _quiet(exact: Callable[..., float], ufunc: Callable[..., Any]) -> Callable[..., float]:

@@ -38,7 +38,6 @@ def compile_expression(
 
     Parameters
     ----------
-    e : Expr
     slot : mapping of str to int
         Where each name lies in the vector.
     algebra : Algebra

@@ -59,7 +59,6 @@ def differentiate(e: Expr, name: str) -> Expr:
 
     Parameters
     ----------
-    e : Expr
     name : str
         A path, as in `Name`.
 

@@ -81,10 +81,6 @@ def parse(text: str, *, where: str = "") -> Expr:
     where : str
         Path of the expression in the model, for messages.
 
-    Returns
-    -------
-    Expr
-
     Raises
     ------
     ExpressionError

@@ -147,7 +147,6 @@ def to_python(e: Expr, *, prefix: str = "math.") -> str:
 
     Parameters
     ----------
-    e : Expr
     prefix : str
         What stands before the functions of `math`.
 

@@ -128,18 +128,6 @@ class Call(Expr):
 class Table(Expr):
     """Piecewise linear interpolation of the points (`x`, `y`) at `arg`.
 
-    Parameters
-    ----------
-    arg : Expr
-        Where to read the table.
-    x, y : tuple of float
-        The points; `x` increases strictly.
-    extrapolate : {'error', 'linear'}
-        Outside the points: nan, or the end segments continued.
-    slope : bool
-        Read the slope of the segment instead of the value (at a point, of the segment to its
-        right). The derivative of a table is such a table.
-
     Raises
     ------
     ExpressionError
@@ -147,10 +135,15 @@ class Table(Expr):
     """
 
     arg: Expr
+    """Where to read the table."""
     x: tuple[float, ...]
     y: tuple[float, ...]
+    """`x` and `y`: the points; `x` increases strictly."""
     extrapolate: str = "error"
+    """Outside the points: nan, or the end segments continued."""
     slope: bool = False
+    """Read the slope of the segment instead of the value (at a point, of the segment to its right).
+    The derivative of a table is such a table."""
 
     def __post_init__(self) -> None:
         hint = "give at least two points with strictly increasing x"

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from hybond.causality.time_constants import time_constants
 from hybond.errors import ModelError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Part, R, Value
-from hybond.model.switching.drawn import DrawnBond, add_all, copied
-from hybond.model.switching.pencil import time_constants
 from hybond.names import did_you_mean
+from hybond.switching.drawn import DrawnBond, add_all, copied
 
 STIFF = 1e-3
 """Default: the resistor's time constant is this part of the fastest of the model."""
@@ -42,23 +42,15 @@ class StiffMode:
 
 @dataclass(frozen=True, slots=True)
 class CausalityResistance:
-    """What adding a causality resistance did.
-
-    Parameters
-    ----------
-    element, junction : str
-    value : float
-        Its resistance, SI.
-    modes : tuple of StiffMode
-    reference : float
-        The fastest time constant of the model without it, over these modes, s.
-    """
+    """What adding a causality resistance did."""
 
     element: str
     junction: str
     value: float
+    """Its resistance, SI."""
     modes: tuple[StiffMode, ...]
     reference: float
+    """The fastest time constant of the model without it, over these modes, s."""
 
     @property
     def fastest(self) -> float:
@@ -155,7 +147,7 @@ def add_causality_resistance(
     name = name or f"{junction}_r"
     plain = model.flatten()
     seen = tuple(modes) if modes is not None else first_modes(plain)
-    without = {mode: min(time_constants(plain, mode), default=math.inf) for mode in seen}
+    without = {mode: _fastest(plain, mode) for mode in seen}
     reference = min(without.values(), default=math.inf)
 
     def resisted(resistance: Value) -> tuple[Model, CausalityResistance]:
@@ -166,12 +158,7 @@ def add_causality_resistance(
         law = graph.nodes[graph.by_path[name]].law
         assert law is not None
         rows = tuple(
-            StiffMode(
-                graph.mode_text(mode),
-                without[mode],
-                min(time_constants(graph, mode), default=math.inf),
-            )
-            for mode in seen
+            StiffMode(graph.mode_text(mode), without[mode], _fastest(graph, mode)) for mode in seen
         )
         number = law.matrix[0][0] if law.matrix is not None else math.nan
         return new, CausalityResistance(name, junction, number, rows, reference)
@@ -205,6 +192,10 @@ def add_causality_resistance(
         else:
             low = middle
     return resisted(high)
+
+
+def _fastest(graph: FlatGraph, mode: Mode) -> float:
+    return min(time_constants(graph, mode, open_loop=True) or (), default=math.inf)
 
 
 def first_modes(graph: FlatGraph) -> tuple[Mode, ...]:

@@ -9,7 +9,7 @@ from hybond.errors import ModelError
 from hybond.model.builder import Model
 from hybond.model.kinds import STORAGES
 from hybond.model.parts import TF, One, Part, R, Value
-from hybond.model.switching.drawn import (
+from hybond.switching.drawn import (
     DrawnBond,
     add_all,
     bonds_of,

@@ -13,7 +13,7 @@ from mode_strokes import mode_dependent
 
 import hybond as hb
 from hybond.causality.assign import assign
-from hybond.model.switching.pencil import time_constants
+from hybond.causality.time_constants import time_constants
 
 sw = hb.switching
 TIGHT = {"rtol": 1e-11}
@@ -182,11 +182,26 @@ def test_time_constants_of_random_meshes(values, joined, arrows) -> None:
     assert time_constants(m.flatten(), ()) == pytest.approx(want, rel=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("mass", "area", "resistance", "compliance"),
+    [(25.0, 1e-3, 1e10, 1e-12), (1e-6, 2e-6, 5e13, 3e-18), (4e4, 0.2, 3e7, 1e-9)],
+)
+def test_time_constants_of_hydraulics_far_apart(mass, area, resistance, compliance) -> None:
+    m = hb.Model("actuator")
+    m.add(p=hb.Se(2e7), i=hb.One(), valve=hb.R(resistance), n=hb.Zero(), oil=hb.C(compliance))
+    m.add(piston=hb.TF(1 / area), v=hb.One(), mass=hb.I(mass))
+    m.bond("p -> i -> n -> oil", "i -> valve", "n -> piston -> v -> mass")
+    # q' = (p - q/C)/R - A v, m v' = A q/C
+    a = np.array([[-1 / (resistance * compliance), -area / mass], [area / compliance, 0.0]])
+    want = sorted(1.0 / np.abs(np.linalg.eigvals(a)))
+    assert time_constants(m.flatten(), ()) == pytest.approx(want, rel=1e-9)
+
+
 def test_modes_with_laws_that_are_not_linear_are_left_out() -> None:
     m = hb.Model("bent")
     m.add(n=hb.Zero(), c=hb.C({"e": "q^3"}), r=hb.R(1))
     m.bond("n -> c", "n -> r")
-    assert time_constants(m.flatten(), ()) == ()
+    assert time_constants(m.flatten(), ()) is None
     modulated = branches()
     sw.modulated_resistor(
         modulated, "x", bonds="n -> x", machine="S", on="closed", r_on=1.0, r_off=1e3

@@ -6,30 +6,30 @@ are ordinary nodes, bonds and lists of a machine, so the model can be drawn, sav
 like any other.
 """
 
-from hybond.model.switching.automaton import global_automaton
-from hybond.model.switching.causality_resistance import (
+from hybond.switching.automaton import global_automaton
+from hybond.switching.causality_resistance import (
     CausalityResistance,
     StiffMode,
     add_causality_resistance,
 )
-from hybond.model.switching.impulses import (
+from hybond.switching.impulses import (
     BondImpulse,
     ImpulseBondGraph,
     impulse_bond_graph,
 )
-from hybond.model.switching.junctions import (
+from hybond.switching.junctions import (
     switched_bond,
     switched_power_junction,
     time_dependent_junction,
 )
-from hybond.model.switching.one_ports import (
+from hybond.switching.one_ports import (
     boolean_mtf_resistor,
     modulated_resistor,
     switched_source,
     switched_storage,
 )
-from hybond.model.switching.petri import petri_net
-from hybond.model.switching.two_ports import boolean_mtf
+from hybond.switching.petri import petri_net
+from hybond.switching.two_ports import boolean_mtf
 
 __all__ = [
     "BondImpulse",

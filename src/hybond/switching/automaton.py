@@ -12,8 +12,8 @@ from hybond.errors import ModelError
 from hybond.model.builder import Model
 from hybond.model.expressions import Bool, Compare, Expr, Name, Not, Or, String, parse, transform
 from hybond.model.parts import Integral, MachinePart, Part, Sampled, SubmodelPart
-from hybond.model.switching.drawn import copied
 from hybond.names import did_you_mean
+from hybond.switching.drawn import copied
 
 _WHEN = re.compile(r"\swhen\s")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hybond.model.builder import Model
 from hybond.model.parts import TF, Value
-from hybond.model.switching.drawn import add_all, bonds_of, states_of, switch_on
+from hybond.switching.drawn import add_all, bonds_of, states_of, switch_on
 
 
 def boolean_mtf(

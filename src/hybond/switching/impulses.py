@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hybond.errors import ModelError
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.junction_structure import Row, junction_rows, two_port_rows
 from hybond.model.kinds import SOURCES, TWO_PORTS
-from hybond.model.switching.rows import Row, junction_rows, two_port_rows
 
 Vector = NDArray[np.float64]
 
@@ -55,24 +55,16 @@ class Run(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class BondImpulse:
-    """A bond of the impulse bond graph.
-
-    Parameters
-    ----------
-    name : str
-    impulse : float
-        Area of the effort's impulse, along the arrow: a momentum in mechanics.
-    mean_flow : float
-        ``(f_before + f_after) / 2``; nan where no impulse needs it.
-    flow_impulse, mean_effort : float
-        The dual pair: a charge, and the mean of the efforts.
-    """
+    """A bond of the impulse bond graph."""
 
     name: str
     impulse: float
+    """Area of the effort's impulse, along the arrow: a momentum in mechanics."""
     mean_flow: float
+    """``(f_before + f_after) / 2``; nan where no impulse needs it."""
     flow_impulse: float
     mean_effort: float
+    """`flow_impulse` and `mean_effort`: the dual pair: a charge, and the mean of the efforts."""
 
     @property
     def work(self) -> float:
@@ -82,26 +74,17 @@ class BondImpulse:
 
 @dataclass(frozen=True, slots=True)
 class ImpulseBondGraph:
-    """The reading of one written jump.
-
-    Parameters
-    ----------
-    t : float
-    mode : str
-    bonds : tuple of BondImpulse
-        In the order of the graph; those without impulse have zeros.
-    stored : mapping
-        Energy that each storage took, J, by element.
-    taken : mapping
-        Energy that the jump gave to the other elements: sources, impact laws, junctions that
-        were switched, J.
-    """
+    """The reading of one written jump."""
 
     t: float
     mode: str
     bonds: tuple[BondImpulse, ...]
+    """In the order of the graph; those without impulse have zeros."""
     stored: Mapping[str, float] = field(default_factory=dict)
+    """Energy that each storage took, J, by element."""
     taken: Mapping[str, float] = field(default_factory=dict)
+    """Energy that the jump gave to the other elements: sources, impact laws, junctions that were
+    switched, J."""
 
     def __getitem__(self, name: str) -> BondImpulse:
         """Return the bond called `name`, as written."""

@@ -8,7 +8,7 @@ from typing import Literal
 from hybond.errors import ModelError
 from hybond.model.builder import Model
 from hybond.model.parts import One, Part, SubmodelPart, Value, Zero
-from hybond.model.switching.drawn import (
+from hybond.switching.drawn import (
     DrawnBond,
     add_all,
     bonds_of,
