@@ -14,7 +14,7 @@ from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import settings_of
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -178,7 +178,6 @@ def simulate(
             hint="take a solver that locates events",
         )
     maker = choose_engine(engine or ENGINE)
-    ignored = ignored_impact(impact, graph.experiment) if name in STEPPING else None
     chosen = None
     if name == AUTO:
         fit = fitting(prepared(graph, replace(settings, solver="exact"), maker))
@@ -195,12 +194,18 @@ def simulate(
             opened = None if journal is None else _opened(journal, graph)
             run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
         run.trace.engine = maker.said
-        if ignored is not None:
-            run.trace.warn(ignored)
+        for text in notices(graph, settings, impact):
+            run.trace.warn(text)
         return _finish(graph, run, end, name, on_error, chosen)
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
+    """Return what is to be said of what a run is asked for, before it begins."""
+    ignored = ignored_impact(impact, graph.experiment) if settings.solver in STEPPING else None
+    return [] if ignored is None else [ignored]
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
