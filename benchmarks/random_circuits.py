@@ -28,7 +28,7 @@ UNTIL = 4e-3
 PATIENCE = 30
 """Seconds that a run may take."""
 TOLERANCE = 5e-3
-"""How far means may be apart, of the largest value of the wave, or of a tenth of the largest voltage
+"""How far means may be apart, of the largest value of the wave or a tenth of the largest voltage
 of the circuit: a straight line stands for the logarithm of a diode, some millivolts away."""
 CARDS = """\
 .model dd D(IS=1e-12 N=0.01 RS=1m)
@@ -93,7 +93,7 @@ def _sources(draw: random.Random, nodes: list[str]) -> list[str]:
             ]
         )
         lines.append(f"V{k} s{k} 0 {wave}")
-        lines.append(f"Rs{k} s{k} {node} {_value(draw, 1.0, 50.0)}")
+        lines.append(f"Rs{k} s{k} {node} {_value(draw, 5.0, 50.0)}")
     return lines
 
 
@@ -113,12 +113,16 @@ class Verdict:
 
 
 def judge(seed: int) -> Verdict:
-    """Run a circuit with both engines."""
+    """Draw a circuit and run it with both engines."""
+    return judged(circuit(seed), seed)
+
+
+def judged(text: str, seed: int = 0) -> Verdict:
+    """Run a deck of `UNTIL` seconds with both engines."""
 
     def late(number: int, frame: types.FrameType | None) -> None:
         raise TimeoutError
 
-    text = circuit(seed)
     signal.signal(signal.SIGALRM, late)
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder, f"random{seed}.cir")
