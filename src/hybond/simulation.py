@@ -26,6 +26,7 @@ from hybond.run_options import (
     STEPPING,
     Choice,
     ignored_impact,
+    solver_of,
 )
 
 ENGINE: Literal["library", "python"] | None = None
@@ -144,24 +145,7 @@ def simulate(
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
-    settings, band = settings_of(
-        graph.experiment,
-        until,
-        solver=solver,
-        rtol=rtol,
-        atol=atol,
-        step=step,
-        max_step=max_step,
-        theta=theta,
-        sliding=sliding,
-        hysteresis=hysteresis,
-        impact=impact,
-        max_events=max_events,
-        max_steps=max_steps,
-    )
-    name, end = settings.solver, settings.until
-    if band is not None:
-        graph = banded(graph, band)
+    name = solver_of(solver, graph.experiment)
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -177,6 +161,23 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
+    settings, band = settings_of(
+        graph.experiment,
+        until,
+        solver=solver,
+        rtol=rtol,
+        atol=atol,
+        step=step,
+        max_step=max_step,
+        theta=theta,
+        sliding=sliding,
+        hysteresis=hysteresis,
+        impact=impact,
+        max_events=max_events,
+        max_steps=max_steps,
+    )
+    if band is not None:
+        graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
     chosen = None
     if name == AUTO:
@@ -196,7 +197,7 @@ def simulate(
         run.trace.engine = maker.said
         for text in notices(graph, settings, impact):
             run.trace.warn(text)
-        return _finish(graph, run, end, name, on_error, chosen)
+        return _finish(graph, run, settings.until, name, on_error, chosen)
     finally:
         for runner in runners.values():
             runner.close()
