@@ -31,8 +31,8 @@ TOLERANCE = 5e-3
 """How far means may be apart, of the largest value of the wave or a tenth of the largest voltage
 of the circuit: a straight line stands for the logarithm of a diode, some millivolts away."""
 CARDS = """\
-.model dd D(IS=1e-12 N=0.01 RS=1m)
-.model sw SW(VT=2.5 VH=0 RON=10m ROFF=10meg)
+.model dd D(IS=1e-12 N=0.003 RS=5m)
+.model sw SW(VT=2.5 VH=0 RON=10m ROFF=1g)
 """
 
 
