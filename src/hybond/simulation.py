@@ -14,7 +14,7 @@ from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import settings_of
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -26,6 +26,7 @@ from hybond.run_options import (
     STEPPING,
     Choice,
     ignored_impact,
+    solver_of,
 )
 
 ENGINE: Literal["library", "python"] | None = None
@@ -144,24 +145,7 @@ def simulate(
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
-    settings, band = settings_of(
-        graph.experiment,
-        until,
-        solver=solver,
-        rtol=rtol,
-        atol=atol,
-        step=step,
-        max_step=max_step,
-        theta=theta,
-        sliding=sliding,
-        hysteresis=hysteresis,
-        impact=impact,
-        max_events=max_events,
-        max_steps=max_steps,
-    )
-    name, end = settings.solver, settings.until
-    if band is not None:
-        graph = banded(graph, band)
+    name = solver_of(solver, graph.experiment)
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -177,8 +161,24 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
+    settings, band = settings_of(
+        graph.experiment,
+        until,
+        solver=solver,
+        rtol=rtol,
+        atol=atol,
+        step=step,
+        max_step=max_step,
+        theta=theta,
+        sliding=sliding,
+        hysteresis=hysteresis,
+        impact=impact,
+        max_events=max_events,
+        max_steps=max_steps,
+    )
+    if band is not None:
+        graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
-    ignored = ignored_impact(impact, graph.experiment) if name in STEPPING else None
     chosen = None
     if name == AUTO:
         fit = fitting(prepared(graph, replace(settings, solver="exact"), maker))
@@ -195,12 +195,18 @@ def simulate(
             opened = None if journal is None else _opened(journal, graph)
             run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
         run.trace.engine = maker.said
-        if ignored is not None:
-            run.trace.warn(ignored)
-        return _finish(graph, run, end, name, on_error, chosen)
+        for text in notices(graph, settings, impact):
+            run.trace.warn(text)
+        return _finish(graph, run, settings.until, name, on_error, chosen)
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
+    """Return what is to be said of what a run is asked for, before it begins."""
+    ignored = ignored_impact(impact, graph.experiment) if settings.solver in STEPPING else None
+    return [] if ignored is None else [ignored]
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -94,11 +94,12 @@ def _events(run: Result) -> None:
 
 def ending(run: Result) -> str:
     """Return when and how a run ended, in one line."""
+    end = format_quantity(run.until, "s")
     how = {
         "ok": "the end",
-        "interrupted": "interrupted",
-        "accumulation": "stopped where events accumulate",
-        "error": "stopped by an error",
+        "interrupted": f"interrupted, of {end}",
+        "accumulation": f"stopped where events accumulate, of {end}",
+        "error": f"stopped by an error, of {end}",
     }[run.status]
     mode = ", ".join(run.mode.values()) or "the only mode"
     return f"t = {run.t_end:.9g} s  {how}  ({mode})"

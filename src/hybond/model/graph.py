@@ -254,8 +254,8 @@ class Kept(dict[Any, Any]):
 
     def keep(self, asked: Any, made: Any) -> None:
         """Keep what was made."""
-        while len(self) >= self.LAST:
-            self.pop(next(iter(self)), None)
+        for old in list(self)[: 1 - self.LAST]:
+            self.pop(old, None)
         self[asked] = made
 
     def __deepcopy__(self, memo: object) -> Kept:

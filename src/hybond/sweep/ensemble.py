@@ -198,7 +198,10 @@ class _Work:
             own, left = rest[:1], [first]
             family = None
             if kinds[first] != NO_NUMBERS:
-                family = family_of(self.task.model, self.set(first), *asked, self.task.names)
+                impact = self.task.options.get("impact")
+                family = family_of(
+                    self.task.model, self.set(first), *asked, self.task.names, impact
+                )
             if family is not None:
                 self._tell(family.names, family.units)
                 given = {path: column[rest] for path, column in values.items()}

@@ -30,6 +30,7 @@ from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
 from hybond.result import names_of, read_name
+from hybond.simulation import notices
 
 Vector = NDArray[np.float64]
 
@@ -45,6 +46,8 @@ class Family:
     settings : Settings
     wanted : sequence of str
         Outputs; if there are none, those of a result.
+    impact : str or None
+        The law of impacts that was asked for.
 
     Raises
     ------
@@ -53,10 +56,15 @@ class Family:
     """
 
     def __init__(
-        self, graph: FlatGraph, slots: Slots, settings: Settings, wanted: Sequence[str]
+        self,
+        graph: FlatGraph,
+        slots: Slots,
+        settings: Settings,
+        wanted: Sequence[str],
+        impact: str | None,
     ) -> None:
         self.names = tuple(wanted) or tuple(names_of(graph))
-        self.warnings = graph.warnings
+        self.warnings = (*notices(graph, settings, impact), *graph.warnings)
         expressions = [read_name(graph, name) for name in self.names]
         self.units = {n: unit_of(e, graph) for n, e in zip(self.names, expressions, strict=True)}
         tables = tables_for(graph, settings)
@@ -111,6 +119,7 @@ def family_of(
     settings: Settings,
     band: float | None,
     wanted: Sequence[str],
+    impact: str | None,
 ) -> Family | None:
     """Return the family of a member; None for one that only an ordinary run can tell of."""
     slots = Slots()
@@ -119,7 +128,7 @@ def family_of(
         if band is not None:
             graph = banded(graph, band)
         differ = warn_of_values(graph)
-        found = Family(graph, slots, settings, wanted)
+        found = Family(graph, slots, settings, wanted, impact)
     except HybondError:
         return None
     return None if found.called or differ else found

@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
-from hybond.engine.compiled.build import NAME
-from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, RAISED, SPENT, SlicedRun
+from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 from hybond.model.expressions.slots import plain, slot_of
