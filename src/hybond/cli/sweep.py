@@ -15,7 +15,7 @@ from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
-from hybond.errors import HybondError
+from hybond.errors import HybondError, NumericsError
 from hybond.files import load
 from hybond.files.whole import write_whole
 from hybond.names import in_columns
@@ -83,7 +83,10 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
 
 
 def _options(given: Namespace) -> dict[str, Any]:
-    names = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact")
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
     return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
@@ -146,4 +149,5 @@ def _told(many: Ensemble, problems: list[HybondError]) -> int:
         complain("interrupted")
         return 130
     codes = [e.exit_code for _, e in failures] + [p.exit_code for p in problems]
+    codes += [NumericsError.exit_code for status in many.status if status == "accumulation"]
     return max(codes, default=0)
