@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -12,12 +11,13 @@ import pytest
 from engine.by_engine import EngineLook, EngineModel, EngineRun
 from engine.laws_put_back import Laws
 from example_runs import NAMES, RTOL, example, integrated
+from timed import next_timed
 
 import hybond as hb
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.combinations import ALONE, Combination, combinations
 from hybond.engine.tables import tables_of
-from hybond.model.graph import FlatGraph, one_instant
+from hybond.model.graph import FlatGraph
 
 QUICK = (
     *("relay_feedback", "sliding_clutch", "tank_overflow_sliding"),
@@ -94,17 +94,6 @@ def stretches(rows: Rows) -> Iterator[slice]:
     changes = np.flatnonzero((np.diff(rows.step_place, axis=0) != 0).any(axis=1)) + 1
     ends = [0, *changes.tolist(), len(rows.step_time)]
     return (slice(a, b) for a, b in pairwise(ends) if b > a)
-
-
-def next_timed(graph: FlatGraph, t: float) -> float:
-    """Return the next instant at which an input breaks, a signal is set or time is compared."""
-    ahead = [
-        *(i.waveform.next_break(t) for i in graph.inputs),
-        *(s.next_after(t) for s in graph.samples),
-        *(s for w in graph.watches for s in w.times if s > t),
-    ]
-    first = min(ahead, default=math.inf)
-    return max((s for s in ahead if one_instant(s, first)), default=first)
 
 
 def in_intervals(graph: FlatGraph, rows: Rows) -> Iterator[slice]:

@@ -6,8 +6,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from hybond.circuits.formulas import Formula, read_formula
+from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
+from hybond.model.expressions import Expr
 
 _WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
 
@@ -56,9 +57,9 @@ class Card:
     line: Line
     nodes: tuple[str, ...]
     """As written: the two terminals, then controlling nodes."""
-    value: Formula | None = None
+    value: Expr | None = None
     """Resistance, gain, coupling, DC value, area, ..."""
-    start: Formula | None = None
+    start: Expr | None = None
     """``IC=``."""
     refers: tuple[str, ...] = ()
     """Model or subcircuit; of F, H and W the controlling source first; of K the coils."""
@@ -66,7 +67,7 @@ class Card:
     """The function of time of a source and its arguments."""
     state: str = ""
     """``on`` or ``off`` of a switch, if written."""
-    given: Mapping[str, Formula] = field(default_factory=dict)
+    given: Mapping[str, Expr] = field(default_factory=dict)
     """Parameters of an X card."""
 
     @property
@@ -199,7 +200,7 @@ def _passive(
     nodes: tuple[str, ...],
     rest: list[str],
     options: dict[str, str],
-    start: Formula | None,
+    start: Expr | None,
 ) -> Card:
     kind = name[0].lower()
     values = [*rest, *([options[kind]] if kind in options else [])]
@@ -216,7 +217,7 @@ def _passive(
 def _source(
     line: Line, name: str, nodes: tuple[str, ...], rest: list[str], notices: Notices
 ) -> Card:
-    value: Formula | None = None
+    value: Expr | None = None
     wave: tuple[str, tuple[str, ...]] | None = None
     k = 0
     while k < len(rest):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
-from hybond.circuits.formulas import Number, write
+from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf, leaves_of
 from hybond.circuits.notices import Line, Notice, Notices
@@ -23,6 +23,7 @@ from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import assemble
 from hybond.errors import FileError, UsageError
 from hybond.model.builder import Model
+from hybond.model.expressions import Number
 from hybond.uncollected import uncollected
 from hybond.units import try_quantity
 
@@ -177,7 +178,7 @@ class _Making:
                 whole = formula.value.is_integer() and abs(formula.value) < 1e15
                 text = int(formula.value) if whole else formula.value
             else:
-                text = write(formula, self.parameters.__getitem__)
+                text = written(formula, self.parameters)
             model.parameters[self.parameters[key]] = text
         ends = ends_of(self.leaves, self.numbers)
         woven = weave(self.leaves, ends, self.shown, self.names, self.texts, self.notices)

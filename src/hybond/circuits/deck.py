@@ -7,10 +7,11 @@ import re
 from dataclasses import dataclass, field
 
 from hybond.circuits.cards import WITHOUT_MEANING, Card, options_of, read_card, words_of
-from hybond.circuits.formulas import Formula, read_formula
+from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.reading import read_lines
 from hybond.errors import FileError
+from hybond.model.expressions import Expr
 from hybond.names import did_you_mean
 
 _ASSIGNED = re.compile(r"([A-Za-z_][A-Za-z0-9_.]*)\s*=(?!=)")
@@ -51,7 +52,7 @@ class ModelCard:
     name: str
     type: str
     line: Line
-    parameters: dict[str, Formula]
+    parameters: dict[str, Expr]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +60,8 @@ class Transient:
     """A ``.tran`` line."""
 
     line: Line
-    step: Formula
-    stop: Formula
+    step: Expr
+    stop: Expr
     uic: bool
 
 
@@ -74,10 +75,10 @@ class Scope:
     parent: Scope | None = None
     nodes: tuple[str, ...] = ()
     """Its terminals, in lower case."""
-    defaults: dict[str, Formula] = field(default_factory=dict)
+    defaults: dict[str, Expr] = field(default_factory=dict)
     """Parameters of the ``.subckt`` line."""
     cards: list[Card] = field(default_factory=list)
-    parameters: dict[str, tuple[Formula, Line, str]] = field(default_factory=dict)
+    parameters: dict[str, tuple[Expr, Line, str]] = field(default_factory=dict)
     models: dict[str, ModelCard] = field(default_factory=dict)
     subcircuits: dict[str, Scope] = field(default_factory=dict)
 
@@ -109,7 +110,7 @@ class Deck:
     shared: set[str] = field(default_factory=set)
     """Nodes of ``.global``, in lower case."""
     transient: Transient | None = None
-    starts: list[tuple[str, Formula, Line]] = field(default_factory=list)
+    starts: list[tuple[str, Expr, Line]] = field(default_factory=list)
     """Of ``.ic``: node, voltage."""
     outputs: list[tuple[str, Line]] = field(default_factory=list)
     """Of ``.print`` and the like: one expression each, as written."""

@@ -3,42 +3,31 @@
 from __future__ import annotations
 
 import math
-import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 
 from hybond.circuits.notices import Line
 from hybond.circuits.numerals import NUMERAL, is_ambiguous, numeral, scaled
 from hybond.errors import FileError
+from hybond.model.expressions import (
+    And,
+    Binary,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Neg,
+    Not,
+    Number,
+    Or,
+    compile_expression,
+    transform,
+)
+from hybond.model.expressions.tree import FUNCTIONS, children, walk, with_children
 
 DEEPEST = 60
 """Brackets and operators inside one another."""
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A plain number."""
-
-    value: float
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """The name of a parameter, in lower case."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class Applied:
-    """A function or operator with its arguments."""
-
-    word: str
-    arguments: tuple[Formula, ...]
-
-
-Formula = Number | Parameter | Applied
 
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMERAL.pattern.replace('?P<scale>', '').replace('?P<unit>', '')})"
@@ -62,61 +51,12 @@ _BINDS = {
     "/": 6,
     "^": 8,
 }
-_COMPARES: dict[str, Callable[[float, float], bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
-_ONE: dict[str, Callable[[float], float]] = {
-    "sqrt": math.sqrt,
-    "abs": abs,
-    "exp": math.exp,
-    "log": math.log,
-    "log10": math.log10,
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "asin": math.asin,
-    "acos": math.acos,
-    "atan": math.atan,
-    "sinh": math.sinh,
-    "cosh": math.cosh,
-    "tanh": math.tanh,
-    "floor": math.floor,
-    "ceil": math.ceil,
-    "sign": lambda x: float((x > 0) - (x < 0)),
-}
-
-
-def _power(a: float, b: float) -> float:
-    if a < 0.0 and b % 2.0 != 0.0:
-        raise ValueError(f"a power of {a:g}, of which some simulators take the magnitude")
-    return float(a**b)
-
-
-_TWO: dict[str, Callable[[float, float], float]] = {
-    "atan2": math.atan2,
-    "hypot": math.hypot,
-    "min": min,
-    "max": max,
-    "^": _power,
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-}
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
-_ARGUMENTS = {
-    **dict.fromkeys(_ONE, 1),
-    **dict.fromkeys(("atan2", "hypot", "min", "max", "^"), 2),
-    "if": 3,
-}
+_ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
+_ARGUMENTS |= {"^": 2, "if": 3}
 
 
-def read_formula(text: str, line: Line) -> Formula:
+def read_formula(text: str, line: Line) -> Expr:
     """Return the expression of a text: a number, or anything in braces, quotes or bare.
 
     Raises
@@ -127,7 +67,7 @@ def read_formula(text: str, line: Line) -> Formula:
     Examples
     --------
     >>> line = Line("x.cir", 1, "")
-    >>> write(read_formula("{2*pi*f0}", line), {"f0": "f0"}.__getitem__)
+    >>> str(read_formula("{2*pi*f0}", line))
     '2*pi*f0'
     >>> evaluate(read_formula("4.7k", line), {})
     4700.0
@@ -173,26 +113,26 @@ class _Parser:
     def peek(self) -> str:
         return self.tokens[self.at][1] if self.at < len(self.tokens) else ""
 
-    def whole(self) -> Formula:
+    def whole(self) -> Expr:
         if not self.tokens:
             raise self.refuse("a number or an expression is missing")
-        formula = self.choice()
+        formula = as_value(self.choice())
         if self.at < len(self.tokens):
             point = _FOR_POINT.fullmatch(self.text.strip())
             hint = f"write {point[1]}.{point[3]}{point[2]}" if point else ""
             raise self.refuse(f"{self.peek()!r} is left over in {self.text!r}", hint)
         return formula
 
-    def choice(self) -> Formula:
+    def choice(self) -> Expr:
         condition = self.operators(0)
         if self.peek() != "?":
             return condition
         self.take("?")
         then = self.choice()
         self.take(":")
-        return Applied("if", (condition, then, self.choice()))
+        return _chosen(condition, then, self.choice())
 
-    def operators(self, lowest: int) -> Formula:
+    def operators(self, lowest: int) -> Expr:
         self.depth += 1
         if self.depth > DEEPEST:
             raise self.refuse(f"more than {DEEPEST} brackets and operators inside one another")
@@ -204,14 +144,14 @@ class _Parser:
                 self.depth -= 1
                 return left
             self.at += 1
-            left = Applied(word, (left, self.operators(binds)))
+            left = _combined(word, left, self.operators(binds))
             if word == "^" and self.peek() in ("^", "**"):
                 raise self.refuse(
                     f"a^b^c is (a^b)^c to some simulators, and a^(b^c) to others: {self.text!r}",
                     "write brackets",
                 )
 
-    def operand(self) -> Formula:
+    def operand(self) -> Expr:
         if self.at == len(self.tokens):
             raise self.refuse(f"the expression {self.text!r} ends too early")
         kind, word = self.tokens[self.at]
@@ -222,7 +162,7 @@ class _Parser:
                 return inner
             if word == "-" and isinstance(inner, Number):
                 return Number(-inner.value)
-            return Applied("neg" if word == "-" else "not", (inner,))
+            return Neg(as_value(inner)) if word == "-" else Not(_as_condition(inner))
         if word == "(":
             inner = self.choice()
             self.take(")")
@@ -243,10 +183,10 @@ class _Parser:
             raise self.refuse(f"{word!r} stands where a value is needed in {self.text!r}")
         name = word.lower()
         if self.peek() != "(":
-            return Number(math.pi) if name == "pi" else Parameter(name)
+            return Number(math.pi) if name == "pi" else Name(name)
         return self.call(name)
 
-    def call(self, name: str) -> Formula:
+    def call(self, name: str) -> Expr:
         self.take("(")
         arguments = [self.choice()]
         while self.peek() == ",":
@@ -261,7 +201,11 @@ class _Parser:
             )
         if len(arguments) != wanted:
             raise self.refuse(f"{name!r} takes {wanted} arguments, not {len(arguments)}")
-        return Applied(name, tuple(arguments))
+        if name == "if":
+            return _chosen(*arguments)
+        if name == "^":
+            return _combined(name, *arguments)
+        return Call(name, tuple(map(as_value, arguments)))
 
     def take(self, word: str) -> None:
         if self.peek() != word:
@@ -269,30 +213,64 @@ class _Parser:
         self.at += 1
 
 
-def names_in(formula: Formula) -> Iterator[str]:
-    """Yield the names of parameters in a formula."""
-    if isinstance(formula, Parameter):
-        yield formula.name
-    elif isinstance(formula, Applied):
-        for inner in formula.arguments:
-            yield from names_in(inner)
+def as_value(e: Expr) -> Expr:
+    """Return a condition as 1 or 0, and what is a number as it is."""
+    return If(e, Number(1.0), Number(0.0)) if isinstance(e, Compare | And | Or | Not) else e
 
 
-def size(formula: Formula) -> int:
+def _as_condition(e: Expr) -> Expr:
+    """Return a number as the condition that it is not zero."""
+    if isinstance(e, Compare | And | Or | Not):
+        return e
+    return Compare(">", Call("abs", (e,)), Number(0.0))
+
+
+def _chosen(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
+    return If(_as_condition(condition), as_value(then), as_value(otherwise))
+
+
+def _combined(word: str, left: Expr, right: Expr) -> Expr:
+    if word in ("&&", "||"):
+        return (And if word == "&&" else Or)((_as_condition(left), _as_condition(right)))
+    a, b = as_value(left), as_value(right)
+    if word in ("==", "!="):
+        # numbers are not compared for being equal in a model
+        away = Call("abs", (Binary("-", a, b),))
+        return Compare("<=" if word == "==" else ">", away, Number(0.0))
+    return Compare(word, a, b) if word[0] in "<>" else Binary(word, a, b)
+
+
+def names_in(formula: Expr) -> Iterator[str]:
+    """Yield the names of parameters in a formula, in reading order."""
+    yield from (e.path for e, _ in walk(formula) if isinstance(e, Name))
+
+
+def written(formula: Expr, names: Mapping[str, str]) -> str:
+    """Return a formula as an expression of the model, whose parameters are called by `names`.
+
+    Examples
+    --------
+    >>> written(read_formula("{2*F0}", Line("x.cir", 1, "")), {"f0": "F0"})
+    '2*F0'
+    """
+
+    def named(e: Expr) -> Expr:
+        match e:
+            case Name(path):
+                return Name(names[path])
+            case Neg(Number(value)):
+                return Number(-value)
+        return e
+
+    return str(transform(formula, named))
+
+
+def size(formula: Expr) -> int:
     """Return how many parts a formula has."""
-    return 1 + (sum(map(size, formula.arguments)) if isinstance(formula, Applied) else 0)
+    return sum(1 for _ in walk(formula))
 
 
-def substitute(formula: Formula, known: Mapping[str, Formula]) -> Formula:
-    """Return a formula with parameters replaced by formulas."""
-    if isinstance(formula, Parameter):
-        return known.get(formula.name, formula)
-    if isinstance(formula, Applied):
-        return Applied(formula.word, tuple(substitute(a, known) for a in formula.arguments))
-    return formula
-
-
-def evaluate(formula: Formula, known: Mapping[str, float]) -> float:
+def evaluate(formula: Expr, known: Mapping[str, float]) -> float:
     """Return the value of a formula.
 
     Raises
@@ -300,93 +278,20 @@ def evaluate(formula: Formula, known: Mapping[str, float]) -> float:
     KeyError
         A parameter that is not known.
     ArithmeticError, ValueError
-        A value that does not exist, such as a division by zero.
+        A value that does not exist, such as a division by zero, also of a part.
     """
-    if isinstance(formula, Number):
-        return formula.value
-    if isinstance(formula, Parameter):
-        return known[formula.name]
-    word = formula.word
-    if word == "if":
-        condition, then, otherwise = formula.arguments
-        return evaluate(then if evaluate(condition, known) else otherwise, known)
-    values = [evaluate(a, known) for a in formula.arguments]
-    if word == "neg":
-        return -values[0]
-    if word == "not":
-        return float(not values[0])
-    if word in ("&&", "||"):
-        return float(all(values) if word == "&&" else any(values))
-    if word in _COMPARES:
-        return float(_COMPARES[word](*values))
-    value = float(_ONE[word](*values) if word in _ONE else _TWO[word](*values))
+    match formula:
+        case Number(value):
+            return value
+        case Name(path):
+            return known[path]
+        case If(condition, then, otherwise):
+            return evaluate(then if evaluate(condition, known) else otherwise, known)
+    parts = [evaluate(e, known) for e in children(formula)]
+    if isinstance(formula, Binary) and formula.op == "^" and parts[0] < 0.0 and parts[1] % 2.0:
+        raise ValueError(f"a power of {parts[0]:g}, of which some simulators take the magnitude")
+    whole = with_children(formula, tuple(map(Number, parts)))
+    value = float(compile_expression(whole, {}, pre_offset=0)([]))
     if not math.isfinite(value):
         raise OverflowError("the value is not finite")
     return value
-
-
-_CONDITIONS = frozenset({*_COMPARES, "&&", "||", "not"})
-_STRENGTH = {"+": 5, "-": 5, "*": 6, "/": 6, "neg": 7, "^": 8}
-
-
-def write(formula: Formula, name: Callable[[str], str]) -> str:
-    """Return a formula as an expression of hybond.
-
-    Parameters
-    ----------
-    name : callable
-        From the name in the netlist to the one in the model.
-    """
-    return _write(formula, name)[0]
-
-
-def _write(formula: Formula, name: Callable[[str], str]) -> tuple[str, int]:
-    """Return the text and how strongly its outermost operator binds."""
-    if isinstance(formula, Number):
-        if formula.value == math.pi:
-            return "pi", 9
-        text = repr(formula.value)
-        text = text.removesuffix(".0")
-        return text, 9 if formula.value >= 0 else 7
-    if isinstance(formula, Parameter):
-        return name(formula.name), 9
-    word = formula.word
-    parts = [_write(a, name) for a in formula.arguments]
-    if word == "if":
-        condition = _as_condition(formula.arguments[0], parts[0][0])
-        return f"(if {condition} then {parts[1][0]} else {parts[2][0]})", 9
-    if word in _CONDITIONS:
-        return f"(if {_condition(formula, name)} then 1 else 0)", 9
-    if word == "neg":
-        return f"-{_within(parts[0], 7)}", 7
-    if word in _STRENGTH:
-        binds = _STRENGTH[word]
-        left = _within(parts[0], binds + (word == "^"))
-        right = _within(parts[1], binds + (word in ("-", "/")))
-        return (f"{left} {word} {right}" if binds == 5 else f"{left}{word}{right}"), binds
-    return f"{word}({', '.join(p[0] for p in parts)})", 9
-
-
-def _within(part: tuple[str, int], least: int) -> str:
-    return part[0] if part[1] >= least else f"({part[0]})"
-
-
-def _as_condition(formula: Formula, text: str) -> str:
-    if isinstance(formula, Applied) and formula.word in _CONDITIONS:
-        return text.removeprefix("(if ").removesuffix(" then 1 else 0)")
-    return f"abs({text}) > 0"
-
-
-def _condition(formula: Applied, name: Callable[[str], str]) -> str:
-    parts = [_write(a, name)[0] for a in formula.arguments]
-    if formula.word in ("==", "!="):
-        test = f"abs({parts[0]} - ({parts[1]})) {'<=' if formula.word == '==' else '>'} 0"
-        return test
-    if formula.word in _COMPARES:
-        return f"{parts[0]} {formula.word} {parts[1]}"
-    inner = [
-        f"({_as_condition(a, text)})" for a, text in zip(formula.arguments, parts, strict=True)
-    ]
-    if formula.word == "not":
-        return f"not {inner[0]}"
-    return f" {'and' if formula.word == '&&' else 'or'} ".join(inner)

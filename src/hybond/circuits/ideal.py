@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hybond.circuits.formulas import Number
 from hybond.circuits.notices import Notices
 from hybond.circuits.opened import Branch, Value
+from hybond.model.expressions import Number
 
 THERMAL_VOLTAGE = 1.380649e-23 * 300.15 / 1.602176634e-19
 """k T / q at 27 degrees Celsius, the temperature of SPICE."""

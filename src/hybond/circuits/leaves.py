@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from hybond.circuits.coils import Winding
-from hybond.circuits.formulas import Applied, Number
 from hybond.circuits.ideal import IdealSwitch, ideal_diode, ideal_switch
 from hybond.circuits.notices import Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import Branch, Opened, Value
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Clock, Drive, drive_of
+from hybond.model.expressions import Neg, Number
 
 Role = Literal["R", "C", "I", "Se", "Sf", "meter", "diode", "switch", "winding"]
 
@@ -151,4 +151,4 @@ def negated(value: Value) -> Value:
     """Return minus a value."""
     if isinstance(value.formula, Number):
         return Value(Number(-value.number), -value.number)
-    return Value(Applied("neg", (value.formula,)), -value.number)
+    return Value(Neg(value.formula), -value.number)

@@ -7,18 +7,10 @@ from dataclasses import dataclass, field
 
 from hybond.circuits.cards import Card
 from hybond.circuits.deck import Deck, ModelCard, Scope
-from hybond.circuits.formulas import (
-    Formula,
-    Number,
-    Parameter,
-    evaluate,
-    names_in,
-    read_formula,
-    size,
-    substitute,
-)
+from hybond.circuits.formulas import evaluate, names_in, read_formula, size
 from hybond.circuits.notices import Line, Notices
 from hybond.files import limits
+from hybond.model.expressions import Expr, Name, Number, substitute
 from hybond.names import did_you_mean
 
 GROUND = "0"
@@ -35,7 +27,7 @@ _CONTESTED = "?"
 class Value:
     """A value in terms of the global parameters, and what it is with their values."""
 
-    formula: Formula
+    formula: Expr
     number: float
 
     @property
@@ -91,12 +83,12 @@ class Opened:
     couplings: list[Coupling] = field(default_factory=list)
     nodes: dict[str, str] = field(default_factory=dict)
     """Node key to the name to show."""
-    parameters: dict[str, tuple[str, Formula, Line]] = field(default_factory=dict)
+    parameters: dict[str, tuple[str, Expr, Line]] = field(default_factory=dict)
     """Global parameters: key to the name as written, its formula and line."""
     values: dict[str, float] = field(default_factory=dict)
 
 
-Environment = dict[str, Formula]
+Environment = dict[str, Expr]
 
 
 def open_deck(deck: Deck, notices: Notices) -> Opened:
@@ -111,7 +103,7 @@ def open_deck(deck: Deck, notices: Notices) -> Opened:
     return _Opening(deck, notices).run()
 
 
-def global_value(formula: Formula, opened: Opened, line: Line) -> Value:
+def global_value(formula: Expr, opened: Opened, line: Line) -> Value:
     """Return a value that is written at the top of a netlist.
 
     Raises
@@ -124,7 +116,7 @@ def global_value(formula: Formula, opened: Opened, line: Line) -> Value:
     return Value(Number(number) if constant else formula, number)
 
 
-def _number(formula: Formula, opened: Opened, line: Line) -> float:
+def _number(formula: Expr, opened: Opened, line: Line) -> float:
     try:
         return evaluate(formula, opened.values)
     except KeyError as error:
@@ -167,7 +159,7 @@ class _Opening:
         self.cards(top, levels, "", {})
         return result
 
-    def ordered(self, given: Mapping[str, tuple[Formula, Line, str]]) -> list[str]:
+    def ordered(self, given: Mapping[str, tuple[Expr, Line, str]]) -> list[str]:
         """Return parameters so that each comes after what it needs."""
         done: dict[str, None] = {}
         for first in given:
@@ -193,10 +185,10 @@ class _Opening:
                     path[need] = None
         return list(done)
 
-    def number(self, formula: Formula, line: Line) -> float:
+    def number(self, formula: Expr, line: Line) -> float:
         return _number(formula, self.result, line)
 
-    def value(self, formula: Formula, env: Environment, line: Line) -> Value:
+    def value(self, formula: Expr, env: Environment, line: Line) -> Value:
         """Return a value as it is inside a subcircuit."""
         whole = substitute(formula, env) if env else formula
         number = self.number(whole, line)
@@ -214,8 +206,8 @@ class _Opening:
         found = dict(outer)
         for name, formula in env.items():
             there = name in outer or name in self.result.parameters
-            if there and formula != outer.get(name, Parameter(name)):
-                found[name] = Parameter(_CONTESTED + name)
+            if there and formula != outer.get(name, Name(name)):
+                found[name] = Name(_CONTESTED + name)
         given = card.given
         allowed = {*inner.defaults, *inner.parameters}
         for name in given:
@@ -225,7 +217,7 @@ class _Opening:
                     code="HB-F134",
                     hint=did_you_mean(name, allowed) or "take it out",
                 )
-        local: dict[str, tuple[Formula, Line, str]] = {
+        local: dict[str, tuple[Expr, Line, str]] = {
             name: (formula, inner.line, name)
             for name, formula in inner.defaults.items()
             if name not in given

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybond.circuits.deck import Deck
-from hybond.circuits.formulas import Number
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
@@ -25,6 +24,7 @@ from hybond.circuits.wiring import assemble
 from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
 from hybond.model.builder import Model
+from hybond.model.expressions import Number
 
 LARGEST = 1000
 """Elements of a circuit whose rest is computed: all at once, with dense matrices."""

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from hybond.circuits.formulas import Applied, write
+from hybond.circuits.formulas import written
 from hybond.circuits.numerals import quantity, short
 from hybond.circuits.opened import Value
+from hybond.model.expressions import Name, Number
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,14 +21,14 @@ class Texts:
     def value(self, value: Value, unit: str) -> str | float:
         """Return what an element says: ``"10 uF"`` or ``"2*C0"``."""
         if value.parametric:
-            return write(value.formula, self.names.__getitem__)
+            return written(value.formula, self.names)
         return quantity(value.number, unit)
 
     def factor(self, value: Value, unit: str) -> str:
         """Return a value as a factor of a product."""
         if value.parametric:
-            text = write(value.formula, self.names.__getitem__)
-            return f"({text})" if isinstance(value.formula, Applied) else text
+            text = written(value.formula, self.names)
+            return text if isinstance(value.formula, Number | Name) else f"({text})"
         if "/" in unit:
             return f"{short(value.number)} [{unit}]"
         return str(quantity(value.number, unit)) if unit else short(value.number)
@@ -48,7 +49,6 @@ def exact_sum(values: list[Value]) -> float:
 
     Examples
     --------
-    >>> from hybond.circuits.formulas import Number
     >>> exact_sum([Value(Number(x), x) for x in (0.1, 0.2)])
     0.3
     """

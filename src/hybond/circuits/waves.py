@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from hybond.circuits.formulas import Number
 from hybond.circuits.numerals import short
 from hybond.circuits.opened import Branch, Value
 from hybond.circuits.texts import Texts
+from hybond.model.expressions import Number
 from hybond.model.parts import InputPart
 
 ZERO = Value(Number(0.0), 0.0)

@@ -22,8 +22,6 @@ once and every mode evaluates the same tree:
 
 from __future__ import annotations
 
-import math
-import sys
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -169,21 +167,6 @@ class Integral:
     start: float
 
 
-ROUNDING = 8.0 * sys.float_info.epsilon
-"""What instants that are one on paper differ by, as a part of the time: 10*0.1 and 2*0.3 + 0.4."""
-
-
-def one_instant(a: float, b: float) -> bool:
-    """Whether two timed events are one, but for the rounding with which each is computed.
-
-    Examples
-    --------
-    >>> 0.1 + 5*0.1 == 6*0.1, one_instant(0.1 + 5*0.1, 6*0.1), one_instant(0.6, 0.6 + 1e-12)
-    (False, True, False)
-    """
-    return abs(a - b) <= ROUNDING * abs(b)
-
-
 @dataclass(frozen=True, slots=True)
 class Sample:
     """Signals that are set at the instants ``phase + n*every`` and held between.
@@ -200,31 +183,6 @@ class Sample:
     block: BlockPart | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Of the block, in SI."""
-
-    def next_after(self, t: float) -> float:
-        """Return the first instant after `t`, s.
-
-        Instant n is computed from n, so that instants do not drift.
-
-        Examples
-        --------
-        >>> from hybond.model.expressions import Number
-        >>> sample = Sample((0,), (Number(1.0),), every=0.1, phase=0.0, path="held")
-        >>> sample.next_after(-1.0), sample.next_after(0.0), sample.next_after(0.25)
-        (0.0, 0.1, 0.30000000000000004)
-        """
-        if t < self.phase:
-            return self.phase
-        n = math.floor((t - self.phase) / self.every)
-        n -= self.phase + n * self.every > t
-        while (instant := self.phase + n * self.every) <= t:
-            n += 1
-        return instant
-
-    def due(self, t: float) -> bool:
-        """Whether `t` is one of the instants."""
-        n = round((t - self.phase) / self.every)
-        return n >= 0 and one_instant(self.phase + n * self.every, t)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,9 +22,6 @@ class Waveform(Protocol):
     def piece(self, t: float) -> int:
         """Return the number of the piece that begins at or contains `t` (right limit)."""
 
-    def next_break(self, t: float) -> float:
-        """Return the first breakpoint after `t`, or infinity."""
-
     def value(self, t: float, piece: int) -> float:
         """Return the value of piece number `piece`, extended to `t` if need be."""
 
@@ -41,10 +38,6 @@ class Constant:
     def piece(self, t: float) -> int:
         """Return 0: there is one piece."""
         return 0
-
-    def next_break(self, t: float) -> float:
-        """Return infinity: there is no break."""
-        return math.inf
 
     def value(self, t: float, piece: int) -> float:
         """Return the level."""
@@ -65,10 +58,6 @@ class Free:
     def piece(self, t: float) -> int:
         """Return 0: there is one piece."""
         return 0
-
-    def next_break(self, t: float) -> float:
-        """Return infinity: nobody knows of a break."""
-        return math.inf
 
     def value(self, t: float, piece: int) -> float:
         """Return the level at the start."""
@@ -121,13 +110,6 @@ class Timetable:
             guess += 1
         return guess
 
-    def next_break(self, t: float) -> float:
-        """Return the next time of the table."""
-        k = self.piece(t)
-        if self.period:
-            return self.begin(k + 1)
-        return self.times[k] if k < len(self.times) else math.inf
-
     def value(self, t: float, piece: int) -> float:
         """Return the held or interpolated value of a piece."""
         if piece == 0:
@@ -177,12 +159,6 @@ class Pwm:
             guess += 1
         return guess
 
-    def next_break(self, t: float) -> float:
-        """Return the next edge that changes the level."""
-        if self.duty in (0.0, 1.0):
-            return math.inf
-        return self._edge(self.piece(t) + 1)
-
     def value(self, t: float, piece: int) -> float:
         """Return `high` or `low`."""
         return self.low if piece % 2 else self.high
@@ -205,11 +181,6 @@ class Called:
     def piece(self, t: float) -> int:
         """Return how many breaks are at or before `t`."""
         return bisect.bisect_right(self.breaks, t)
-
-    def next_break(self, t: float) -> float:
-        """Return the next listed break."""
-        k = bisect.bisect_right(self.breaks, t)
-        return self.breaks[k] if k < len(self.breaks) else math.inf
 
     def value(self, t: float, piece: int) -> float:
         """Call the function, from inside the piece."""
