@@ -24,6 +24,7 @@ from hybond.run_options import (
     AUTO,
     FIXED,
     STEPPING,
+    STEPPING_IMPACT,
     Choice,
     check_step,
     end_of,
@@ -209,6 +210,7 @@ def simulate(
         theta = theta if theta is not None else experiment.get("theta", 0.5)
         settings = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
         ignored = ignored_impact(impact, experiment)
+        settings = replace(settings, impact=impact_of(STEPPING_IMPACT, {}))
     elif theta is not None:
         raise UsageError(
             f"theta is given, but solver {name!r} has none",
@@ -218,6 +220,7 @@ def simulate(
         )
     else:
         settings = replace(settings, impact=impact_of(impact, experiment))
+        ignored = _friction_left_out(settings.impact[0], graph)
         if name == AUTO:
             fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
             name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
@@ -242,6 +245,17 @@ def simulate(
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
+    """Return what is to be said where a law of impacts has no friction, and the model has some."""
+    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
+    if not names or impact in ("newton", STEPPING_IMPACT):
+        return None
+    return (
+        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
+        f"'newton' and {STEPPING_IMPACT!r} have them"
+    )
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

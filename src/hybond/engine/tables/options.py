@@ -16,6 +16,7 @@ from hybond.run_options import (
     ALIASES,
     FIXED,
     STEPPING,
+    STEPPING_IMPACT,
     check_step,
     end_of,
     impact_of,
@@ -112,8 +113,8 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         "step": step if name in (*FIXED, *STEPPING) and step is not None else 0.0,
         "theta": stepping_theta(given.get("theta", experiment.get("theta", 0.5))),
         "slides": int(choice == "filippov"),
-        # time-stepping has a law of its own, and settles instants contact after contact
-        "impact": IMPACTS["newton" if name in STEPPING else impact],
+        # time-stepping has a law of its own, and settles instants by it as well
+        "impact": IMPACTS[STEPPING_IMPACT if name in STEPPING else impact],
         "impact_exponent": exponent,
     }
     listed = experiment.get("outputs") or experiment.get("plot") or ()
