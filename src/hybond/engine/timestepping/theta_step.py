@@ -181,12 +181,11 @@ def work_of_laws(e: Engine, s: Stepping, p: Ports, h: float) -> float:
 
 
 def laws_give(e: Engine, s: Stepping) -> bool:
-    """Whether any law gave energy in a step, but one that rebounds: that is what it is for."""
+    """Whether any law gave energy in a step, but one that rebounds, whose velocity is averaged."""
     m = e.model
     h = s.now.h
     for k in range(m.ports):
-        rebounds = s.restitution[k] > 0.0 and s.before[k] < 0.0
-        if m.port_pseudo[k] == 0 and not rebounds:
+        if m.port_pseudo[k] == 0 and s.restitution[k] == 0.0:
             if h * s.l[k] * s.wl[k] > GIVES_PART * e.energy:
                 return True
     return False
