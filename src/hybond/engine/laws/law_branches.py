@@ -180,7 +180,7 @@ def next_lasting(e: Engine, r: Laws) -> bool:
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:
-            if r.attempt == AS_IT_IS and r.proved:
+            if r.attempt == AS_IT_IS and r.proved and not r.solved:
                 return False
             continue
         for k in range(n):
