@@ -102,8 +102,8 @@ def simulate(
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
         The law of impacts at several contacts with restitution; see
         `hybond.engine.impacts.impact_laws`. Default ``"newton"``, contact after contact: the only
-        one that needs no more than what a single impact tells, never creates energy, and gives the
-        textbook answer for rows of balls.
+        one that needs no more than what a single impact tells, and gives the textbook answer for
+        rows of balls. Newton's law with impulsive friction may create energy: the run warns, in J.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
         ``progress(t, events)`` about twenty times a second.

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.scaling import balance
 from hybond.engine.complementarity.branch_records import (
     ANSWERS_KEPT,
     NOT_OF_PART,
@@ -32,7 +33,6 @@ from hybond.engine.complementarity.law_roles import (
 )
 from hybond.engine.complementarity.one_choice import KEPT_UP_TO, keeps_choice
 from hybond.engine.complementarity.semidefinite import is_indefinite
-from hybond.engine.algebra.scaling import balance
 from hybond.engine.words import Ints
 
 FEW_LAWS: Final = 8
@@ -338,7 +338,12 @@ def give_answer(p: LawProblem, found: bool) -> None:
             b.w[i] = b.q[i]
             for j in range(n):
                 b.w[i] += b.m[i * n + j] * b.l[j]
-        if same_w(b, best):
+        # shares apart it may be the same one, and as near to the branches before
+        turned = 0
+        for i in range(n):
+            choice = b.role[i] == ONE_SIDED or b.role[i] == TWO_SIDED
+            turned += 1 if choice and p.branch[b.port[i]] != b.start[i] else 0
+        if turned <= b.kept_turned[best] and same_w(b, best):
             return
     for i in range(n):
         k = b.port[i]

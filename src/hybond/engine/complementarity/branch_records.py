@@ -29,7 +29,8 @@ class Branching:
 
     `answers` counts answers with different `w`, up to ANSWERS_KEPT; `more` says that there are
     more. Their `l`, `w`, ways and how many ways differ from the start are `kept_l`, `kept_w`,
-    `kept_way` and `kept_turned`, with room for one more to be compared with them. `doubt` says that some choice was left out though its equations were all but singular.
+    `kept_way` and `kept_turned`, with room for one more to be compared with them. `doubt` says
+    that some choice was left out though its equations were all but singular.
     """
 
     of: Ints

@@ -12,7 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.least_distance import nearest_point
 from hybond.engine.complementarity.branch_records import Branching
-from hybond.engine.complementarity.law_roles import CUT, FORWARD, ONE_SIDED, SHUT, TWO_SIDED
+from hybond.engine.complementarity.law_roles import FORWARD, ONE_SIDED, SHUT, TWO_SIDED
 
 KEPT_UP_TO: Final = 1e-11
 """Part of its terms, or of the largest constant, up to which an inequality is kept."""

@@ -1,4 +1,4 @@
-"""Laws of junctions that have more than one answer, as friction of rigid contacts may (Painleve)."""
+"""Laws of junctions that have more than one answer, as rigid friction may (Painleve)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ def warn_of_several(e: Engine, r: Laws) -> None:
     p = r.problem
     if m.tells == 0 or p.answers < 2:
         return
+    for k in range(m.ports):
+        if r.loose[k] != 0:
+            return  # a way was supposed, and is still to be held against what follows
     begin_warning(e.warned, SECOND_ANSWER, r.t)
     add_about(e.warned, float(p.answer_why))
     add_about(e.warned, float(p.answers))

@@ -84,10 +84,10 @@ def read_step_laws(e: Engine, s: Stepping, p: Ports) -> int:
 def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) -> None:
     """Leave out the contacts that stay open for the first half of a step of length `h`.
 
-    What is closed but for rounding does not. The others take part with their coefficient of restitution. `bonds` are what they are at the end
-    if no law acts: what rests on a contact and would fall again within the step is not let go of
-    because its distance is positive by rounding; nor is the leg of a table that the load on the
-    other legs would lift if it were not for them.
+    What is closed but for rounding does not. The others take part with their coefficient of
+    restitution. `bonds` are what they are at the end if no law acts: what rests on a contact and
+    would fall again within the step is not let go of because its distance is positive by rounding;
+    nor is the leg of a table that the load on the other legs would lift if it were not for them.
     """
     m = e.model
     r = e.laws
@@ -115,7 +115,8 @@ def solve_step_laws(
     """Find what the laws do, where bond variables are ``bonds + gain l``, into `s.l`.
 
     `s.v1` holds the values at which limits of friction are linearised. If `doubtful`, what `w` has
-    without `l` below `s.doubt` is rounding. HB-J120 if there is no answer, HB-J121 if none was found.
+    without `l` below `s.doubt` is rounding. HB-J120 if there is no answer, HB-J121 if none was
+    found.
     """
     m = e.model
     r = e.laws

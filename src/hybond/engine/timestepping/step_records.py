@@ -18,13 +18,13 @@ NOT_LOOKED: Final = -1
 
 @record
 class Coupled:
-    """A step of length `h` with a weight `theta` of its end, in a configuration with open laws, linearised.
+    """A step of length `h` in a configuration with open laws, linearised.
 
-    The first `n` states act back on their rates. `state` and `direct` are bond variables by these
-    and by `l`, `gain` by `l` with what `l` makes of the state; `inverse` is that of one minus `h`
-    times the rates by the states, `push` the state at the end by `l`, `m` the `w` of laws by `l`.
-    Where all but the laws is linear, `straight`, they hold at every point. `still` columns of
-    `basis` are the `l` by which two solutions may differ.
+    `theta` is the weight of its end. The first `n` states act back on their rates. `state` and
+    `direct` are bond variables by these and by `l`, `gain` by `l` with what `l` makes of the state;
+    `inverse` is that of one minus `h` times the rates by the states, `push` the state at the end by
+    `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
+    every point. `still` columns of `basis` are the `l` by which two solutions may differ.
     """
 
     place: int

@@ -191,7 +191,6 @@ def laws_give(e: Engine, s: Stepping) -> bool:
     return False
 
 
-
 def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     """Make a step in which nothing but the laws is nonlinear.
 
