@@ -208,11 +208,23 @@ def block(mu: float, half: float, high: float, J: float) -> hb.Model:
     return m
 
 
-@pytest.mark.parametrize("options", [{}, {"solver": "moreau-jean", "step": 1e-3}])
+RESTS = [
+    # friction, half the width and the height, inertia
+    (0.3, 0.25, 0.75, 0.2083),
+    (0.8, 0.5, 0.5, 0.1667),
+    (0.5, 0.3, 0.9, 0.3),
+    (0.4, 0.5, 1.0, 0.4),
+    (1.0, 0.2, 0.2, 0.03),
+    (0.6, 2.0, 1.0, 3.0),
+    (0.1, 1.0, 0.2, 0.35),
+    (0.9, 1.0, 0.2, 0.35),
+]
+
+
 @pytest.mark.parametrize(
-    "case",
-    [(0.3, 0.25, 0.75, 0.2083), (0.8, 0.5, 0.5, 0.1667), (0.1, 1.0, 0.2, 0.35), (0.5, 2, 1, 3)],
+    "options", [{}, {"solver": "radau"}, {"solver": "moreau-jean", "step": 1e-3}]
 )
+@pytest.mark.parametrize("case", RESTS)
 def test_a_block_at_rest_stays_at_rest_in_few_steps(case: tuple, options: dict) -> None:
     """Nothing moves and no energy is there to measure anything by: each foot bears its half."""
     run = hb.simulate(block(*case), until=0.1, **options)
