@@ -26,16 +26,9 @@ from hybond.engine.laws.law_branches import (
     no_branches,
     sweep_dust,
 )
-from hybond.engine.laws.law_instant import (
-    LAW_ZERO,
-    NO_LAW_VALUE,
-    make_consistent,
-    quantity,
-    take_instant,
-)
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.storage import energy_of, reach_of
-from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model, machine_name, node_name
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact, tell_ports
@@ -295,53 +288,13 @@ def find_broken(e: Engine, r: Laws) -> int:
                 if m.tells != 0:
                     add_fact(e.fault, float(rule))
                 return STOPS
-            if true and not is_left_by_rounding(e, r, k, state):
+            if true:
                 if m.tells != 0:
                     note_held(r, rule)
                 r.broken_machine[r.broken] = k
                 r.broken_target[r.broken] = m.rule_target[rule]
                 r.broken += 1
     return BROKEN if r.broken > 0 else STANDS
-
-
-def is_left_by_rounding(e: Engine, r: Laws, machine: int, state: int) -> bool:
-    """Whether a one-sided law is violated by no more than rounding of its row of the open graph.
-
-    A mode that leaves potentials afloat may know a value less well than the graph with all laws
-    open, of which the branches were decided.
-    """
-    m = e.model
-    n = m.ports
-    a = r.response
-    for k in range(n):
-        if m.port_machine[k] != machine or m.port_two_sided[k] != 0:
-            continue
-        size = a.size[k]
-        for j in range(n):
-            size += math.fabs(a.d[k * n + j] * given_of(e, r, j))
-        # the net variable of a law that is OFF, the common one of a law that is ON
-        common = 0.0
-        net = 0.0
-        for i in range(m.pair_first[2 * k], m.pair_first[2 * k + 1]):
-            common += m.pair_value[i] * e.v[m.bond_slot + m.pair_column[i]]
-        for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
-            net += m.pair_value[i] * e.v[m.bond_slot + m.pair_column[i]]
-        off = net if state == 0 else -common
-        of_w = (r.now.given[k] == COMMON) == (state == 0)
-        own = 1.0 if of_w else math.fabs(a.d[k * n + k])
-        return own > 0.0 and own * off <= LAW_ZERO * size
-    return False
-
-
-def given_of(e: Engine, r: Laws, k: int) -> float:
-    """Return the given variable of a port in the trial."""
-    m = e.model
-    common = r.now.given[k] == COMMON
-    row = 2 * k if common else 2 * k + 1
-    total = 0.0
-    for i in range(m.pair_first[row], m.pair_first[row + 1]):
-        total += m.pair_value[i] * e.v[m.bond_slot + m.pair_column[i]]
-    return total
 
 
 def note_held(r: Laws, rule: int) -> None:
