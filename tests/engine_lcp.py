@@ -7,16 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybond.engine.complementarity.all_branches import answer_laws
 from hybond.engine.complementarity.friction_disk import make_disk
 from hybond.engine.complementarity.friction_disk import on_disk as find_on_disk
-from hybond.engine.complementarity.law_roles import ONE_SIDED
+from hybond.engine.complementarity.law_roles import ONE_SIDED, make_law_problem
 from hybond.engine.complementarity.lcp import NO_CHOICE, ON_A_RAY, SOLVED, make_lcp
 from hybond.engine.complementarity.lcp_forms import make_mixed, solve_mixed
 from hybond.engine.complementarity.lemke import lemke as solve_lcp
 from hybond.engine.complementarity.lemke import ray_proves
 from hybond.engine.complementarity.semidefinite import is_indefinite
-from hybond.engine.laws.law_records import make_doubts
-from hybond.engine.laws.law_seconds import find_second
 
 Array = NDArray[np.float64]
 STATUS = {SOLVED: "solved", ON_A_RAY: "ray", NO_CHOICE: "singular"}
@@ -100,15 +99,15 @@ def mixed(
     return found_in(status, x.lcp, x.a, x.b, x.c, x.active, proved)
 
 
-def second_solution(M: ArrayLike, q: ArrayLike) -> Array | None:
-    """Return z of a solution with another w than the one found first, None if none is found."""
+def answers_by_engine(M: ArrayLike, q: ArrayLike) -> tuple[int, bool]:
+    """Return how many answers with different `w` one-sided laws have, and whether 0 is proved."""
     n = len(np.asarray(q))
-    d = make_doubts(n)
-    p = d.problem
+    p = make_law_problem(n)
     p.n = n
     p.m[:], p.q[:] = flat(M), flat(q)
     p.role[:] = [ONE_SIDED] * n
-    return np.array(p.l[:n]) if find_second(d, n) else None
+    found = answer_laws(p, [0] * n)
+    return (p.answers, False) if found else (0, p.proved)
 
 
 def positive_semidefinite(M: ArrayLike) -> bool:

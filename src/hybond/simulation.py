@@ -24,6 +24,7 @@ from hybond.result import Result, Status
 from hybond.run_options import (
     AUTO,
     STEPPING,
+    STEPPING_IMPACT,
     Choice,
     ignored_impact,
     solver_of,
@@ -93,8 +94,8 @@ def simulate(
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
         The law of impacts at several contacts with restitution; see
         `hybond.engine.impacts.impact_laws`. Default ``"newton"``, contact after contact: the only
-        one that needs no more than what a single impact tells, never creates energy, and gives the
-        textbook answer for rows of balls.
+        one that needs no more than what a single impact tells, and gives the textbook answer for
+        rows of balls. Newton's law with impulsive friction may create energy: the run warns, in J.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
     progress : callable
         ``progress(t, events)`` about twenty times a second.
@@ -205,8 +206,22 @@ def simulate(
 
 def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
     """Return what is to be said of what a run is asked for, before it begins."""
-    ignored = ignored_impact(impact, graph.experiment) if settings.solver in STEPPING else None
-    return [] if ignored is None else [ignored]
+    if settings.solver in STEPPING:
+        said = ignored_impact(impact, graph.experiment)
+    else:
+        said = _friction_left_out(settings.impact[0], graph)
+    return [] if said is None else [said]
+
+
+def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
+    """Return what is to be said where a law of impacts has no friction, and the model has some."""
+    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
+    if not names or impact in ("newton", STEPPING_IMPACT):
+        return None
+    return (
+        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
+        f"'newton' and {STEPPING_IMPACT!r} have them"
+    )
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -41,6 +41,7 @@ room to work in. Data flows so::
                               compliant and spring_steps (contacts as stiff springs)
     law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution:
                               law_roles (how each takes part), one_sided (without friction)
+    all_branches, one_choice  few laws in doubt: none, one or several answers, by all their branches
     planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
     accumulation, rest, landing     contacts that come to rest
     sliding, going_on         after an event: which machines slide from there, and what is written

@@ -101,6 +101,7 @@ class Work:
     lefts: int
     gap: Block
     gap_size: Block
+    gap_first: Block
     base_gap: Block
     scaled: Block
     row_size: Block
@@ -370,6 +371,7 @@ def make_work(m: Model) -> Work:
     w.columns = ints(n)
     w.gap = make_block(1)
     w.gap_size = make_block(1)
+    w.gap_first = make_block(1)
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)

@@ -291,6 +291,8 @@ class Model:
     ports: int
     port_machine: Ints
     port_node: Ints
+    port_rank: Ints
+    """Its place by name."""
     port_junction: Ints
     port_domain: Ints
     port_two_sided: Ints

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.equations.storage import stiffness_at
+from hybond.model.expressions import names
 
 if TYPE_CHECKING:
     from hybond.analysis.complementarity.form import ComplementarityForm
@@ -34,6 +35,9 @@ class Properties:
     degrees: tuple[int | None, ...]
     """Of each port: 0 if `l` acts on its own `w` at once, 1 if through one storage, and so on; None
     if not at all."""
+    follow: tuple[int, ...] = ()
+    """Ports whose limit of friction follows other bond variables, such as a contact force: then
+    neither D nor passivity says that the laws have an answer, or only one."""
 
     def sentences(self, given: tuple[str, ...], answers: tuple[str, ...]) -> list[str]:
         """Return the properties in words."""
@@ -41,6 +45,12 @@ class Properties:
         passive = "passive: what is stored is a storage function"
         other = "not passive by what is stored (another storage function may do)"
         found = [f"{first}; {passive if self.passive else other}"]
+        if self.follow:
+            names = ", ".join(given[k] for k in self.follow)
+            found.append(
+                f"the limit of {names} follows other variables: there may be no answer, or "
+                "several, whatever D is (Painleve)"
+            )
         for degree in sorted({d for d in self.degrees if d is not None}):
             pairs = [
                 f"{g} acts on {w}"
@@ -61,7 +71,15 @@ def properties_of(form: ComplementarityForm) -> Properties:
     """Return the properties of a complementarity system at the values of the model."""
     m = form.numbers()
     a, e, c, d = (np.asarray(m[k]) for k in "AECD")
-    return Properties(_semidefinite(d + d.T, d), _passive(form, a, e, c, d), _degrees(a, e, c, d))
+    follow = tuple(
+        k
+        for k, law in enumerate(form.laws)
+        for limit in [law.limit]
+        if limit is not None and any(name[:2] in ("e:", "f:") for name in names(limit))
+    )
+    return Properties(
+        _semidefinite(d + d.T, d), _passive(form, a, e, c, d), _degrees(a, e, c, d), follow
+    )
 
 
 def _semidefinite(symmetric: Matrix, terms: Matrix | None = None) -> bool:

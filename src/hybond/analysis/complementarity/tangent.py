@@ -65,6 +65,8 @@ def tangent(graph: FlatGraph, mode: Mode, ports: tuple[Port, ...]) -> Tangent:
         back[k] -= h
         slopes[:, j] = (at(ahead) - at(back)) / (ahead[k] - back[k])
     rest = here - slopes[:, :n] @ start[:n]
+    # slopes are difference quotients: what they leave of terms that cancel is nothing
+    rest[np.abs(rest) <= 1e-9 * (np.abs(here) + np.abs(slopes[:, :n]) @ np.abs(start[:n]))] = 0.0
     A, E = _clean(slopes[:n, :n]), _clean(slopes[:n, n:])
     C, D = _clean(slopes[n:, :n]), _clean(slopes[n:, n:])
     return Tangent(A, E, C, D, rest[:n], rest[n:])

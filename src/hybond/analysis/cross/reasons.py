@@ -181,7 +181,7 @@ def _several(graph: FlatGraph, runs: tuple[Result, Result], found: Uniqueness) -
             "may have several solutions or none",
             0.0,
         )
-    if any("more than one solution" in w for run in runs for w in run.warnings):
+    if any(" answers: " in w for run in runs for w in run.warnings):
         who = ", ".join(_varying_friction(graph)) or "the laws"
         return Reason(
             "several solutions", f"a step had more than one solution ({who}; see its warning)", 0.0

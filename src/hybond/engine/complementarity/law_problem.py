@@ -92,6 +92,7 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
     for k in range(many * wide):
         p.kept[k] = p.into[k]
     if not inner_solved(p, free):
+        p.lcp.proved = p.lcp.proved and not tied
         return False
     for i in range(free):
         one = p.place[i]

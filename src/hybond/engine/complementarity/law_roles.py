@@ -15,6 +15,11 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.algebra.svd import Svd, make_svd
+from hybond.engine.complementarity.branch_records import (
+    ANSWERS_KEPT,
+    Branching,
+    make_branching,
+)
 from hybond.engine.complementarity.lcp import Lcp, make_lcp
 from hybond.engine.complementarity.lcp_forms import Mixed, make_mixed
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -35,6 +40,11 @@ class LawProblem:
     net variable. Friction of port k is at most ``limit[k] + slope[k] l``, a row of `slope`. The
     answer is `l`; `branch`, which is 0 OFF or at rest, 1 ON or forward, -1 backward; and `open`,
     where both variables of a pair are zero. The rest is room to work in.
+
+    `rank` is the place of each port's law by name. Of what was asked last, `proved` says that there
+    is no answer, `answers` how many there are of laws that have several, else 1, `more_answers`
+    that these are not all, `answer_way` their branches (NOT_OF_PART for other laws), the answer
+    taken first, and `answer_why` why it was taken.
     """
 
     most: int
@@ -51,6 +61,13 @@ class LawProblem:
     branch: Ints
     open: Ints
     moved: Floats
+    rank: Ints
+    proved: bool
+    answers: int
+    more_answers: bool
+    answer_why: int
+    answer_way: Ints
+    branching: Branching
 
     lcp: Lcp
     mixed: Mixed
@@ -100,6 +117,9 @@ def make_law_problem(n: int) -> LawProblem:
     p.branch = ints(n)
     p.open = ints(n)
     p.moved = floats(n)
+    p.rank = ints(n)
+    p.answer_way = ints(ANSWERS_KEPT * n)
+    p.branching = make_branching(n)
     p.lcp = make_lcp(n)
     p.mixed = make_mixed(2 * n, n)
     p.svd = make_svd(n, n)

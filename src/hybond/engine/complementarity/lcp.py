@@ -17,8 +17,9 @@ NO_CHOICE: Final = 3
 class Lcp:
     """Room for a problem of up to `most` pairs, and its answer.
 
-    `active` says of each pair whether its z is basic, `open` whether both z and w are zero. The
-    rest is room to work in: the scaled problem, Lemke's table, blocks of chosen pairs.
+    `active` says of each pair whether its z is basic, `open` whether both z and w are zero, and
+    `proved` whether a path ended on a ray that proves that there is no solution. The rest is room
+    to work in: the scaled problem, Lemke's table, blocks of chosen pairs.
     """
 
     most: int
@@ -27,6 +28,7 @@ class Lcp:
     active: Ints
     open: Ints
     pivots: int
+    proved: bool
     matrix: Floats
     q: Floats
     d: Floats

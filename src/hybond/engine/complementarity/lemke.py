@@ -42,6 +42,7 @@ def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
         if start[k] != 0:
             warm = True
     p.pivots = 0
+    p.proved = False
     turn = 0
     while turn < 2 * PATHS:
         if warm and turn == PATHS:
@@ -65,7 +66,8 @@ def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
             continue
         path = lemke_path(p, n, limit - p.pivots, LCP_ZERO)
         if path == ON_A_RAY:
-            if ray_proves(p, n) or not warm:
+            p.proved = ray_proves(p, n)
+            if p.proved or not warm:
                 return ON_A_RAY
             warm = False
             for k in range(n):

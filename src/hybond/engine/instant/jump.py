@@ -152,12 +152,19 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
     best = math.inf
     for a in range(areas):
         w.nu.at[a] = 0.0
+    # what ends at zero has no size of its own: its rounding is that of what it was
+    fit(w.gap_first, count)
+    for i in range(count):
+        w.gap_first.at[i] = 0.0
     for _ in range(STEPS):
         put_here(m.storages, x, ways, w.nu.at, w.here)
         rank = ways.rank
         if not ways.known:
             slope_of(e, mode, v, w.here, ways)
         residual(e, mode, v, w.here)
+        for i in range(count):
+            w.gap_first.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+            w.gap_size.at[i] = w.gap_first.at[i]
         if ways.known:
             for a in range(areas):
                 total = 0.0
@@ -188,7 +195,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
     put_here(m.storages, x, ways, w.nu.at, w.here)
     residual(e, mode, v, w.here)
     for i in range(count):
-        if not math.fabs(w.gap.at[i]) <= 1e-9 * w.gap_size.at[i]:
+        if not math.fabs(w.gap.at[i]) <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]):
             if m.tells != 0:
                 return refuse_jump(e, mode, "HB-N304", "the jump into this mode does not converge")
             return say_fault(e, "HB-N304", "the jump into this mode does not converge", "")

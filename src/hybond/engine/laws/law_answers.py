@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.complementarity.law_problem import solve_laws
+from hybond.engine.complementarity.all_branches import answer_laws
 from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_friction import may_rest, rests_now, slides_through, turns_round
@@ -20,7 +20,7 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.law_seconds import warn_of_second
+from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model, value
@@ -119,9 +119,11 @@ def solve_problem(e: Engine, r: Laws, rests: bool) -> bool:
     n = m.ports
     p = r.problem
     if rests:
+        p.proved = False
+        p.answers = 1
         return answer_rests(e, p, r.start)
     if asks_friction(e, r):
-        return solve_laws(p, r.start)
+        return answer_laws(p, r.start)
     # in units in which efforts and flows are of one size: both must show their signs
     find_units(m, r, p.q)
     for k in range(n):
@@ -129,7 +131,7 @@ def solve_problem(e: Engine, r: Laws, rests: bool) -> bool:
             p.m[k * n + j] = p.m[k * n + j] * r.units[j] * r.units[k]
         p.q[k] *= r.units[k]
         p.shift[k] *= r.units[k]
-    if not solve_laws(p, r.start):
+    if not answer_laws(p, r.start):
         return False
     for k in range(n):
         p.l[k] *= r.units[k]
@@ -207,8 +209,6 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.resting[k] = 1 if may_rest(m, k) and (not own or rests_now(m, r, k)) else 0
         r.halted[k] = 0
     while solve_branches(e, r, q, h, jump):
-        if m.tells != 0 and not jump:
-            warn_of_second(e, r, q, h, False)
         again = False
         for k in range(m.ports):
             if jump and m.port_impulsive[k] != 0:
@@ -221,10 +221,10 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
                 r.resting[k] = 1
                 again = True
         if not again:
-            if m.tells != 0 and jump:
-                warn_of_second(e, r, q, h, True)
+            warn_of_several(e, r)
             keep_answer(m, r)
             return True
+    r.proved = r.proved and r.problem.proved
     return False
 
 

@@ -31,6 +31,7 @@ from hybond.engine.complementarity.law_roles import (
     TWO_SIDED,
 )
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.impacts.strike import close_gaps
 from hybond.engine.laws.law_answers import (
     LAW_DUST,
     loosen,
@@ -63,6 +64,9 @@ SHORT_STEP: Final = 1e-6
 """The vanishing step, as a part of the shortest time that feedthrough and storage make."""
 TRIES: Final = 8
 """Ways of asking for branches that last, the likeliest first; of each:"""
+AS_IT_IS: Final = 4
+"""The first ways, with the vanishing step as it is: if none of these can have an answer, no other
+step is asked, which would only lose what is small."""
 TRY_FACTOR: Final = float_table(1.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e3, 1e-6)
 """What the vanishing step is multiplied by."""
 TRY_KEEP: Final = int_table(1, 0, 0, -1, 1, 0, 0, 0)
@@ -105,6 +109,7 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
     e.planar.ready = False
     if m.disks > 0 and find_disks(e, r) != OK:
         return REFUSED
+    r.proved = True
     r.attempt = 0
     r.second = False
     r.solved = False
@@ -175,6 +180,8 @@ def next_lasting(e: Engine, r: Laws) -> bool:
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:
+            if r.attempt == AS_IT_IS and r.proved and not r.solved:
+                return False
             continue
         for k in range(n):
             if r.apart[k] != 0 and r.now.given[k] == NET:
@@ -205,6 +212,8 @@ def find_adrift(m: Model, r: Laws) -> bool:
     many = 0
     for k in range(n):
         idle = r.answer_open[k] != 0 and r.now.given[k] == NET and r.answer[k] == 1
+        # friction that slides is given its force
+        idle = idle and m.port_two_sided[k] == 0
         blocked = r.now.given[k] == NET and r.answer[k] == 0
         r.adrift[k] = 1 if idle else 0
         any_idle = any_idle or idle
@@ -231,11 +240,17 @@ def find_adrift(m: Model, r: Laws) -> bool:
 
 
 def no_branches(e: Engine, r: Laws, k: int) -> int:
-    """Refuse laws that have no solution."""
+    """Refuse laws that have no solution: HB-J110; or HB-J112 if none was found, but may be."""
     r.undecided = True
     e.fault.t = r.t
-    why = "laws of junctions have no solution: give a contact a stiffness, a source a resistance"
-    found = say_fault(e, "HB-J110", why, node_name(e.model, e.model.port_node[k]))
+    code = "HB-J112"
+    why = "no solution of the laws of junctions was found: give a contact a stiffness"
+    if r.proved:
+        code = "HB-J110"
+        why = (
+            "laws of junctions have no solution: give a contact a stiffness, a source a resistance"
+        )
+    found = say_fault(e, code, why, node_name(e.model, e.model.port_node[k]))
     e.fault.t = r.t
     return found
 
@@ -284,6 +299,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     clean(m, r, r.y)
     if find_able(e, r) != OK:
         return -1
+    if r.at_once:
+        close_gaps(m, r)
     wrong = False
     who = 0
     dust = True
@@ -294,7 +311,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
             r.rebound[k] = own
         # what rebounds enters one after another; what does not stays together, as in one problem
-        taking = one_sided and r.able[k] != 0 and (r.rebound[k] == 0.0 or r.y[k] < 0.0)
+        joins = r.rebound[k] == 0.0 or r.y[k] < 0.0 or r.at_once
+        taking = one_sided and r.able[k] != 0 and joins
         # OFF where the common variable follows from what is stored alone: it must be zero
         shut = one_sided and r.able[k] == 0 and is_stored(m, r, k) and r.now.given[k] == NET
         if (taking and r.y[k] < 0.0) or (shut and r.y[k] != 0.0):
@@ -317,11 +335,16 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         return 0
     find_start(m, r)
     h = short_step(m, a, r.y)
-    for turn in range(4):
+    r.proved = True
+    turn = 0
+    while turn < 4:
+        if turn > 0 and r.proved:
+            break
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
         if slide(e, r, r.y, factor * h, True):
             put_mode(m, r, r.answer, False, True)
             return 1
+        turn += 1
     if dust:
         return 0  # rounding has no solution; what lasts is decided without it
     no_branches(e, r, who)

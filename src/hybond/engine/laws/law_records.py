@@ -74,45 +74,6 @@ class Response:
 
 
 @record
-class Doubts:
-    """Room to look for a second solution of the laws: `apart` are the ports whose `w` differs.
-
-    `known` and `first_w` are the active pairs and ``w`` of the solution of one-sided laws that is
-    found from nothing, `of_w` what a difference to it is measured by.
-    """
-
-    problem: LawProblem
-    start: Ints
-    apart: Ints
-    w: Floats
-    largest: float
-    scale: Floats
-    down: Floats
-    square: Floats
-    known: Ints
-    first_w: Floats
-    of_w: Floats
-    weight: Floats
-
-
-def make_doubts(n: int) -> Doubts:
-    """Return room for n ports."""
-    d = Doubts()
-    d.problem = make_law_problem(n)
-    d.start = ints(n)
-    d.apart = ints(n)
-    d.w = floats(n)
-    d.scale = floats(n)
-    d.down = floats(n)
-    d.square = floats(n * n)
-    d.known = ints(n)
-    d.first_w = floats(n)
-    d.of_w = floats(n)
-    d.weight = floats(n)
-    return d
-
-
-@record
 class Laws:
     """The laws of junctions of one run.
 
@@ -135,6 +96,7 @@ class Laws:
     field_size: Floats
     """The size of the terms that made each rate of what is stored."""
     moved: Floats
+    ahead: Floats
     kept: Floats
     later: Floats
     row: Floats
@@ -176,6 +138,8 @@ class Laws:
 
     undecided: bool
     """Whether no branches were found, or none that stand."""
+    proved: bool
+    """Whether it is proved of all that was asked in vain that there is no answer."""
 
     # where the search for what lasts stands
     attempt: int
@@ -186,6 +150,8 @@ class Laws:
 
     # trying what was found
     jumping: bool
+    at_once: bool
+    """Whether contacts that do not approach take part in the impacts of others."""
     struck: bool
     struck_moved: int
     factors: int
@@ -212,7 +178,6 @@ class Laws:
     rules_held: int
     rule_held: Places
     """Rules that held in the branches tried at an instant."""
-    doubts: Doubts
     impact: Impact
     """Of laws of impacts that see all closed contacts at once."""
 
@@ -261,6 +226,7 @@ def make_laws(m: Model) -> Laws:
     r.field = floats(m.storages)
     r.field_size = floats(m.storages)
     r.moved = floats(m.storages)
+    r.ahead = floats(m.integrals)
     r.kept = floats(2 * m.slots)
     r.later = floats(2 * m.slots)
     r.row = floats(m.storages + 2 * m.most_sources + n)
@@ -280,6 +246,8 @@ def make_laws(m: Model) -> Laws:
     r.loose = ints(n)
     r.halted = ints(n)
     r.problem = make_law_problem(n)
+    for k in range(n):
+        r.problem.rank[k] = m.port_rank[k]
     r.svd = make_svd(2 * n, n)
     r.block = floats(2 * n * n)
     r.basis = floats(n * n)
@@ -306,6 +274,5 @@ def make_laws(m: Model) -> Laws:
     r.broken_target = ints(2 * m.machines)
     if m.tells != 0:
         r.rule_held = make_places(8)
-        r.doubts = make_doubts(n)
     r.impact = make_impact(0 if m.impact == NEWTON else n)
     return r

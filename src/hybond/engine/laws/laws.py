@@ -6,7 +6,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
-from hybond.engine.impacts.impact_records import NEWTON
+from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
 from hybond.engine.instant.constraints import check_agreement
 from hybond.engine.instant.jump import JUMPS, STAYS
@@ -102,7 +102,8 @@ def enter_with_laws(
 
 def strike(e: Engine, r: Laws, x: Floats) -> int:
     """Make the jump that laws ask for, if what is stored violates any. As Trials._struck."""
-    if e.model.impact != NEWTON:
+    r.at_once = e.model.impact == NEWTON_SIMULTANEOUS and rubs_in_impacts(e.model)
+    if e.model.impact != NEWTON and not r.at_once:
         struck = strike_at_once(e, r, x)
         if struck != NOTHING_STRIKES:
             return REFUSED if struck == REFUSES else OK
@@ -116,6 +117,14 @@ def strike(e: Engine, r: Laws, x: Floats) -> int:
     if found <= 0:
         return REFUSED if found < 0 else OK
     return strike_branches(e, r, x)
+
+
+def rubs_in_impacts(m: Model) -> bool:
+    """Whether any friction is an impulse in an impact: then all are one problem of branches."""
+    found = False
+    for k in range(m.ports):
+        found = found or (m.port_two_sided[k] != 0 and m.port_impulsive[k] != 0)
+    return found
 
 
 def strike_branches(e: Engine, r: Laws, x: Floats) -> int:

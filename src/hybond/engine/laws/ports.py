@@ -426,10 +426,13 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     a = r.response
     for k in range(m.storages):
         r.moved[k] = x[k] + SHORT_WHILE * r.field[k]
+    # levers turn as well: what is integrated may be their angle
+    for k in range(m.integrals):
+        r.ahead[k] = r.s[k] + SHORT_WHILE * value(m, m.integral_rate[k], v)
     # what else is solved for in between must not show in the values
     for k in range(m.ports):
         r.l[k] = 0.0
-    set_values(e, mode, r.later, r.t + SHORT_WHILE, r.moved, r.s)
+    set_values(e, mode, r.later, r.t + SHORT_WHILE, r.moved, r.ahead)
     for k in range(m.slots):
         r.later[m.slots + k] = e.pre[k]
     if solve_with(e, p, r.later, r.l) != OK:

@@ -38,6 +38,25 @@ def start_scale(e: Engine, mode: Mode) -> None:
         found_terms(e, mode, e.t + soon)
         set_state(e, mode, e.v, e.t, e.y)
         solve(e, mode, e.v)
+    if e.model.laws > 0:
+        pushed = pushed_energy(e)
+        e.energy = max(e.energy, pushed)
+        e.scale_energy = max(e.scale_energy, pushed)
+
+
+def pushed_energy(e: Engine) -> float:
+    """Return the energy that what pushes would give in a short part of the run, if it were alone.
+
+    Bodies at rest have none to measure rounding by, though great forces may hold them there.
+    """
+    m = e.model
+    most = 0.0
+    for k in range(m.storages):
+        given = e.rounding[k] / ROUNDED
+        energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
+        if math.isfinite(energy):
+            most = max(most, energy)
+    return most
 
 
 def found_terms(e: Engine, mode: Mode, t: float) -> bool:

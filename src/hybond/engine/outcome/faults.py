@@ -31,6 +31,10 @@ HINTS = {
     "stiffness, or a source a resistance",
     "HB-J120": "friction of a rigid contact may leave none (Painleve), and so do sources that "
     "push each other through diodes: give the contact a stiffness, a source a resistance",
+    "HB-J112": "the laws are too many, or too near to singular ones, to try all their branches: "
+    "give a contact a stiffness, or a source a resistance",
+    "HB-J121": "the laws are too many, or too near to singular ones, to try all their branches: "
+    "take another step, give a contact a stiffness, or a source a resistance",
     "HB-N310": "take a smaller step; a law with a jump of its own belongs into a machine",
     "HB-J111": "several answers may fit (Painleve), or values lie too far apart for the "
     "arithmetic: give contacts a stiffness, sources a resistance",
@@ -67,7 +71,17 @@ KINDS: dict[str, type[HybondError]] = {
     "HB-M": ModelError,
     "HB-N": NumericsError,
 }
-NUMERICS = ("HB-J110", "HB-J111", "HB-J120", "HB-J201", "HB-J203", "HB-J204", "HB-J206")
+NUMERICS = (
+    "HB-J110",
+    "HB-J111",
+    "HB-J112",
+    "HB-J120",
+    "HB-J121",
+    "HB-J201",
+    "HB-J203",
+    "HB-J204",
+    "HB-J206",
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,6 +146,9 @@ def _impulsive(c: Case) -> Said:
     return Said(f"{why} {c.now} changes", path)
 
 
+NOT_FOUND = "have no solution that was found, which does not say that there is none,"
+
+
 def _no_branches(c: Case) -> Said:
     finite, *taking = c.numbers
     ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
@@ -153,7 +156,8 @@ def _no_branches(c: Case) -> Said:
     names = c.paths([ports[k] for k in taking] or ports)
     opposed = _conflicts(c.graph, base_mode(c.graph, c.mode))
     what = "finite values" if finite else "impulses"
-    why = " ".join([f"the {what} of {names} have no solution {c.now}.", *opposed])
+    none = "have no solution" if c.refusal.code == "HB-J110" else NOT_FOUND
+    why = " ".join([f"the {what} of {names} {none} {c.now}.", *opposed])
     return Said(why.rstrip("."), c.here, OPPOSED if opposed else "")
 
 
@@ -165,8 +169,9 @@ def _no_branches_stand(c: Case) -> Said:
 def _no_end(c: Case) -> Said:
     ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
     names = c.paths([ports[k] for k in c.numbers] or ports)
+    none = "have no solution" if c.refusal.code == "HB-J120" else NOT_FOUND
     now = f"the step that ends at t = {c.refusal.t:.9g} s"
-    return Said(f"the laws of {names} have no solution in {now}", c.here)
+    return Said(f"the laws of {names} {none} in {now}", c.here)
 
 
 def _too_small(c: Case) -> Said:
@@ -273,7 +278,9 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-J103": _impulsive,
     "HB-J110": _no_branches,
     "HB-J111": _no_branches_stand,
+    "HB-J112": _no_branches,
     "HB-J120": _no_end,
+    "HB-J121": _no_end,
     "HB-N201": _too_small,
     "HB-N202": _no_rate,
     "HB-N301": _no_solution,
@@ -294,6 +301,7 @@ NO_NUMBERS = (
     "HB-J103",
     "HB-J111",
     "HB-J120",
+    "HB-J121",
     "HB-N303",
     "HB-N304",
     "HB-N406",

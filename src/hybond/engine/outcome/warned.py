@@ -32,6 +32,13 @@ CREATED = 1e-9
 MYTHICAL, STEP = 0, 5
 """The kind of a visit that writes nothing, the cause of an instant that is the end of a step: as in
 `hybond.engine.instant.instant`."""
+TAKEN = (
+    "the branches that were taken before",
+    "which carries least",
+    "the nearest to the branches before",
+    "the first by name",
+)
+"""Why one of several answers is taken: as in `hybond.engine.complementarity.all_branches`."""
 REBOUND = "its rebounds do not vanish"
 
 
@@ -46,6 +53,9 @@ class Warnings:
         self._ports = [
             law.node for m in graph.machines if m.law is not None for law in m.law.junctions
         ]
+        self._states = [
+            m.states for m in graph.machines if m.law is not None for _ in m.law.junctions
+        ]
         self._said: set[tuple[float, ...]] = set()
         self._creates = False
         """Whether it was said that a jump creates energy."""
@@ -54,7 +64,8 @@ class Warnings:
         """Yield the warnings of a slice."""
         for k, kind in enumerate(rows.warn.tolist()):
             about = rows.about[rows.warn_first[k] : rows.warn_first[k + 1]].tolist()
-            if kind in TIMELESS:
+            if kind in TIMELESS or kind == SECOND_ANSWER:
+                # what laws may do is said of each set of them, however often it is asked
                 key = (kind, *about)
                 if key in self._said:
                     continue
@@ -97,15 +108,11 @@ class Warnings:
     def _text(self, kind: int, t: float, about: list[float]) -> str:
         numbers = [int(a) for a in about]
         now = f"at t = {t:.9g} s"
-        if kind in (SECOND_ANSWER, IMPULSIVE):
-            nodes = [self._ports[k] for k in numbers] if kind == SECOND_ANSWER else numbers
-            names = ", ".join(self.graph.nodes[k].path for k in nodes)
-            if kind == IMPULSIVE:
-                return f"impulsive laws enter the jump equations: {names}"
-            return (
-                f"{now} the laws of {names} have more than one solution (Painleve): "
-                "the one found first is taken; a stiffness in the contact decides"
-            )
+        if kind == SECOND_ANSWER:
+            return self._of_answers(now, numbers)
+        if kind == IMPULSIVE:
+            names = ", ".join(self.graph.nodes[k].path for k in numbers)
+            return f"impulsive laws enter the jump equations: {names}"
         if kind == LEFT_OPEN:
             machines = len(self.graph.machines)
             rule, when, *rest = numbers
@@ -129,6 +136,24 @@ class Warnings:
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
+
+    def _of_answers(self, now: str, numbers: list[int]) -> str:
+        """Return which branches laws may take together, and which of them are taken why."""
+        why, many, more, *rest = numbers
+        rows = [rest[k : k + 1 + many] for k in range(0, len(rest), 1 + many)]
+        names = ", ".join(self.graph.nodes[self._ports[port]].path for port, *_ in rows)
+        answers = [
+            "(" + ", ".join(self._branch(port, ways[k]) for port, *ways in rows) + ")"
+            for k in range(many)
+        ]
+        return (
+            f"{now} the laws of {names} have {f'more than {many}' if more else many} answers: "
+            f"{answers[0]} is taken, {TAKEN[why]}, and not {' or '.join(answers[1:])}; "
+            "a stiffness in the contact decides"
+        )
+
+    def _branch(self, port: int, way: int) -> str:
+        return self._states[port][way if way >= 0 else 2]
 
     def _far_apart(self, least: float, dropped: float, mode: Mode) -> str:
         lost = f"{dropped:.0e} of its terms and counts as zero" if dropped else ""

@@ -28,7 +28,8 @@ OWN_JUMP: Final = 4
 THROWS_BACK: Final = 5
 """The jump on crossing a surface throws back by more than was gained. Its number."""
 SECOND_ANSWER: Final = 6
-"""Laws of junctions have more than one solution. Numbers: their ports."""
+"""Laws of junctions have more than one answer. Numbers: why one is taken, how many answers, whether
+there are more, then each port with its branches, those that are taken first."""
 IMPULSIVE: Final = 7
 """Laws declared impulsive enter a jump. Numbers: their elements."""
 LEFT_OPEN: Final = 8

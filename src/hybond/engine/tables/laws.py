@@ -43,6 +43,8 @@ def put_laws(t: ModelTables) -> None:
     t.numbers["ports"] = len(laws)
     t.ints["port_machine"] = [m.index for m, _ in laws]
     t.ints["port_node"] = [law.node for _, law in laws]
+    by_name = sorted(range(len(laws)), key=lambda k: g.nodes[laws[k][1].node].path)
+    t.ints["port_rank"] = sorted(range(len(laws)), key=by_name.__getitem__)
     t.ints["port_junction"] = [junctions.index(law.node) for _, law in laws]
     t.ints["port_domain"] = [domains.index(g.nodes[law.node].domain.name) for _, law in laws]
     t.ints["port_two_sided"] = [int(law.two_sided) for _, law in laws]

@@ -16,6 +16,7 @@ from hybond.run_options import (
     ALIASES,
     FIXED,
     STEPPING,
+    STEPPING_IMPACT,
     Choice,
     check_step,
     end_of,
@@ -73,8 +74,8 @@ class Settings:
     @property
     def numbers(self) -> dict[str, float]:
         """The same by the fields of `hybond.engine.model.Model`."""
-        # time-stepping has a law of its own, and settles instants contact after contact
-        impact, exponent = ("newton", 1.0) if self.solver in STEPPING else self.impact
+        # time-stepping has a law of its own, and settles instants by it as well
+        impact, exponent = (STEPPING_IMPACT, 1.0) if self.solver in STEPPING else self.impact
         return {
             "until": self.until,
             "points": 1,

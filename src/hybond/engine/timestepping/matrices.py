@@ -54,7 +54,8 @@ def take_coupled(e: Engine, s: Stepping, p: Ports, h: float) -> Coupled:
     oldest = 0
     for k in range(s.made):
         c = some(s.couples[k])
-        if c.place == p.place and c.stamp == p.stamp and c.h == h:
+        same = c.place == p.place and c.stamp == p.stamp
+        if same and c.h == h and c.theta == s.theta:
             c.used = e.clock
             return c
         if c.used < some(s.couples[oldest]).used:
@@ -67,6 +68,7 @@ def take_coupled(e: Engine, s: Stepping, p: Ports, h: float) -> Coupled:
     c.place = p.place
     c.stamp = p.stamp
     c.h = h
+    c.theta = s.theta
     c.used = e.clock
     c.known = False
     c.straight = is_straight(e.model, open_mode(e, p))
@@ -132,7 +134,7 @@ def find_straight(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     for j in range(c.n):
         rates_of_stored(m, c.state.at, c.n, j, s.square.at)
     for i in range(c.n * c.n):
-        s.square.at[i] *= e.model.theta
+        s.square.at[i] *= s.theta
     fit(c.push, c.n * max(m.ports, 1))
     for j in range(m.ports):
         rates_of_stored(m, c.direct.at, m.ports, j, c.push.at)
@@ -168,12 +170,12 @@ def implicit(e: Engine, s: Stepping, p: Ports, y: Floats, l: Floats) -> int:
         acts = acts or l[k] != 0.0
     if not acts:
         for k in range(e.states):
-            s.rate[k] *= e.model.theta
+            s.rate[k] *= s.theta
         return OK
     if rates_at(e, s, p, y, l, s.rate_l) != OK:
         return REFUSED
     for k in range(e.states):
-        s.rate[k] = s.rate_l[k] - (1.0 - e.model.theta) * s.rate[k]
+        s.rate[k] = s.rate_l[k] - (1.0 - s.theta) * s.rate[k]
     return OK
 
 

@@ -12,11 +12,19 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED, LawProblem
 from hybond.engine.complementarity.semidefinite import is_indefinite
-from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.laws.gaps import has_gaps
 from hybond.engine.laws.law_answers import put_problem, solve_problem
-from hybond.engine.laws.law_instant import NO_LAW_VALUE, find_start, is_on, passive_role, quantity
+from hybond.engine.laws.law_instant import (
+    NO_LAW_VALUE,
+    find_able,
+    find_start,
+    is_on,
+    passive_role,
+    quantity,
+)
 from hybond.engine.laws.law_records import Ports
-from hybond.engine.laws.law_seconds import warn_of_second
+from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import times_partner
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import node_name
@@ -46,6 +54,12 @@ def read_step_laws(e: Engine, s: Stepping, p: Ports) -> int:
         s.size = max(s.size, math.fabs(s.w[b]))
     times_partner(m, p, s.w, s.before)
     find_start(m, r)
+    if has_gaps(m):
+        # what touches but for rounding of its gap takes part in impacts of others
+        for i in range(2 * m.slots):
+            r.v[i] = v[i]
+        if find_able(e, r) != OK:
+            return REFUSED
     for k in range(m.ports):
         is_common = p.given[k] == COMMON
         if m.port_planar[k] != 0 and is_common:
@@ -70,10 +84,10 @@ def read_step_laws(e: Engine, s: Stepping, p: Ports) -> int:
 def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) -> None:
     """Leave out the contacts that stay open for the first half of a step of length `h`.
 
-    The others take part with their coefficient of restitution. `bonds` are what they are at the end
-    if no law acts: what rests on a contact and would fall again within the step is not let go of
-    because its distance is positive by rounding; nor is the leg of a table that the load on the
-    other legs would lift if it were not for them.
+    What is closed but for rounding does not. The others take part with their coefficient of
+    restitution. `bonds` are what they are at the end if no law acts: what rests on a contact and
+    would fall again within the step is not let go of because its distance is positive by rounding;
+    nor is the leg of a table that the load on the other legs would lift if it were not for them.
     """
     m = e.model
     r = e.laws
@@ -84,7 +98,8 @@ def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) ->
             motion = max(motion, h * math.fabs(s.free[k]))
     for k in range(m.ports):
         near = s.gap[k] + 0.5 * h * s.gap_rate[k]
-        if not near > 0.0:
+        touching = r.able[k] != 0 and not is_on(m, k, e.state[m.port_machine[k]])
+        if not near > 0.0 or touching:
             continue
         if is_on(m, k, e.state[m.port_machine[k]]) and p.given[k] == COMMON:
             touches = s.gap[k] + 0.5 * h * min(s.free[k], 0.0) <= 0.0
@@ -100,7 +115,8 @@ def solve_step_laws(
     """Find what the laws do, where bond variables are ``bonds + gain l``, into `s.l`.
 
     `s.v1` holds the values at which limits of friction are linearised. If `doubtful`, what `w` has
-    without `l` below `s.doubt` is rounding. HB-J120 if there is no answer.
+    without `l` below `s.doubt` is rounding. HB-J120 if there is no answer, HB-J121 if none was
+    found.
     """
     m = e.model
     r = e.laws
@@ -138,7 +154,7 @@ def solve_step_laws(
     for d in range(m.disks):
         e.planar.slid[d] = 0
     if not found:
-        return no_end(e)
+        return no_end(e, r.problem.proved)
     for k in range(n):
         s.branch[k] = r.problem.branch[k]
         s.l[k] = r.problem.l[k] if r.problem.role[k] != CUT else 0.0
@@ -149,7 +165,7 @@ def solve_step_laws(
         s.shared[k] = 0
     if c.still > 0:
         share(e, s, p, c)
-    return OK if keeps_laws(e, s, c) else no_end(e)
+    return OK if keeps_laws(e, s, c) else no_end(e, False)
 
 
 def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
@@ -180,11 +196,10 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
                 broken = True
         if broken:
             continue
-        if m.tells != 0 and not guessed and not s.second_said:
-            rows = e.warned.rows
+        if not guessed and p.answers > 1 and not s.second_said:
             r.t = s.v1[0]
-            warn_of_second(e, r, r.q, 0.0, bounces)
-            s.second_said = e.warned.rows > rows
+            warn_of_several(e, r)
+            s.second_said = True
         if not guessed:
             # in the units of the problem, as it was asked
             put_problem(e, r, r.q, 0.0, bounces)
@@ -269,12 +284,18 @@ def keeps_friction(s: Stepping, p: LawProblem, k: int, off: float) -> bool:
     return not slips or p.branch[k] == 0 or way * force >= limit - loose
 
 
-def no_end(e: Engine) -> int:
-    """Refuse laws that have no solution in a step."""
+def no_end(e: Engine, proved: bool) -> int:
+    """Refuse laws that have no solution in a step: HB-J120; or HB-J121 if none was found."""
     m = e.model
     r = e.laws
-    why = "the laws have no solution in a step: give a contact a stiffness, a source a resistance"
-    found = say_fault(e, "HB-J120", why, node_name(m, m.port_node[0]))
+    code = "HB-J121"
+    why = "no solution of the laws was found in a step: give a contact a stiffness"
+    if proved:
+        code = "HB-J120"
+        why = (
+            "the laws have no solution in a step: give a contact a stiffness, a source a resistance"
+        )
+    found = say_fault(e, code, why, node_name(m, m.port_node[0]))
     if m.tells != 0:
         for k in range(m.ports):
             if r.role[k] != CUT:

@@ -20,17 +20,18 @@ NOT_LOOKED: Final = -1
 class Coupled:
     """A step of length `h` in a configuration with open laws, linearised.
 
-    The first `n` states act back on their rates. `state` and `direct` are bond variables by these
-    and by `l`, `gain` by `l` with what `l` makes of the state; `inverse` is that of one minus `h`
-    times the rates by the states, `push` the state at the end by `l`, `m` the `w` of laws by `l`.
-    Where all but the laws is linear, `straight`, they hold at every point. `still` columns of
-    `basis` are the `l` by which two solutions may differ.
+    `theta` is the weight of its end. The first `n` states act back on their rates. `state` and
+    `direct` are bond variables by these and by `l`, `gain` by `l` with what `l` makes of the state;
+    `inverse` is that of one minus `h` times the rates by the states, `push` the state at the end by
+    `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
+    every point. `still` columns of `basis` are the `l` by which two solutions may differ.
     """
 
     place: int
     stamp: int
     """Of which ports, and which ones these were when it was made."""
     h: float
+    theta: float
     used: int
     number: int
     """Of these matrices among all that were made."""
@@ -97,8 +98,10 @@ class Shares:
 class Stepping:
     """Steps of one run: the point that was reached is that of the run, with bond variables `w`.
 
+    `theta` is the weight of the end of the step under way.
+
     Of the last step: when it began, `l`, the branches, which laws were `struck`, what sources gave,
-    what resistors took and what came from nowhere.
+    what resistors took, what laws gave and what came from nowhere.
     """
 
     hand: bool
@@ -107,6 +110,7 @@ class Stepping:
     """Where the grid of steps begins, and how many of them lead to its next point."""
     grid_next: int
     grid_new: bool
+    theta: float
     begins: bool
     """Whether the point is no end of a step that the log knows."""
     t0: float
@@ -166,6 +170,7 @@ class Stepping:
     # the outcome
     supplied: float
     dissipated: float
+    worked: float
     unbalanced: float
     before_state: Ints
     after_state: Ints

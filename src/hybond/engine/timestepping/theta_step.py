@@ -7,7 +7,10 @@ The graph seen from its junction laws (`laws/ports`) is ``x' = f(x) + E l, w = y
     w+ = y(x+) + D l,     0 <= l  |  w+ + eps w >= 0
 
 `theta` averages the smooth part only; what the laws ask for holds at the *end* of the step, so that
-a capacitor that is charged through a diode never overshoots. ``h l`` is the percussion of the step:
+a capacitor that is charged through a diode never overshoots. With ``theta < 1`` a law that takes
+hold in a step may then give energy, ``h l`` times its mean `w`; in a stiff circuit whose diodes
+commutate step after step that grows without a bound. A law gives none: such a step is made again
+with ``theta = 1``, where ``l w+`` is never positive. ``h l`` is the percussion of the step:
 a force that acts during it, an impulse, or both, which the scheme does not tell apart. That is why
 it needs no event location and passes through accumulation points. `eps` is Newton's restitution; a
 contact takes part only if it would close in the first half of the step, ``gap + h/2 gap' <= 0``.
@@ -69,6 +72,8 @@ UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
+GIVES_PART: Final = 1e-12
+"""Part of the largest energy so far from which a law gives more than rounding."""
 AT_REST: Final = 1e-9
 """Part of the largest approach so far below which a contact counts as at rest."""
 
@@ -108,6 +113,21 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     `h` is said apart, because the difference of two times is not twice the same: matrices are made
     once for each. HB-J120 if the laws have no solution, HB-N310 if Newton does not converge.
     """
+    s.theta = e.model.theta
+    if end_of_step(e, s, t1, h) != OK:
+        return REFUSED
+    if s.theta < 1.0 and laws_give(e, s):
+        s.theta = 1.0
+        if end_of_step(e, s, t1, h) != OK:
+            return REFUSED
+    if not all_finite(e.states, s.y) or not math.isfinite(energy_of(e, s.y)):
+        return no_convergence(e)
+    finish_step(e, s, e.laws.now, t1, h)
+    return OK
+
+
+def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
+    """Find the end of a step with ``s.theta``: the state in `s.y`, bond variables in `e.work.w`."""
     m = e.model
     r = e.laws
     take_instant(e, r, e.t, s.nothing_stored, e.state)
@@ -137,16 +157,38 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     for k in range(e.states):
         s.begin_y[k] = e.y[k]
         s.y[k] = e.y[k]
-        s.explicit[k] = e.y[k] + h * (1.0 - m.theta) * s.rate0[k]
+        s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
-    if not all_finite(e.states, s.y):
-        return no_convergence(e)
-    finish_step(e, s, p, t1, h)
+    for b in range(2 * m.bonds):
+        s.mean[b] = e.work.w[b] - (1.0 - s.theta) * (s.without[b] - s.w0[b])
+    s.worked = work_of_laws(e, s, p, h)
     return OK
+
+
+def work_of_laws(e: Engine, s: Stepping, p: Ports, h: float) -> float:
+    """Return what laws give in a step, J: ``h l`` times the mean of their `w`."""
+    m = e.model
+    times_partner(m, p, s.mean, s.wl)
+    worked = 0.0
+    for k in range(m.ports):
+        if m.port_pseudo[k] == 0:
+            worked += h * s.l[k] * s.wl[k]
+    return worked
+
+
+def laws_give(e: Engine, s: Stepping) -> bool:
+    """Whether any law gave energy in a step, but one that rebounds, whose velocity is averaged."""
+    m = e.model
+    h = s.now.h
+    for k in range(m.ports):
+        if m.port_pseudo[k] == 0 and s.restitution[k] == 0.0:
+            if h * s.l[k] * s.wl[k] > GIVES_PART * e.energy:
+                return True
+    return False
 
 
 def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
@@ -155,7 +197,7 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     Integrated signals do not act back here, so that they follow.
     """
     m = e.model
-    theta = m.theta
+    theta = s.theta
     n = c.n
     if implicit(e, s, p, s.y, s.nothing) != OK:
         return REFUSED
@@ -331,6 +373,13 @@ def measure(e: Engine, s: Stepping, p: Ports, h: float) -> None:
             most = max(most, s.weight[k])
     for k in range(m.storages):
         s.weight[k] = max(s.weight[k], 1e-3 * most)
+    # signals move as what is stored would move them by its own measure, though it may be at rest
+    for k in range(e.states):
+        s.move[k] = e.y[k] + (s.weight[k] if k < m.storages else 0.0)
+    if m.integrals > 0 and rates_at(e, s, p, s.move, s.nothing, s.rate) == OK:
+        for k in range(m.integrals):
+            at = m.storages + k
+            s.weight[at] = max(s.weight[at], h * math.fabs(s.rate[at]))
     for k in range(m.integrals):
         most = max(most, s.weight[m.storages + k])
     for k in range(e.states):
@@ -352,10 +401,9 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     m = e.model
     w = e.work.w
     for b in range(2 * m.bonds):
-        s.mean[b] = w[b] - (1.0 - m.theta) * (s.without[b] - s.w0[b])
         s.w[b] = w[b]
     meter_step(m, s, h)
-    balance_step(e, s, p, h)
+    balance_step(e, s)
     for k in range(m.ports):
         s.most[k] = max(s.most[k], math.fabs(s.before[k]))
         hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and s.before[k] < -AT_REST * s.most[k]
@@ -395,7 +443,7 @@ def meter_step(m: Model, s: Stepping, h: float) -> None:
         s.dissipated += h * float(m.dissipator_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
 
 
-def balance_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
+def balance_step(e: Engine, s: Stepping) -> None:
     """Find what a step has stored beyond what sources, resistors and laws gave it, J.
 
     The mean bond variables of a step obey the junction structure, so that with the co-energy
@@ -407,19 +455,14 @@ def balance_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
     m = e.model
     stored = 0.0
     for end in range(2):
-        part = m.theta if end == 1 else 1.0 - m.theta
+        part = s.theta if end == 1 else 1.0 - s.theta
         for k in range(m.storages):
             s.v0[m.stored_slot + k] = s.y[k] if end == 1 else e.y[k]
         co_energy(m, s.v0, s.x)
         for k in range(m.storages):
             if m.storage_pseudo[k] == 0:
                 stored += part * s.x[k] * (s.y[k] - e.y[k])
-    times_partner(m, p, s.mean, s.wl)
-    worked = 0.0
-    for k in range(m.ports):
-        if m.port_pseudo[k] == 0:
-            worked += h * s.l[k] * s.wl[k]
-    s.unbalanced = stored - (s.supplied - s.dissipated) - worked
+    s.unbalanced = stored - (s.supplied - s.dissipated) - s.worked
 
 
 def put_law_source(m: Model, s: Stepping, p: Ports, k: int) -> None:

@@ -1,0 +1,235 @@
+"""Time-stepping against closed forms: its order, its energy, rest, what grows without a bound."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import hybond as hb
+
+G = 9.81
+
+
+def stepped(model: hb.Model, until: float, step: float, theta: float = 0.5) -> hb.Result:
+    return hb.simulate(model, until, solver="moreau-jean", step=step, theta=theta)
+
+
+def oscillator() -> hb.Model:
+    m = hb.Model("oscillator", domain="translational")
+    m.add(mass=hb.I(1.0), spring=hb.C(0.04, q=1.0), v=hb.One())
+    m.bond("v -> mass", "v -> spring")
+    return m
+
+
+def decay() -> hb.Model:
+    m = hb.Model("decay", domain="electrical")
+    m.add(c=hb.C(0.5, e=2.0), r=hb.R(1.0), n=hb.Zero())
+    m.bond("n -> c", "n -> r")
+    return m
+
+
+def ball(eps: float) -> hb.Model:
+    m = hb.Model("ball", domain="translational")
+    m.add(weight=hb.Se(-G), ball=hb.I(1.0), v=hb.One())
+    m.add(contact=hb.Zero(law="unilateral", gap="height", restitution=eps))
+    m.bond("weight -> v -> ball", "contact -> v")
+    m.signal(height=hb.Integral("v.f", start=1.0))
+    return m
+
+
+def bounces(eps: float, t: np.ndarray) -> np.ndarray:
+    """Height by Newton's law: parabolas, until 1.2 s of which the second impact is the last."""
+    first = math.sqrt(2.0 / G)
+    second = first * (1.0 + 2.0 * eps)
+    up, again = G * first * eps, G * first * eps**2
+    late = t - second
+    return np.where(
+        t < first,
+        1.0 - 0.5 * G * t**2,
+        np.where(
+            t < second,
+            up * (t - first) - 0.5 * G * (t - first) ** 2,
+            again * late - 0.5 * G * late**2,
+        ),
+    )
+
+
+def brake() -> hb.Model:
+    """A block that dry friction brings to rest after 1/3 s."""
+    m = hb.Model("brake", domain="translational")
+    m.add(block=hb.I(2.0, f=1.0), v=hb.One(law="coulomb", limit=6.0))
+    m.bond("v -> block")
+    m.signal(x=hb.Integral("v.f"))
+    return m
+
+
+def brakes(t: np.ndarray) -> np.ndarray:
+    s = np.minimum(t, 1.0 / 3.0)
+    return s - 1.5 * s**2
+
+
+def stop() -> hb.Model:
+    """A mass on a spring against a stop at its rest position: half waves of one side."""
+    m = hb.Model("stop", domain="translational")
+    m.add(mass=hb.I(1.0), spring=hb.C(0.04, q=1.0), v=hb.One())
+    m.add(contact=hb.Zero(law="unilateral", gap="spring.q", restitution=1.0))
+    m.bond("v -> mass", "v -> spring", "contact -> v")
+    return m
+
+
+def charger() -> hb.Model:
+    """A coil pours its current through a diode into a capacitor, once."""
+    m = hb.Model("charger", domain="electrical")
+    m.add(l=hb.I(1.0, f=1.0), c=hb.C(0.25), d=hb.One(law="diode"))
+    m.bond("d -> l", "d -> c")
+    return m
+
+
+def charges(t: np.ndarray) -> np.ndarray:
+    """Charge: a quarter of a swing, then it is kept."""
+    return 0.5 * np.sin(2.0 * np.minimum(t, math.pi / 4.0))
+
+
+PROBLEMS: dict[str, tuple[Callable[[], hb.Model], str, Callable, float, float, float]] = {
+    # model, variable, closed form, end, order with theta = 1/2, with theta = 1
+    "oscillator": (oscillator, "spring.q", lambda t: np.cos(5.0 * t), 2.0, 2.0, 1.0),
+    "decay": (decay, "c.e", lambda t: 2.0 * np.exp(-2.0 * t), 2.0, 2.0, 1.0),
+    "ball": (lambda: ball(0.8), "height", lambda t: bounces(0.8, t), 1.2, 1.0, 1.0),
+    "stop": (stop, "spring.q", lambda t: np.abs(np.cos(5.0 * t)), 2.0, 1.0, 1.0),
+    # one event in all, after which nothing moves: it costs a second order at most
+    "brake": (brake, "x", brakes, 1.0, 2.0, 1.0),
+    "charger": (charger, "c.q", charges, 2.0, 2.0, 1.0),
+}
+
+
+def errors(name: str, theta: float, steps: list[int]) -> list[float]:
+    """Mean errors at forty times, whatever the steps are: each is a mean of some lengths."""
+    make, variable, exact, until, *_ = PROBLEMS[name]
+    t = np.linspace(0.0, until, 41)[1:]
+    found = []
+    for many in steps:
+        # where events fall within steps makes errors rise and fall: lengths that differ a little
+        own = []
+        for part in (1.0, 1.013, 1.029, 1.041, 1.057):
+            run = stepped(make(), until, until / (many * part), theta)
+            own.append(np.abs(run[variable].at(t) - exact(t)).mean())
+        found.append(float(np.mean(own)))
+    return found
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_the_order_of_a_step_is_that_of_closed_forms(name: str, theta: float) -> None:
+    order = PROBLEMS[name][4 if theta == 0.5 else 5]
+    steps = [200, 400, 800, 1600]
+    found = errors(name, theta, steps)
+    slope = -np.polyfit(np.log(steps), np.log(found), 1)[0]
+    if name in ("oscillator", "decay") or theta == 1.0:
+        assert slope == pytest.approx(order, abs=0.25)
+    # where in a step an event falls is chance: that is in the mean of some lengths
+    assert slope > order - 0.35
+    assert found[-1] < {1.0: 1e-2, 2.0: 4e-5}[order] * (4.0 if theta == 1.0 else 1.0)
+
+
+SNUBBED = [
+    # source resistance and inductance, resistors and capacitors of the snubbers, load, step
+    (0.06662, 1.13e-4, (98.6, 60.8, 91.7, 144.5), (27.3, 5.3, 3.33, 40.9), 96.95, 1e-5),
+    (0.1, 2e-4, (50.0, 80.0, 120.0, 60.0), (10.0, 20.0, 5.0, 2.0), 60.0, 2e-5),
+    (0.02, 5e-5, (200.0, 150.0, 90.0, 75.0), (4.0, 3.0, 30.0, 12.0), 40.0, 1e-5),
+    (0.2, 1e-3, (30.0, 300.0, 40.0, 500.0), (1.0, 2.0, 3.0, 4.0), 150.0, 5e-5),
+]
+
+
+def snubbed(R: float, L: float, r: tuple, c: tuple, load: float) -> hb.Model:
+    """A bridge of ideal diodes before a resistor, an RC snubber across each of them."""
+    m = hb.Model("snubbed", domain="electrical")
+    m.add(V=hb.Se("167*sin(2513*time)"), Rs=hb.R(R), Ls=hb.I(L), line=hb.One())
+    m.add(a=hb.Zero(), n=hb.Zero(), p=hb.Zero(), q=hb.Zero(), out=hb.One(), RL=hb.R(load))
+    m.bond("V -> line", "line -> Rs", "line -> Ls", "n -> line -> a", "p -> out -> q", "out -> RL")
+    for k, (one, other) in enumerate((("a", "p"), ("n", "p"), ("q", "a"), ("q", "n"))):
+        m.add(**{f"d{k}": hb.One(law="diode"), f"r{k}": hb.R(0.005 + 0.0 * r[k])})
+        m.add(**{f"s{k}": hb.One(), f"rq{k}": hb.R(r[k]), f"cq{k}": hb.C(c[k] * 1e-9)})
+        m.bond(f"{one} -> d{k} -> {other}", f"d{k} -> r{k}")
+        m.bond(f"{one} -> s{k} -> {other}", f"s{k} -> rq{k}", f"s{k} -> cq{k}")
+    return m
+
+
+@pytest.mark.parametrize("case", SNUBBED)
+def test_snubbers_do_not_let_a_current_grow_without_a_bound(case: tuple) -> None:
+    """What a bridge draws is bounded by what its source can drive, with any theta and step.
+
+    With theta = 1/2 a stiff line rings from step to step, and no more than that.
+    """
+    *parts, step = case
+    exact = hb.simulate(snubbed(*parts), 7.5e-3, solver="exact")
+    t = np.linspace(2.5e-3, 7.5e-3, 400)
+    right = exact["Ls.f"].at(t)
+    for theta in (0.5, 0.6, 1.0):
+        for h in (step, 0.5 * step):
+            found = stepped(snubbed(*parts), 7.5e-3, h, theta)["Ls.f"].at(t)
+            assert np.abs(found).max() < 4.0 * np.abs(right).max()
+            if theta == 1.0:
+                assert np.abs(found - right).mean() < 0.03 * np.abs(right).max()
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.75])
+def test_a_law_that_takes_hold_in_a_step_gives_no_energy(theta: float) -> None:
+    """A capacitor and a coil that diodes join and part: energy never grows without a source."""
+    for L, C, h in ((1.0, 1.0, 0.3), (0.1, 2.0, 0.5), (3.0, 0.05, 1.0), (0.01, 0.01, 0.2)):
+        m = hb.Model("parted", domain="electrical")
+        m.add(l=hb.I(L, f=1.0), c=hb.C(C, e=-2.0), r=hb.R(0.3), n=hb.Zero(), d=hb.One(law="diode"))
+        m.bond("n -> c", "n -> l", "n -> d -> r")
+        run = stepped(m, 12.0, h, theta)
+        energy = [
+            L * run["l.f"].at(t) ** 2 + C * run["c.e"].at(t) ** 2 for t in np.arange(0, 12, h)
+        ]
+        assert (np.diff(energy) <= 1e-12 * energy[0]).all()
+
+
+def block(mu: float, half: float, high: float, J: float) -> hb.Model:
+    """A block at rest on both of its corners."""
+    m = hb.Model("block", domain="translational")
+    m.add(mx=hb.I(1.0), my=hb.I(1.0), weight=hb.Se(-G), vx=hb.One(), vy=hb.One())
+    m.add(rot=hb.I(J, domain="rotational"), w=hb.One(domain="rotational"))
+    for k, side in ((1, -1.0), (2, 1.0)):
+        m.add(**{f"c{k}": hb.Zero(law="unilateral", gap=f"gap{k}", restitution=0.0)})
+        m.add(**{f"s{k}": hb.One(law="coulomb", limit=f"{mu}*c{k}.e", impulsive=True)})
+        m.add(**{f"a{k}": hb.TF(f"{side * half}*cos(theta) + {high}*sin(theta)")})
+        m.add(**{f"t{k}": hb.TF(f"{high}*cos(theta) - {side * half}*sin(theta)")})
+        m.add(**{f"f{k}": hb.Zero()})
+        m.bond(f"c{k} -> vy", f"c{k} -> a{k}.2", f"a{k}.1 -> w")
+        m.bond(f"vx -> f{k} -> s{k}", f"w -> t{k} -> f{k}")
+        m.signal(**{f"gap{k}": f"y + {side * half}*sin(theta) - {high}*cos(theta)"})
+    m.bond("vx -> mx", "weight -> vy -> my", "w -> rot")
+    m.signal(theta=hb.Integral("w.f"), y=hb.Integral("vy.f", start=high))
+    return m
+
+
+RESTS = [
+    # friction, half the width and the height, inertia
+    (0.3, 0.25, 0.75, 0.2083),
+    (0.8, 0.5, 0.5, 0.1667),
+    (0.5, 0.3, 0.9, 0.3),
+    (0.4, 0.5, 1.0, 0.4),
+    (1.0, 0.2, 0.2, 0.03),
+    (0.6, 2.0, 1.0, 3.0),
+    (0.1, 1.0, 0.2, 0.35),
+    (0.9, 1.0, 0.2, 0.35),
+]
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"solver": "radau"}, {"solver": "moreau-jean", "step": 1e-3}]
+)
+@pytest.mark.parametrize("case", RESTS)
+def test_a_block_at_rest_stays_at_rest_in_few_steps(case: tuple, options: dict) -> None:
+    """Nothing moves and no energy is there to measure anything by: each foot bears its half."""
+    run = hb.simulate(block(*case), until=0.1, **options)
+    assert run.status == "ok" and run.stats["steps"] <= 100
+    for name in ("vx.f", "vy.f", "w.f"):
+        assert run[name].at(0.1) == pytest.approx(0.0, abs=1e-12)
+    assert run["c1.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
+    assert run["c2.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
