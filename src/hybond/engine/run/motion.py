@@ -41,6 +41,7 @@ from hybond.engine.run.log import (
 )
 from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
 from hybond.engine.run.stranded import in_vain, no_slip
+from hybond.engine.run.together import last_of_instant, room_of_instant
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -159,7 +160,7 @@ def flow(e: Engine, r: Run) -> int:
         return -1
     r.flowing = False
     end = min(e.next_break, e.stop)
-    instant = m.event_tol * max(e.until, math.fabs(e.t))
+    instant = room_of_instant(e)
     while True:
         if r.slice == 0:
             r.flowing = True
@@ -182,7 +183,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         at = g.at
         if at < math.inf:
-            if land(e, g) != OK:
+            if land(e, g, instant, end) != OK:
                 return -1
             at = g.at
             if at >= end - instant:
@@ -191,7 +192,13 @@ def flow(e: Engine, r: Run) -> int:
                 if e.step.t1 < end and retry(e, end) != OK:
                     return -1
         if at == math.inf:
-            if note(e, r, e.step.t1) != OK:
+            shown = e.step.t1
+            if shown >= end and shown - e.step.t0 >= instant:
+                # what crosses its bound just after a timed event does so with it
+                shown = last_of_instant(e, g, shown, shown + instant)
+                if g.failed:
+                    return -1
+            if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
                 if e.next_break <= end:
@@ -200,7 +207,7 @@ def flow(e: Engine, r: Run) -> int:
             if go_on(e) != OK:
                 return -1
             continue
-        if note(e, r, at) != OK:
+        if note(e, r, at, at) != OK:
             return -1
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
@@ -266,10 +273,10 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
         if r.locator.at < math.inf:
             for d in range(m.disks):
                 p.ends[d] = 0
-            if note(e, r, r.locator.at) != OK:
+            if note(e, r, r.locator.at, r.locator.at) != OK:
                 return REFUSED
             break
-        if note(e, r, e.step.t1) != OK:
+        if note(e, r, e.step.t1, e.step.t1) != OK:
             return REFUSED
         if any_ends(e):
             break
@@ -285,14 +292,30 @@ def any_ends(e: Engine) -> bool:
     return found
 
 
-def land(e: Engine, g: Locator) -> int:
-    """Repeat the step so that it ends just past the instant found. After Executive._land."""
+def land(e: Engine, g: Locator, room: float, end: float) -> int:
+    """Repeat the step so that it ends just past the instant found, and find all that is one with it.
+
+    Not beyond `end`. After Executive._land.
+    """
+    if land_first(e, g, room) != OK:
+        return REFUSED
+    top = min(g.at + room, end)
+    # guards are asked within the step, never where its polynomial is extended
+    if top > e.step.t1 and retry(e, top) != OK:
+        return REFUSED
+    g.looked = math.nan
+    g.at = last_of_instant(e, g, g.at, top)
+    return REFUSED if g.failed else OK
+
+
+def land_first(e: Engine, g: Locator, room: float) -> int:
+    """Repeat the step so that it ends just past the first instant at which a guard holds."""
     h = e.step.t1 - e.step.t0
     longest = e.step.t1
     at = g.at
     for k in range(2):
         past = 1e-6 if k == 0 else 1e-3
-        end = at + past * (at - e.step.t0)
+        end = at + max(past * (at - e.step.t0), 2.0 * room)
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         if retry(e, end) != OK or locate(e, g) != OK:
@@ -306,13 +329,16 @@ def land(e: Engine, g: Locator) -> int:
     return OK
 
 
-def note(e: Engine, r: Run, t: float) -> int:
-    """Note a step that ends at `t`, and put the state back on its constraints."""
+def note(e: Engine, r: Run, t: float, shown: float) -> int:
+    """Note a step that ends at `t`, with the state at `shown`, put back on its constraints.
+
+    The two are one instant.
+    """
     m = e.model
     for k in range(e.states):
         e.y[k] = e.step.y1[k]
-    if t != e.step.t1:
-        between(e, t, e.y)
+    if shown != e.step.t1:
+        between(e, shown, e.y)
     if is_constrained(e.mode):
         if evaluate(e, e.mode, e.shown, t, e.y) != OK:
             return REFUSED
