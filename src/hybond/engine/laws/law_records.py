@@ -59,8 +59,8 @@ class Response:
     """The graph seen from its ports at one state, linearised.
 
     `bonds` are bond variables with ``l = 0`` and `gain` their derivative by `l`, a row for each;
-    `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate. It is
-    ``w = y + d l``; what is stored moves by ``e l``, and `y` then by ``ce l``.
+    `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate, `rate_size`
+    that of the terms of the rate in a linear graph. It is ``w = y + d l``; what is stored moves by ``e l``, and `y` then by ``ce l``.
     """
 
     bonds: Floats
@@ -71,6 +71,7 @@ class Response:
     e: Floats
     ce: Floats
     rate: Floats
+    rate_size: Floats
 
 
 @record
@@ -137,6 +138,9 @@ class Laws:
     moved: Floats
     kept: Floats
     later: Floats
+    later_s: Floats
+    rate_after: Floats
+    rate_terms: Floats
     row: Floats
     terms: Floats
     nothing: Floats
@@ -243,6 +247,7 @@ def make_response(m: Model) -> Response:
     a.y = floats(n)
     a.size = floats(n)
     a.rate = floats(n)
+    a.rate_size = floats(n)
     return a
 
 
@@ -263,6 +268,9 @@ def make_laws(m: Model) -> Laws:
     r.moved = floats(m.storages)
     r.kept = floats(2 * m.slots)
     r.later = floats(2 * m.slots)
+    r.later_s = floats(m.integrals)
+    r.rate_after = floats(n)
+    r.rate_terms = floats(n)
     r.row = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
     r.nothing = floats(m.slots)
