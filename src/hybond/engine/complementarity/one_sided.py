@@ -128,6 +128,7 @@ def by_levels(p: LawProblem, n: int) -> bool:
     """
     if lemke(p.lcp, n, p.own, p.own_q, p.guess) != SOLVED:
         return False
+    p.doubtful = is_doubtful(p, n)
     several = 0
     for k in range(n):
         p.z[k] = p.lcp.z[k]
@@ -151,6 +152,23 @@ def by_levels(p: LawProblem, n: int) -> bool:
             break
         several = still
     return True
+
+
+def is_doubtful(p: LawProblem, n: int) -> bool:
+    """Whether some pair of Lemke's answer is zero, or nearly, on both sides."""
+    most = 0.0
+    size = 0.0
+    for k in range(n):
+        most = max(most, p.lcp.z[k])
+        terms = math.fabs(p.own_q[k])
+        for j in range(n):
+            terms += math.fabs(p.own[k * n + j]) * p.lcp.z[j]
+        size = max(size, terms)
+    found = False
+    for k in range(n):
+        idle = p.lcp.z[k] <= CLEAR_PART * most and p.lcp.w[k] <= CLEAR_PART * size
+        found = found or idle
+    return found
 
 
 def finer_level(p: LawProblem, n: int, several: int) -> bool:

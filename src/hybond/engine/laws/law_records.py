@@ -141,6 +141,10 @@ class Laws:
     later_s: Floats
     rate_after: Floats
     rate_terms: Floats
+    atom: Floats
+    looks_ahead: bool
+    """Whether what stands must stand a moment later, too."""
+    saw_ahead: bool
     row: Floats
     terms: Floats
     nothing: Floats
@@ -271,6 +275,7 @@ def make_laws(m: Model) -> Laws:
     r.later_s = floats(m.integrals)
     r.rate_after = floats(n)
     r.rate_terms = floats(n)
+    r.atom = floats(m.atom_first[m.rule_first[m.machines]])
     r.row = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
     r.nothing = floats(m.slots)
