@@ -35,12 +35,16 @@ def fed_laws(opened: Opened) -> frozenset[str]:
     for k, b in enumerate(opened.bonds):
         around.setdefault(b.tail.path, []).append((k, b.head.path))
         around.setdefault(b.head.path, []).append((k, b.tail.path))
-    switched = {name for _, part in opened.machines.values() for on in part.states.values() for name in on}
+    switched = {
+        name for _, part in opened.machines.values() for on in part.states.values() for name in on
+    }
     found = []
     for path in asked:
         flow = opened.nodes[path].part.kind == "1"
         met: set[int] = set()
-        if any(_says(opened, around, switched, met, k, n, flow=flow) for k, n in around.get(path, ())):
+        if any(
+            _says(opened, around, switched, met, k, n, flow=flow) for k, n in around.get(path, ())
+        ):
             found.append(path)
     return frozenset(found)
 

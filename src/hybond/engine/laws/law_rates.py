@@ -1,7 +1,7 @@
 """How fast what laws decide on moves, at an instant and a moment after it.
 
 Where a finite value and its rate are both zero, rounding must not decide: an instant is located to
-its last place only, and at the peak of a sine the sign of a rate is that of what location left over.
+its last place only, and at the peak of a sine the sign of a rate is that of what location left.
 Then the rate that counts is the mean of the shortest time in which the value becomes more than
 rounding.
 """

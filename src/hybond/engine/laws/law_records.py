@@ -60,7 +60,8 @@ class Response:
 
     `bonds` are bond variables with ``l = 0`` and `gain` their derivative by `l`, a row for each;
     `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate, `rate_size`
-    that of the terms of the rate in a linear graph. It is ``w = y + d l``; what is stored moves by ``e l``, and `y` then by ``ce l``.
+    that of the terms of the rate in a linear graph. It is ``w = y + d l``; what is stored moves by
+    ``e l``, and `y` then by ``ce l``.
     """
 
     bonds: Floats

@@ -285,9 +285,9 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
 def rates_of_linear(
     e: Engine, r: Laws, v: Floats, bonds: Floats, rate: Floats, terms: Floats
 ) -> None:
-    """Put the rate of each `y` of a linear graph there, and the size of its terms, after a solution.
+    """Put the rate of each `y` of a linear graph there, and the size of its terms.
 
-    `r.field` becomes the rate of what is stored.
+    To be asked after a solution. `r.field` becomes the rate of what is stored.
     """
     m = e.model
     p = r.now

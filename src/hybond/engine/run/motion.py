@@ -293,7 +293,7 @@ def any_ends(e: Engine) -> bool:
 
 
 def land(e: Engine, g: Locator, room: float, end: float) -> int:
-    """Repeat the step so that it ends just past the instant found, and find all that is one with it.
+    """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
     Not beyond `end`. After Executive._land.
     """
