@@ -1,8 +1,8 @@
 """Every example by the compiled library: events, states, dense steps.
 
 What happens in an example stands in `events/`, in the words of an exported program: it was written
-down by another engine, of which not a line was shared, and to whose runs this one agreed. It did not
-say which of several idle diodes conducts (cockcroft_walton, mmc_arm, the start of
+down by another engine, of which not a line was shared, and to whose runs this one agreed. It did
+not say which of several idle diodes conducts (cockcroft_walton, mmc_arm, the start of
 parallel_resonant_converter): that is written down from an exported program.
 """
 

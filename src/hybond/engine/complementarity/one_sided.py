@@ -16,6 +16,8 @@ CLEAR_PART: Final = 1e-6
 """Part of the largest of its kind from which a value is positive beyond doubt."""
 SHARED: Final = 1e-10
 """Part of their terms up to which rows of a block say the same, and what is blocked is zero."""
+CANCELLED_PART: Final = 1e-13
+"""Part of its terms below which what others leave of q is rounding."""
 LEVELS: Final = 4
 """Orders of magnitude at which pairs that are zero on both sides are looked at again."""
 
@@ -185,6 +187,13 @@ def finer_level(p: LawProblem, n: int, several: int) -> bool:
     put_in_held(p, n, sure, several, p.own, p.own_q, p.sub, p.sub_q)
     most = 0.0
     for i in range(several):
+        one = p.free[i]
+        terms = math.fabs(p.own_q[one])
+        for s in range(sure):
+            held = p.into[s * (several + 1) + several]
+            terms += math.fabs(p.own[one * n + p.held[s]] * held)
+        if math.fabs(p.sub_q[i]) <= CANCELLED_PART * terms:
+            p.sub_q[i] = 0.0  # rounding decides nothing: what is open stays so
         most = max(most, math.fabs(p.sub_q[i]))
         p.sub_start[i] = p.guess[p.free[i]]
     if most == 0.0:
