@@ -12,6 +12,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
     PIECES,
@@ -168,12 +169,12 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
                 r.shrink = 1.0
         return STEP_REJECTED
     estimate_error(e, r)
-    if not r.error <= 1.0:
+    for i in range(n):
+        r.y1[i] = r.y[2 * n + i]
+    if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
         factor = RADAU_SAFETY * radau_rounds(r) * math.pow(r.error, -0.25)
         r.shrink = min(max(factor, RADAU_SHRINK), RADAU_SAFETY)
         return STEP_REJECTED
-    for i in range(n):
-        r.y1[i] = r.y[2 * n + i]
     if rate_at(e, n, r.t1, r.y1, r.f1) != OK:
         r.beyond = True
         r.shrink = RADAU_SHRINK

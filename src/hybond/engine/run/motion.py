@@ -17,10 +17,12 @@ from hybond.engine.instant.instant import GUARD, START, begin_instant
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
+from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import begin_field, evaluate, set_state
+from hybond.engine.model import node_name
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
@@ -41,7 +43,7 @@ from hybond.engine.run.log import (
 )
 from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
 from hybond.engine.run.stranded import in_vain, no_slip
-from hybond.engine.run.together import last_of_instant, room_of_instant
+from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -58,6 +60,8 @@ BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
 ACCUMULATES: Final = 3
+BACK_AT_ONCE: Final = 1e-9
+"""Part of the run in which so many kinks as instants that end it are one that leads nowhere."""
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -160,7 +164,7 @@ def flow(e: Engine, r: Run) -> int:
         return -1
     r.flowing = False
     end = min(e.next_break, e.stop)
-    instant = room_of_instant(e)
+    instant = room_of_instant(e, e.t)
     while True:
         if r.slice == 0:
             r.flowing = True
@@ -205,6 +209,10 @@ def flow(e: Engine, r: Run) -> int:
                     return timed_cause(e)
                 return GUARD if end >= e.until else STOPPED
             if go_on(e) != OK:
+                return -1
+            continue
+        if is_kink_alone(e, g):
+            if pass_kink(e, r, at) != OK:
                 return -1
             continue
         if note(e, r, at, at) != OK:
@@ -292,6 +300,25 @@ def any_ends(e: Engine) -> bool:
     return found
 
 
+def pass_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a kink, where nothing happens, and begin anew behind it."""
+    m = e.model
+    kink = kink_there(e, r.locator)
+    # what is behind the kink must not show in the polynomial before it
+    if e.step.t1 != at and retry(e, at) != OK:
+        return REFUSED
+    if note(e, r, at, at) != OK:
+        return REFUSED
+    r.kink_at[r.kinks % (IDLE + 1)] = at
+    r.kinks += 1
+    if r.kinks > IDLE and at - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
+        node = m.kink_node[kink] if kink >= 0 else -1
+        place = node_name(m, node) if node >= 0 else ""
+        why = "a jump of a law or a source switches back at once, again and again"
+        return say_fault(e, "HB-N410", why, place)
+    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+
+
 def land(e: Engine, g: Locator, room: float, end: float) -> int:
     """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
@@ -301,8 +328,11 @@ def land(e: Engine, g: Locator, room: float, end: float) -> int:
         return REFUSED
     top = min(g.at + room, end)
     # guards are asked within the step, never where its polynomial is extended
-    if top > e.step.t1 and retry(e, top) != OK:
-        return REFUSED
+    if top > e.step.t1:
+        if is_kink_alone(e, g):
+            return OK  # no step goes far beyond a kink
+        if retry(e, top) != OK:
+            return REFUSED
     g.looked = math.nan
     g.at = last_of_instant(e, g, g.at, top)
     return REFUSED if g.failed else OK

@@ -7,23 +7,10 @@ all of them hold.
 
 from __future__ import annotations
 
-import math
-from typing import Final
-
 from hybond.engine.engine import Engine
-from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.guard_values import holds_at, show
-from hybond.engine.run.locator import ALL_PARTS, Locator
-
-LEAST: Final = 8.0
-"""Units in the last place that an instant lasts at least."""
-
-
-def room_of_instant(e: Engine) -> float:
-    """Return how long an instant lasts: `event_tol` of the run, eight last places at least."""
-    now = math.fabs(e.t)
-    return max(e.model.event_tol * max(e.until, now), LEAST * spacing(now))
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 
 
 def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
@@ -33,10 +20,29 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     """
     last = t
     for k in range(g.guards):
-        if not g.failed and not holds_at(e, g, k, t) and holds_at(e, g, k, top):
+        if g.side[k] != NO_KINK or g.failed:
+            continue
+        if not holds_at(e, g, k, t) and holds_at(e, g, k, top):
             last = max(last, bracket(e, g, k, t, top))
     for k in range(g.guards if last > t else 0):
         if holds_at(e, g, k, t) and not holds_at(e, g, k, last):
             last = t
     show(e, g, ALL_PARTS)
     return last
+
+
+def is_kink_alone(e: Engine, g: Locator) -> bool:
+    """Whether nothing but kinks has ended the step at the instant found."""
+    alone = e.model.kinks > 0
+    for k in range(g.guards):
+        alone = alone and (g.side[k] != NO_KINK or not holds_at(e, g, k, g.at))
+    show(e, g, ALL_PARTS)
+    return alone
+
+
+def kink_there(e: Engine, g: Locator) -> int:
+    """Return the kink that has ended the step at the instant found, -1 if none did."""
+    for k in range(g.guards):
+        if g.side[k] != NO_KINK and holds_at(e, g, k, g.at):
+            return g.atom[g.atom_first[k]] - e.model.kink_atom
+    return -1
