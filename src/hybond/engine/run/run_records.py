@@ -36,6 +36,8 @@ class Run:
     kinks: int
     """Steps that a kink has ended, and when the last ones were, in a ring."""
     kink_at: Floats
+    kink: int
+    """The last of them."""
     begun: bool
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""

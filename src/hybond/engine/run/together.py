@@ -7,10 +7,16 @@ all of them hold.
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.engine import Engine
+from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.bracket import bracket
-from hybond.engine.run.guard_values import holds_at, show
+from hybond.engine.run.guard_values import atom_at, holds_at, show
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+
+LAST_PLACES: Final = 8.0
+"""Units in the last place within which a jump and what is watched for it may differ."""
 
 
 def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
@@ -38,6 +44,22 @@ def is_kink_alone(e: Engine, g: Locator) -> bool:
         alone = alone and (g.side[k] != NO_KINK or not holds_at(e, g, k, g.at))
     show(e, g, ALL_PARTS)
     return alone
+
+
+def before_kink(e: Engine, g: Locator, at: float) -> float:
+    """Return an instant at which none of the kinks that end the step there is passed."""
+    reach = LAST_PLACES * spacing(at)
+    before = at
+    here = False
+    while not here and before > e.step.t0:
+        before = at - reach
+        reach = 2.0 * reach
+        here = True
+        for k in range(g.guards):
+            if g.side[k] != NO_KINK and holds_at(e, g, k, at):
+                there = atom_at(e, g, g.atom_first[k], before)
+                here = here and float(g.side[k]) * there > 0.0
+    return before
 
 
 def kink_there(e: Engine, g: Locator) -> int:

@@ -11,6 +11,7 @@ from hybond.model.expressions import (
     Expr,
     If,
     Neg,
+    Number,
     Pre,
     comparisons,
     transform,
@@ -34,6 +35,12 @@ def magnitude(e: Expr) -> Expr:
             return Binary("*", magnitude(e.left), magnitude(e.right))
         case Neg() | Call(function="abs"):
             return magnitude(e.arg if isinstance(e, Neg) else e.args[0])
+        case Call(function="sign"):
+            return Number(1.0)
+        case Call(function="floor" | "ceil"):
+            return Binary("+", magnitude(e.args[0]), Number(1.0))
+        case Call(function="mod"):
+            return magnitude(e.args[1])
         case Call(function="min" | "max"):
             return reduce(lambda a, b: Binary("+", a, b), map(magnitude, e.args))
         case If():
