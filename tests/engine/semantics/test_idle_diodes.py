@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,11 +38,13 @@ def rectifier(phases: int, coil: float, capacitor: float, load: float) -> str:
 @pytest.mark.parametrize("solver", ["auto", "rk45"])
 @pytest.mark.parametrize("deck", list(DECKS))
 def test_a_bridge_whose_diodes_close_at_zero_current_runs_to_its_end(
-    deck: str, solver: str
+    deck: str, solver: str, tmp_path: Path
 ) -> None:
     """No diode conducts backwards, none blocks what would flow, and the energy adds up."""
     phases, coil, capacitor, load = DECKS[deck]
-    model = hb.read_circuit(rectifier(phases, coil, capacitor, load)).model
+    path = tmp_path / "bridge.cir"
+    path.write_text(rectifier(phases, coil, capacitor, load), encoding="utf-8")
+    model = hb.read_circuit(path).model
     run = hb.simulate(model, until=0.1, solver=solver)
     assert run.status == "ok"
     t = np.linspace(0.0, 0.1, 2001)[1:-1]
