@@ -43,6 +43,16 @@ def test_half_waves_are_counted(per_second: float, level: float, solver: str) ->
         assert len(run.events) == 1  # a kink is no event
 
 
+@pytest.mark.parametrize("solver", ["qss2", "qss3", "liqss2", "liqss3"])
+def test_quantised_states_meet_half_waves(solver: str) -> None:
+    """Where nothing moves they have no event of their own. A hundred quanta are their accuracy."""
+    w = 2.0 * math.pi * 5.0
+    run = filled(f"max(0, sin({w!r}*time) - 0.5)", 1.0, solver=solver, rtol=1e-5)
+    begin = math.asin(0.5)
+    pulse = (2.0 * math.cos(begin) - 0.5 * (math.pi - 2.0 * begin)) / w
+    assert run["c.q"].at(1.0) == pytest.approx(5.0 * pulse, rel=100 * 1e-5)
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_square_wave_of_signs_is_integrated_exactly(solver: str) -> None:
     """A triangle; at a quarter of a period behind the last corner it is a quarter high."""

@@ -7,16 +7,27 @@ all of them hold.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.bracket import bracket
-from hybond.engine.run.guard_values import atom_at, holds_at, show
+from hybond.engine.run.guard_values import (
+    atom_at,
+    atom_here,
+    holds_at,
+    look,
+    show,
+    size_here,
+    test_here,
+)
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 
 LAST_PLACES: Final = 8.0
 """Units in the last place within which a jump and what is watched for it may differ."""
+NEAR_ZERO: Final = 1e-6
+"""Part of its terms from which on rounding has no say in a comparison."""
 
 
 def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
@@ -25,16 +36,29 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     Guards that hold at `t` must still hold there: what is only touched at `t` is an instant alone.
     """
     last = t
+    look(e, g, top)
     for k in range(g.guards):
-        if g.side[k] != NO_KINK or g.failed:
+        g.done[k] = 1 if may_hold(e, g, k) else 0
+    for k in range(g.guards):
+        if g.done[k] == 0 or g.failed or holds_at(e, g, k, t):
             continue
-        if not holds_at(e, g, k, t) and holds_at(e, g, k, top):
+        if holds_at(e, g, k, top):
             last = max(last, bracket(e, g, k, t, top))
     for k in range(g.guards if last > t else 0):
-        if holds_at(e, g, k, t) and not holds_at(e, g, k, last):
+        if g.side[k] == NO_KINK and holds_at(e, g, k, t) and not holds_at(e, g, k, last):
             last = t
     show(e, g, ALL_PARTS)
     return last
+
+
+def may_hold(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a guard holds where it is looked, or would if rounding counts as zero."""
+    if g.side[k] != NO_KINK:
+        return False
+    near = test_here(e, g, k)
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        near = near or math.fabs(atom_here(e, g, a)) <= NEAR_ZERO * size_here(e, g, a)
+    return near
 
 
 def is_kink_alone(e: Engine, g: Locator) -> bool:

@@ -12,11 +12,12 @@ from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import Expr, turning, uses_pre
+from hybond.run_options import QUANTISED
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
 
-FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact"))
+FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", *QUANTISED))
 """Methods that end a step at a kink."""
 MOST = 64
 """Most kinks of one expression; a longer table is a curve."""
