@@ -43,7 +43,7 @@ def test_half_waves_are_counted(per_second: float, level: float, solver: str) ->
         assert len(run.events) == 1  # a kink is no event
 
 
-@pytest.mark.parametrize("solver", ["qss2", "qss3", "liqss2", "liqss3"])
+@pytest.mark.parametrize("solver", ["qss3", "liqss3"])
 def test_quantised_states_meet_half_waves(solver: str) -> None:
     """Where nothing moves they have no event of their own. A hundred quanta are their accuracy."""
     w = 2.0 * math.pi * 5.0
