@@ -31,8 +31,8 @@ TOLERANCE = 5e-3
 """How far means may be apart, of the largest value of the wave or a tenth of the largest voltage
 of the circuit: a straight line stands for the logarithm of a diode, some millivolts away."""
 CARDS = """\
-.model dd D(IS=1e-12 N=0.01 RS=1m)
-.model sw SW(VT=2.5 VH=0 RON=10m ROFF=10meg)
+.model dd D(IS=1e-12 N=0.003 RS=5m)
+.model sw SW(VT=2.5 VH=0 RON=10m ROFF=1g)
 """
 
 
@@ -52,10 +52,13 @@ def circuit(seed: int) -> str:
         lines.append(f"{name('R')} {node} 0 {_value(draw, 100.0, 1e5)}")
     for _ in range(draw.randint(len(nodes), 3 * len(nodes))):
         a, b = draw.sample(places, 2)
-        match draw.choice("RRLCCDDDS"):
+        match draw.choice("RRLLCCCDDDDSSHKI"):
             case "R":
                 lines.append(f"{name('R')} {a} {b} {_value(draw, 1.0, 1e3)}")
             case "L":
+                if draw.random() < 0.3:
+                    lines.append(f"{name('L')} {a} {b} {_value(draw, 1e-3, 1e-1)}")
+                    continue
                 inner = f"i{count['L'] + 1}"
                 lines.append(f"{name('L')} {a} {inner} {_value(draw, 1e-4, 1e-1)}")
                 lines.append(f"{name('R')} {inner} {b} {_value(draw, 0.5, 20.0)}")
@@ -72,6 +75,22 @@ def circuit(seed: int) -> str:
             case "S":
                 gate = draw.choice(["g", "h"])
                 lines.append(f"{name('S')} {a} {b} {gate} 0 sw")
+            case "H":
+                # a leg of a bridge: complementary switches with their diodes
+                middle = draw.choice(nodes)
+                lines += [f"{name('S')} {a} {middle} g 0 sw", f"{name('S')} {middle} {b} h 0 sw"]
+                lines += [f"{name('D')} {middle} {a} dd", f"{name('D')} {b} {middle} dd"]
+            case "K":
+                first, second = name("L"), name("L")
+                c, d = draw.sample(places, 2)
+                lines.append(f"{first} {a} k{count['L']} {_value(draw, 1e-3, 1e-1)}")
+                lines.append(f"{name('R')} k{count['L']} {b} {_value(draw, 0.5, 20.0)}")
+                lines.append(f"{second} {c} m{count['L']} {_value(draw, 1e-3, 1e-1)}")
+                lines.append(f"{name('R')} m{count['L']} {d} {_value(draw, 0.5, 20.0)}")
+                lines.append(f"{name('K')} {first} {second} {draw.choice([0.5, 0.9, 0.98])}")
+            case "I":
+                level = draw.choice(["DC 0.1", "SIN(0 0.2 1500)", "PULSE(0 0.3 0 1u 1u 100u 250u)"])
+                lines.append(f"{name('I')} {a} {b} {level}")
     period = draw.choice([1e-4, 2e-4, 5e-4])
     on, late = draw.uniform(0.2, 0.8) * period, draw.choice([0.0, 0.0, 0.3]) * period
     lines.append(f"Vg g 0 PULSE(0 5 {late:.6g} 10n 10n {on:.6g} {period:.6g})")

@@ -48,7 +48,7 @@ class HybondError(Exception):
         return f"{self.code}{place}: {self.why}{remedy}"
 
     def __reduce__(self) -> Any:
-        # between processes: what is said, not the partial result
+        # a copy, or another process: what is said, not the partial result
         return _said_again, (type(self), self.why, self.code, self.where, self.hint)
 
     def to_dict(self) -> dict[str, str]:

@@ -185,17 +185,7 @@ class Result:
     @property
     def names(self) -> list[str]:
         """Stored quantities, co-energy variables, signals and listed outputs."""
-        found = []
-        for s in self.graph.storages:
-            found += [s.path, self._co_energy(s.path, s.kind)]
-        found += [i.path for i in self.graph.integrals]
-        found += list(self.graph.signals)
-        for key in ("plot", "outputs"):
-            found += [str(n) for n in self.graph.experiment.get(key, ())]
-        return list(dict.fromkeys(found))
-
-    def _co_energy(self, path: str, kind: str) -> str:
-        return f"{path.rpartition('.')[0]}.{'e' if kind == 'C' else 'f'}"
+        return names_of(self.graph)
 
     def expression(self, name: str) -> Expr:
         """Return a name, or any expression of names, in canonical names.
@@ -206,16 +196,7 @@ class Result:
             HB-S109 with the nearest names.
         """
         if name not in self._expressions:
-            assert self.graph.read is not None
-            try:
-                self._expressions[name] = self.graph.read(name)
-            except HybondError as error:
-                raise UsageError(
-                    f"there is no signal {name!r}: {error.why}",
-                    code="HB-S109",
-                    where=name,
-                    hint=error.hint or did_you_mean(name, self.names),
-                ) from None
+            self._expressions[name] = read_name(self.graph, name)
         return self._expressions[name]
 
     def unit(self, name: str) -> str:
@@ -443,3 +424,35 @@ class Result:
             f"<Result {self.title!r}: {self.status}, t = {self.t_end:g} s, "
             f"{len(self.events)} events>"
         )
+
+
+def names_of(graph: FlatGraph) -> list[str]:
+    """Return stored quantities, co-energy variables, signals and listed outputs of a model."""
+    found = []
+    for s in graph.storages:
+        found += [s.path, f"{s.path.rpartition('.')[0]}.{'e' if s.kind == 'C' else 'f'}"]
+    found += [i.path for i in graph.integrals]
+    found += list(graph.signals)
+    for key in ("plot", "outputs"):
+        found += [str(n) for n in graph.experiment.get(key, ())]
+    return list(dict.fromkeys(found))
+
+
+def read_name(graph: FlatGraph, name: str) -> Expr:
+    """Return a name, or any expression of names, in canonical names.
+
+    Raises
+    ------
+    UsageError
+        HB-S109 with the nearest names.
+    """
+    assert graph.read is not None
+    try:
+        return graph.read(name)
+    except HybondError as error:
+        raise UsageError(
+            f"there is no signal {name!r}: {error.why}",
+            code="HB-S109",
+            where=name,
+            hint=error.hint or did_you_mean(name, names_of(graph)),
+        ) from None

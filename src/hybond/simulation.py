@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from hybond.blocks.runners import runners_of
-from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import choose_engine
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import choose_engine, prepared
 from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.result import Result, Status
 from hybond.run_options import (
     AUTO,
-    FIXED,
     STEPPING,
     Choice,
-    check_step,
-    end_of,
     ignored_impact,
-    impact_of,
-    limit_of,
-    seconds_of,
-    sliding_of,
     solver_of,
-    stepping_step,
-    stepping_theta,
-    tolerances_of,
 )
 
 ENGINE: Literal["library", "python"] | None = None
@@ -149,33 +140,12 @@ def simulate(
     >>> round(float(run["c.e"].at(1.0)), 6)
     3.678794
     """
-    graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
+    graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
     if on_error not in ("raise", "return"):
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
-    experiment = graph.experiment
-    end = end_of(until, experiment)
-    rtol, atol = tolerances_of(rtol, atol, experiment)
-    name = solver_of(solver, experiment)
-    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
-    longest = seconds_of(
-        max_step if max_step is not None else experiment.get("max_step"), "max_step"
-    )
-    if longest is not None and not longest > 0.0:
-        raise UsageError(
-            f"max_step of {longest:g} s: it must be positive",
-            code="HB-S103",
-            where="max_step",
-            hint="leave it out to let the tolerances decide",
-        )
-    choice, band = sliding_of(sliding, hysteresis, experiment)
-    if band is not None:
-        graph = banded(graph, band)
-    most = limit_of("max_events", max_events, experiment)
-    steps = limit_of("max_steps", max_steps, experiment)
-    event_tol = float(experiment.get("event_tol", 1e-12))
-    writes = int(experiment.get("max_writes", 1000))
+    name = solver_of(solver, graph.experiment)
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
     if keep is not None and (not whole or name in STEPPING):
         raise UsageError(
@@ -191,58 +161,52 @@ def simulate(
             where="journal",
             hint="take a solver that locates events",
         )
-    settings = Settings(
-        until=end,
-        solver=name,
-        step=None,
+    settings, band = settings_of(
+        graph.experiment,
+        until,
+        solver=solver,
         rtol=rtol,
         atol=atol,
-        max_step=math.inf if longest is None else longest,
-        event_tol=event_tol,
-        slides=choice == "filippov",
-        max_events=most,
-        max_steps=steps,
-        max_writes=writes,
+        step=step,
+        max_step=max_step,
+        theta=theta,
+        sliding=sliding,
+        hysteresis=hysteresis,
+        impact=impact,
+        max_events=max_events,
+        max_steps=max_steps,
     )
+    if band is not None:
+        graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
-    ignored = chosen = None
-    if name in STEPPING:
-        theta = theta if theta is not None else experiment.get("theta", 0.5)
-        settings = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
-        ignored = ignored_impact(impact, experiment)
-    elif theta is not None:
-        raise UsageError(
-            f"theta is given, but solver {name!r} has none",
-            code="HB-S112",
-            where="theta",
-            hint='solver = "moreau-jean"',
-        )
-    else:
-        settings = replace(settings, impact=impact_of(impact, experiment))
-        if name == AUTO:
-            fit = fitting(maker.prepare(replace(settings, solver="exact").tables(graph)))
-            name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
-        # a step written in the experiment for a fixed-step solver may stand there unused
-        own_step = given_step if name in FIXED or step is not None else None
-        check_step(name, own_step)
-        settings = replace(settings, solver=name, step=own_step)
+    chosen = None
+    if name == AUTO:
+        fit = fitting(prepared(graph, replace(settings, solver="exact"), maker))
+        name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
+        settings = replace(settings, solver=name)
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
         if name in STEPPING:
-            run = StepsRun(graph, settings, maker.prepare, progress=progress, runners=runners)
+            run = StepsRun(graph, settings, maker, progress=progress, runners=runners)
         else:
-            prepared = maker.prepare(settings.tables(graph))
+            own = prepared(graph, settings, maker)
             # last of all: it replaces the file that is there
             opened = None if journal is None else _opened(journal, graph)
-            run = EngineRun(prepared, progress=progress, keep=keep, journal=opened, runners=runners)
+            run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
         run.trace.engine = maker.said
-        if ignored is not None:
-            run.trace.warn(ignored)
-        return _finish(graph, run, end, name, on_error, chosen)
+        for text in notices(graph, settings, impact):
+            run.trace.warn(text)
+        return _finish(graph, run, settings.until, name, on_error, chosen)
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
+    """Return what is to be said of what a run is asked for, before it begins."""
+    ignored = ignored_impact(impact, graph.experiment) if settings.solver in STEPPING else None
+    return [] if ignored is None else [ignored]
 
 
 def _opened(journal: str | Path, graph: FlatGraph) -> Journal:

@@ -48,6 +48,6 @@ def test_elements_of_a_part_show_values_and_those_of_the_model_what_is_written()
     m.add(V=hb.Se("1 V"), n=hb.Zero(), own=hb.R("R0"), zero=hb.Se(0), m=hb.Zero())
     m.add(part=hb.Submodel("electrical.resistor", R="2*R0"))
     m.bond("V -> n -> part.plus", "part.minus -> m", "zero -> m", "n -> own")
-    shown = {node.path: node.shown or node.label for node in m.flatten().nodes}
+    shown = {node.path: node.said for node in m.flatten().nodes}
     assert (shown["own"], shown["part.r"]) == ("R0", "20 ohm")
     assert ">20 ohm<" in draw(m).svg()

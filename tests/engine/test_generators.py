@@ -29,7 +29,9 @@ def test_generators_are_what_they_stand_for(text):
     terms = terms_of(e, of_name)
     assert isinstance(terms, dict)
     made = generators(terms, lambda name: "da" if name == "a" else None)
-    row = made.row(terms)
+    row = np.zeros(len(made.expressions))
+    for k, factor in made.row(terms).items():
+        row[k] = factor
     index = {"time": 0, "a": 1, "da": 2}
     value = compile_expression(e, index, pre_offset=3)
     each = [compile_expression(g, index, pre_offset=3) for g in made.expressions]

@@ -1,10 +1,8 @@
-"""Ensembles: closed forms over members, members that fail, order, processes, refusals."""
+"""Ensembles: closed forms over members, members that fail, order, threads, refusals."""
 
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +10,6 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.sweep import processes
-from hybond.sweep.member import Task
 
 GRAVITY = 9.81
 
@@ -112,7 +108,7 @@ def test_rows_and_columns_are_the_same_sets() -> None:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("workers", [2, 3])
-def test_what_comes_out_does_not_depend_on_the_processes(workers: int) -> None:
+def test_what_comes_out_does_not_depend_on_the_threads(workers: int) -> None:
     # member 4 weighs nothing, and has no meaning
     m = ball()
     m.parameter(mass="1 kg")
@@ -123,7 +119,7 @@ def test_what_comes_out_does_not_depend_on_the_processes(workers: int) -> None:
     )
     same(alone, together)
     assert alone.failed.tolist() == [4]
-    assert together.how == f"1 member in this process, 11 in {workers} processes"
+    assert together.how == f"11 members in {workers} threads, 1 member one after the other"
 
 
 def test_a_member_without_a_meaning_does_not_stop_the_others() -> None:
@@ -187,75 +183,21 @@ def test_progress_is_told_and_ends_with_all() -> None:
         assert told == sorted(told) and told[-1] == (9, 9)
 
 
-def test_an_input_from_python_stays_in_this_process() -> None:
+def test_an_input_from_python_makes_ordinary_runs() -> None:
     m = hb.Model("charged", parameters={"c": 1.0})
     m.add(c1=hb.C("c"), s=hb.Sf("i"), n=hb.Zero())
     m.bond("s -> n -> c1")
     m.input(i=lambda t: 2.0 * t)
     many = hb.ensemble(m, 1.0, sets={"c": [1.0, 2.0, 4.0]}, workers=2, outputs=["c1.e"])
     np.testing.assert_allclose(many.final["c1.e"], [1.0, 0.5, 0.25], rtol=1e-8)
-    assert many.how.startswith("3 members in this process: the model cannot be sent")
+    assert many.how == "3 members one after the other"
 
 
-def test_few_members_stay_in_this_process() -> None:
-    many = hb.ensemble(capacitor(), 1.0, sets={"r": [1.0, 2.0]})
-    assert many.how == "2 members in this process"
-
-
-@pytest.mark.slow
-def test_members_that_take_long_go_to_other_processes(monkeypatch: pytest.MonkeyPatch) -> None:
-    # as if processes took no time to start, and there were two cores
-    monkeypatch.setattr("hybond.sweep.ensemble.STARTING", 1e-9)
-    monkeypatch.setattr("hybond.sweep.ensemble.TELLING", 0.0)
-    monkeypatch.setattr("hybond.sweep.ensemble.cores", lambda: 2)
-    many = hb.ensemble(ball(), 2.0, sets=SETS, samples=5)
-    assert many.how == "1 member in this process, 11 in 2 processes"
-    same(many, hb.ensemble(ball(), 2.0, sets=SETS, samples=5, workers=1))
-
-
-def test_what_cannot_be_started_runs_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    def none(*_: Any) -> str:
-        raise OSError("no semaphores")
-
-    monkeypatch.setattr("hybond.sweep.ensemble.in_processes", none)
-    many = hb.ensemble(capacitor(), 1.0, sets={"r": [1e3, 2e3, 4e3]}, workers=2, outputs=["c1.e"])
-    np.testing.assert_allclose(many.final["c1.e"], 10.0 * np.exp([-1.0, -0.5, -0.25]), rtol=1e-7)
-    assert many.how == "3 members in this process: no other could be started (no semaphores)"
-
-
-SCRIPT = """\
-import hybond as hb
-print("once")
-m = hb.Model("rc", domain="electrical", parameters={"r": "1 kohm"})
-m.add(c=hb.C("1 mF", e="10 V"), r1=hb.R("r"), node=hb.Zero())
-m.bond("node -> c", "node -> r1")
-many = hb.ensemble(m, "1 s", sets={"r": [500.0, 1000.0, 2000.0]}, outputs=["c.e"], workers=2)
-print(many.final["c.e"].round(6).tolist(), many.how)
-"""
-
-
-@pytest.mark.slow
-def test_a_script_needs_no_main_guard(tmp_path: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(SCRIPT, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert done.stderr == ""
-    assert done.stdout.splitlines() == [
-        "once",
-        "[1.353353, 3.678794, 6.065307] 1 member in this process, 2 in 2 processes",
-    ]
-
-
-def test_members_of_a_process_that_ends_are_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    def lost(task: Task, sets: Any, workers: int, chunk: int, keep: Any) -> str:
-        return "a process of the ensemble ended unexpectedly"
-
-    monkeypatch.setattr("hybond.sweep.ensemble.in_processes", lost)
-    many = hb.ensemble(capacitor(), 1.0, sets={"r": [1.0, 2.0, 3.0]}, workers=2)
-    assert many.status.tolist() == ["ok", "error", "error"]
-    assert many.errors[2].code == "HB-S116" and many.errors[2].where == "sets[2]"
+def test_another_solver_makes_ordinary_runs() -> None:
+    sets = {"r": [500.0, 1000.0]}
+    many = hb.ensemble(capacitor(), 1.0, sets=sets, outputs=["c1.e"], solver="auto")
+    np.testing.assert_allclose(many.final["c1.e"], 10.0 * np.exp([-2.0, -1.0]), rtol=1e-6)
+    assert many.how == "2 members one after the other: solver 'auto'"
 
 
 @pytest.mark.slow
@@ -354,12 +296,6 @@ def test_calls_that_are_wrong_are_refused(options: dict[str, Any], code: str) ->
 def test_a_flat_graph_has_no_parameters_left() -> None:
     with pytest.raises(hb.UsageError, match="FlatGraph"):
         hb.ensemble(capacitor().flatten(), 1.0, sets={"r": [1.0]})  # type: ignore[arg-type]
-
-
-def test_a_refusal_travels_between_processes() -> None:
-    error = hb.DivergenceOfTime("why", code="HB-J101", where="floor", hint="this")
-    again = processes.ForkingPickler.loads(processes.ForkingPickler.dumps(error))
-    assert type(again) is hb.DivergenceOfTime and again.to_dict() == error.to_dict()
 
 
 def test_one_output_may_be_a_name():

@@ -247,7 +247,9 @@ def _parser() -> Parser:
     sweep.add_argument(
         "--signals", metavar="NAME,...", action="append", help="what is read at the end"
     )
-    sweep.add_argument("--workers", metavar="N", type=int, help="processes (default: as it pays)")
+    sweep.add_argument(
+        "--workers", metavar="N", type=int, help="threads (default: one for each core)"
+    )
     sweep.add_argument("--out", metavar="FILE", help="write the table as .csv, .npz or .json")
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 

@@ -233,7 +233,7 @@ def _symbol(
     derivative: bool,
     badge: Badge | None,
 ) -> Symbol:
-    said = node.shown or node.label
+    said = node.said
     parameter = _typeset(said)
     if node.kind == "G" and parameter:
         # Drawn as R like in the textbooks: the value must say that it is a conductance.

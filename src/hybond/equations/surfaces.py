@@ -34,7 +34,7 @@ from hybond.model.expressions import (
     simplify,
     transform,
 )
-from hybond.model.expressions.traced import Traced
+from hybond.model.expressions.slots import is_slotted, plain
 from hybond.model.expressions.tree import fold, walk
 from hybond.model.graph import FlatGraph, Rule
 
@@ -255,7 +255,7 @@ def _opposite(g: Expr, h: Expr) -> bool:
     compared = 0
     for v in _generic(len(wanted)):
         a, b = f(v), k(v)
-        if not math.isfinite(a + b):
+        if not math.isfinite(plain(a + b)):
             continue
         compared += 1
         if abs(a + b) > 1e-12 * (abs(a) + abs(b)):
@@ -278,17 +278,17 @@ def _opposite_terms(g: Expr, h: Expr) -> bool | None:
     for term in {**one, **other}:
         a, b = one.get(term, 0.0), other.get(term, 0.0)
         total = a + b
-        if 0.0 < abs(float(total)) <= SAME * (abs(float(a)) + abs(float(b))):
+        if 0.0 < abs(plain(total)) <= SAME * (abs(plain(a)) + abs(plain(b))):
             return None
         sums.append(total)
     # what no parameter changes first: then there is nothing to write down
-    sums.sort(key=lambda c: isinstance(c, Traced))
+    sums.sort(key=is_slotted)
     return all(not c for c in sums)
 
 
 def _changeable(e: Expr) -> bool:
     """Whether a number in an expression may be changed."""
-    return any(isinstance(n, Number) and isinstance(n.value, Traced) for n, _ in walk(e))
+    return any(is_slotted(n) for n, _ in walk(e))
 
 
 def _terms(e: Expr) -> dict[tuple[Expr, ...], float] | None:

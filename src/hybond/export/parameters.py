@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from hybond.engine.tables.following import Following, condition_text, conditions_of
+from hybond.engine.tables.slotted import SlottedTables, condition_text, conditions_of
 from hybond.export.formulas import Formulas
 from hybond.export.identifiers import distinct, slot_name
 from hybond.model import expressions as e
-from hybond.model.expressions.traced import PREFIX, Traced
+from hybond.model.expressions.slots import PREFIX, is_slotted, slot_of, tree_of
 from hybond.translate.tree import Expr
 from hybond.units import DIMENSIONLESS, Dimension
 
@@ -114,12 +114,12 @@ class Names:
 
     Parameters
     ----------
-    following : Following
+    found : SlottedTables
     """
 
-    def __init__(self, following: Following) -> None:
-        self.following = following
-        self.followed = following.trail.parameters
+    def __init__(self, found: SlottedTables) -> None:
+        self.found = found
+        self.slots = found.slots.parameters
         self._numbers: dict[e.Expr, tuple[str, float]] = {}
 
     def lifted(self, tree: e.Expr) -> e.Expr:
@@ -127,29 +127,30 @@ class Names:
         return e.transform(tree, self._lifted)
 
     def _lifted(self, node: e.Expr) -> e.Expr:
-        if not isinstance(node, e.Number) or not isinstance(node.value, Traced):
+        slot = slot_of(node)
+        if slot is None:
             return node
-        tree = node.value.tree
+        tree = slot.tree
         if isinstance(tree, e.Name) or (isinstance(tree, e.Neg) and isinstance(tree.arg, e.Name)):
             return tree
-        name, _ = self._numbers.setdefault(tree, (f"{PREFIX}={len(self._numbers)}", node.value))
+        name, _ = self._numbers.setdefault(tree, (f"{PREFIX}={len(self._numbers)}", slot.value))
         return e.Name(name)
 
     def spoken(self) -> dict[str, str]:
         """Return what a person calls them."""
-        found = {PREFIX + path: path for path in self.followed}
+        found = {PREFIX + path: path for path in self.slots}
         found |= {name: f"({condition_text(k)})" for k, (name, _) in self._numbers.items()}
         return found
 
     def shown(self, taken: set[str]) -> dict[str, str]:
         """Return the constants that say where they stand, by name."""
-        wanted = [slot_name(path) for path in self.followed]
+        wanted = [slot_name(path) for path in self.slots]
         wanted += [f"NUMBER_{k + 1}" for k in range(len(self._numbers))]
         return dict(zip(self.spoken(), distinct(wanted, taken)))
 
     def parameters(self, shown: Mapping[str, str], formulas: Formulas) -> Parameters:
         """Return what is printed of them, once all expressions are `formulas`."""
-        f = self.following
+        f = self.found
         value: Callable[[e.Expr], Expr] = formulas.number
         settable = [
             Parameter(
@@ -160,25 +161,25 @@ class Names:
                 None if p.made_of is None else value(p.made_of),
                 "" if p.made_of is None else condition_text(p.made_of),
             )
-            for path, p in self.followed.items()
+            for path, p in self.slots.items()
         ]
         numbers = [
-            Number(shown[name], float(start), value(tree), condition_text(tree))
+            Number(shown[name], start, value(tree), condition_text(tree))
             for tree, (name, start) in self._numbers.items()
         ]
         entries = [
-            Entry(table, k, value(x.tree))
+            Entry(table, k, value(tree_of(x)))
             for table, row in f.tables.floats.items()
             for k, x in enumerate(row)
-            if isinstance(x, Traced)
+            if is_slotted(x)
         ]
         conditions = [
-            Condition(formulas.truth(c), condition_text(c)) for c in conditions_of(f.trail)
+            Condition(formulas.truth(c), condition_text(c)) for c in conditions_of(f.slots)
         ]
         points = [
-            Entry(name, k, value(x.tree))
+            Entry(name, k, value(tree_of(x)))
             for row, name in list(formulas.tables.items())
             for k, x in enumerate(row)
-            if isinstance(x, Traced)
+            if is_slotted(x)
         ]
         return Parameters(settable, numbers, entries, points, conditions, f.fixed)

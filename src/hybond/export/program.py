@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from hybond.engine.compiled.sources import ENGINE, portable_paths
 from hybond.engine.outcome.fitting import fitted
 from hybond.engine.tables import ModelTables
-from hybond.engine.tables.following import followed
+from hybond.engine.tables.slotted import slotted_tables
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.export.parameters import Names, Parameters
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, substitute, to_text
 from hybond.model.expressions import names as names_of
+from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.translate.effects import Effects, effects_of
 from hybond.translate.modules import Program, load, text_of
@@ -158,9 +159,9 @@ def exported(
     `prepared` is done to its flat graph first.
     """
     options = fitted(prepared(model.flatten()), options)
-    following = followed(model, prepared, options)
-    graph, tables = following.graph, following.tables
-    names = Names(following)
+    found = slotted_tables(model, prepared, options)
+    graph, tables = found.graph, found.tables
+    names = Names(found)
     all_values = [names.lifted(tree) for tree in tables.values.all]
     all_pairs = [names.lifted(tree) for tree in tables.pairs]
     program, uses = specialist().program_for(_facts(tables))
@@ -186,8 +187,9 @@ def exported(
         for path, name in zip(index, shown)
         if path in formulas.read
     ]
-    points = {name: values for values, name in formulas.tables.items()}
+    points = {name: tuple(map(plain, values)) for values, name in formulas.tables.items()}
     wanted = tuple(sorted({*roots, *formulas.calls}))
+    tables = replace(tables, floats={k: [*map(plain, row)] for k, row in tables.floats.items()})
     return Exported(tables, runs, slots, points, values, pairs, wanted, graph, parameters)
 
 

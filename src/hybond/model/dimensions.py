@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from hybond.errors import UnitError
+from hybond.model.expressions.slots import plain, settled
 from hybond.model.expressions.text import to_text
 from hybond.model.expressions.tree import (
     And,
@@ -23,6 +24,7 @@ from hybond.model.expressions.tree import (
     Or,
     Pre,
     fold,
+    walk,
 )
 from hybond.units import DIMENSIONLESS, Dimension
 
@@ -152,14 +154,15 @@ def _product(a: _Found, b: _Found, sign: int) -> _Found:
 def _exponent(e: Expr) -> Fraction | None:
     """Return the value of a literal exponent such as ``-2`` or ``1/2``."""
     match e:
-        case Number(value, None) if abs(value) < 100:
+        case Number(number, None) if abs(value := plain(number)) < 100:
             near = Fraction(value).limit_denominator(12)
             return near if float(near) == value else None
         case Neg(arg):
             inner = _exponent(arg)
             return None if inner is None else -inner
-        case Binary("/", Number(a, None), Number(b, None)) if b and abs(a / b) < 100:
-            return Fraction(a) / Fraction(b)
+        case Binary("/", Number(a, None), Number(b, None)):
+            one, other = plain(a), plain(b)
+            return Fraction(one) / Fraction(other) if other and abs(one / other) < 100 else None
     return None
 
 
@@ -189,6 +192,10 @@ def _node(
             _number_only(right, below[1], "an exponent", where)
             n = _exponent(right)
             if n is not None:
+                if below[0] not in (None, _PLAIN, DIMENSIONLESS):
+                    for number, _ in walk(right):
+                        if isinstance(number, Number):
+                            settled(number.value, "the unit of a power")
                 return _power(below[0], n)
             _number_only(left, below[0], "a base with a variable exponent", where)
             return None if below[0] is None else _PLAIN

@@ -14,7 +14,7 @@ from hybond.errors import ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import parse
-from hybond.model.expressions.traced import Trail
+from hybond.model.expressions.slots import Slots
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
@@ -30,23 +30,23 @@ from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean
 from hybond.uncollected import uncollected
-from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, format_quantity, parse_unit
+from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit
 
 _TIME = parse_unit("s")[1]
 
 
 @uncollected
-def flatten(model: Model, overrides: Mapping[str, Value], trail: Trail | None = None) -> FlatGraph:
+def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = None) -> FlatGraph:
     """Return the flat graph of `model` with parameters replaced by `overrides`.
 
-    With a `trail` its numbers know of which parameters they were made.
+    With `slots` its numbers are expressions of the parameters that these want.
 
     Raises
     ------
     ModelError
         For anything that has no meaning; `where` is the path in the model.
     """
-    opened = open_model(model, overrides, trail)
+    opened = open_model(model, overrides, slots)
     with_laws = open_laws(opened)
     switched = switched_by(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
@@ -198,14 +198,12 @@ def _label(raw: RawNode) -> str:
     return ""
 
 
-def _shown(raw: RawNode) -> str:
+def _shown(raw: RawNode) -> tuple[float, Dimension] | None:
     """Return the value of the parameter that an element of a submodel has: ``R`` says little."""
     if raw.written is None or not raw.written.scope.prefix:
-        return ""
+        return None
     number = raw.written.scope.parameters.get(_label(raw))
-    if number is None:
-        return ""
-    return format_quantity(number.value, number.dimension or DIMENSIONLESS)
+    return None if number is None else (number.value, number.dimension or DIMENSIONLESS)
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

@@ -35,10 +35,11 @@ from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
 from hybond.model.parts import BlockPart
 from hybond.names import did_you_mean
-from hybond.units import Dimension, Domain
+from hybond.units import Dimension, Domain, format_quantity
 
 if TYPE_CHECKING:
     from hybond.model.parametric import Parametric
+    from hybond.model.written import Written
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,13 +73,18 @@ class Node:
     machine: int | None = None
     impulsive: bool = False
     label: str = ""
-    shown: str = ""
-    """What a drawing says instead of the label, if anything: the value of a part's parameter."""
     """The parameter as written, for drawings: ``m``, ``1 mm/N``."""
+    shown: tuple[float, Dimension] | None = None
+    """What a drawing says instead of the label, if anything: the value of a part's parameter."""
     hidden: bool = False
     """True for the junction that stands for the switch of a switched element."""
     implied: bool = False
     """True for the source that the law of a junction brought in."""
+
+    @property
+    def said(self) -> str:
+        """What a drawing says of it."""
+        return self.label if self.shown is None else format_quantity(*self.shown)
 
     @property
     def about(self) -> Kind:
@@ -241,6 +247,24 @@ AnyMode = Mode | Mapping[str, str]
 """A mode as such or as ``{machine: state}``, machines left out being in their start state."""
 
 
+class Kept(dict[Any, Any]):
+    """What was made of a graph, by what was asked for; the last few. A copy begins without."""
+
+    LAST = 4
+
+    def keep(self, asked: Any, made: Any) -> None:
+        """Keep what was made."""
+        for old in list(self)[: 1 - self.LAST]:
+            self.pop(old, None)
+        self[asked] = made
+
+    def __deepcopy__(self, memo: object) -> Kept:
+        return Kept()
+
+    def __reduce__(self) -> tuple[type[Kept], tuple[()]]:
+        return Kept, ()
+
+
 @dataclass(frozen=True, slots=True)
 class FlatGraph:
     """A model flattened, checked and resolved: plain data, never changed."""
@@ -276,6 +300,10 @@ class FlatGraph:
     """Text of an expression in the model's own names to canonical names."""
     parametric: Callable[[int], Parametric] | None = field(default=None, compare=False, repr=False)
     """The law of the element with this index, in names of parameters."""
+    written: Written | None = field(default=None, compare=False, repr=False)
+    """If it is a graph with slots into which numbers were written: that, and the numbers."""
+    kept: Kept = field(default_factory=lambda: Kept(), init=False, compare=False, repr=False)
+    """What was made of it for runs."""
 
     @property
     def start_mode(self) -> Mode:

@@ -23,7 +23,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.expressions.traced import Trail
+from hybond.model.expressions.slots import Slots, plain
 from hybond.model.misnamed import check_given, no_such_end
 from hybond.model.parts import (
     BlockPart,
@@ -110,7 +110,7 @@ class Opened:
     reference: dict[str, str] = field(default_factory=dict)
 
 
-def open_model(model: Model, overrides: Mapping[str, Value], trail: Trail | None = None) -> Opened:
+def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None = None) -> Opened:
     """Open `model` and all submodels; follow parameters if there is a `trail`.
 
     Raises
@@ -122,7 +122,7 @@ def open_model(model: Model, overrides: Mapping[str, Value], trail: Trail | None
     """
     opened = Opened()
     left = dict(overrides)
-    _open(model, "", {}, opened, left, (model,), {}, trail)
+    _open(model, "", {}, opened, left, (model,), {}, slots)
     if left:
         wrong = min(left)
         raise ModelError(
@@ -146,7 +146,7 @@ def _open(
     overrides: dict[str, Value],
     chain: tuple[Model, ...],
     known: Mapping[str, Model],
-    trail: Trail | None,
+    slots: Slots | None,
 ) -> None:
     if len(chain) > _DEPTH:
         raise ModelError(
@@ -157,7 +157,7 @@ def _open(
         )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
-    scope.parameters = _parameters(model, prefix, given, overrides, trail)
+    scope.parameters = _parameters(model, prefix, given, overrides, slots)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
     for name, part in model.elements.items():
         path = join(prefix, name)
@@ -176,7 +176,7 @@ def _open(
         passed = {
             k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
         }
-        _open(inner, path, passed, opened, overrides, (*chain, inner), known, trail)
+        _open(inner, path, passed, opened, overrides, (*chain, inner), known, slots)
         _connect(part, inner, path, scope, opened)
         _put(path, model.layout.get(name), opened.layout)
     for port, target in model.ports.items():
@@ -256,7 +256,7 @@ def _parameters(
     prefix: str,
     given: Mapping[str, Number],
     overrides: dict[str, Value],
-    trail: Trail | None,
+    slots: Slots | None,
 ) -> dict[str, Number]:
     values: dict[str, Number] = dict(given)
     written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
@@ -278,8 +278,8 @@ def _parameters(
                 values[name] = constant(written.pop(name), {}, join(prefix, name))
             if name in own:
                 values[name] = Number(values[name].value, own[name].dimension)
-    if trail is not None:
-        values = {name: trail.follow(join(prefix, name), v) for name, v in values.items()}
+    if slots is not None:
+        values = {name: slots.follow(join(prefix, name), v) for name, v in values.items()}
     pending = list(written)
     while pending:
         waiting = []
@@ -291,7 +291,7 @@ def _parameters(
                 continue
             path = join(prefix, name)
             found = constant(value, values, path)
-            values[name] = found if trail is None else trail.follow(path, found)
+            values[name] = found if slots is None else slots.follow(path, found)
         if len(waiting) == len(pending):
             raise ModelError(
                 f"the parameters {', '.join(waiting)} depend on each other",
@@ -364,7 +364,7 @@ def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Numb
     bound = substitute(tree, parameters)
     dimension = infer_dimension(bound, lambda _: None, where=where)
     folded = simplify(without_units(bound))
-    if not isinstance(folded, Number) or not math.isfinite(folded.value):
+    if not isinstance(folded, Number) or not math.isfinite(plain(folded.value)):
         raise ModelError(
             f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"
         )

@@ -25,6 +25,7 @@ from collections.abc import Iterable, Mapping
 
 from hybond.errors import ModelError, UnitError
 from hybond.model.expressions import Expr, Name, Number, posterior_names, simplify
+from hybond.model.expressions.slots import plain, slot_of
 from hybond.model.fed_laws import fed_laws, switched_relay
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.hierarchy import (
@@ -417,13 +418,20 @@ def law_warnings(machines: Iterable[Machine]) -> tuple[str, ...]:
     found = []
     for machine in machines:
         eps = None if machine.law is None else machine.law.restitution
-        # a warning is no part of the model: nothing is written down of what it asks
-        if isinstance(eps, Number) and float(eps.value) > 1.0:
+        # a warning is no part of the model: nothing is written down here of what it asks
+        if isinstance(eps, Number) and plain(eps.value) > 1.0:
             found.append(
                 f"restitution = {eps.value:g} of {machine.path!r} is above 1: "
                 "it creates energy at each impact"
             )
     return tuple(found)
+
+
+def warn_of_values(graph: FlatGraph) -> bool:
+    """Whether warnings of laws speak of numbers that parameters write; what is asked is noted."""
+    laws = (machine.law for machine in graph.machines if machine.law is not None)
+    slots = [slot for law in laws if (slot := slot_of(law.restitution)) is not None]
+    return any([eps > 1.0 for eps in slots])
 
 
 def check_readers(graph: FlatGraph) -> None:

@@ -25,7 +25,7 @@ from hybond.model.expressions import (
     substitute,
     turning,
 )
-from hybond.model.expressions.traced import give_up
+from hybond.model.expressions.slots import settled
 from hybond.model.graph import Node
 from hybond.model.hierarchy import Written, constant, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
@@ -34,6 +34,7 @@ from hybond.model.resolve import Resolver
 from hybond.units import Dimension, parse_unit
 
 _TIME = parse_unit("s")[1]
+FIELD = "the matrix of a field"
 _OPTIONS = {"p", "q", "e", "f", "domain", "impulsive", "label"}
 Dimensions = Mapping[str, Dimension | None]
 
@@ -183,20 +184,19 @@ class _Reader:
                 where=self.where,
                 hint="one row per port",
             )
-        import numpy as np
-
-        written = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
-        give_up((v for r in written for v in r), "the matrix of a field")
-        given = np.array(written)
+        given = [[constant(v, self.scope.parameters, self.where).value for v in r] for r in rows]
         if self.node.kind in STORAGES:
-            if np.linalg.matrix_rank(given) < self.count:
+            import numpy as np
+
+            whole = np.array([[settled(v, FIELD) for v in r] for r in given])
+            if np.linalg.matrix_rank(whole) < self.count:
                 raise ModelError(
                     "the matrix of a storage field must be invertible",
                     code="HB-M163",
                     where=self.where,
                     hint="ideal coupling is a transformer",
                 )
-            given = np.linalg.inv(given)
+            given = np.linalg.inv(whole).tolist()
         argument = self.node.about.energy or ("f" if self.output == "e" else "e")
         arguments = [
             self.locals[f"{argument}{k + 1}" if self.count > 1 else argument]
@@ -206,10 +206,9 @@ class _Reader:
         for row in given:
             total: Expr = Number(0.0)
             for coefficient, name in zip(row, arguments, strict=True):
-                total = Binary("+", total, Binary("*", Number(float(coefficient)), name))
+                total = Binary("+", total, Binary("*", Number(coefficient), name))
             expressions.append(simplify(total))
-        matrix = tuple(tuple(float(v) for v in row) for row in given)
-        return Law(self.output, tuple(expressions), matrix)
+        return Law(self.output, tuple(expressions), tuple(map(tuple, given)))
 
     def full(self, value: Mapping[str, Any]) -> Law:
         """``{ e = "k*q^3" }``, ``{ f = { table = [...] } }`` or a list of these for a field."""
@@ -307,8 +306,7 @@ def _check(node: Node, law: Law, where: str) -> None:
         return
     import numpy as np
 
-    give_up((v for row in law.matrix for v in row), "the matrix of a field")
-    m = np.array(law.matrix)
+    m = np.array([[settled(v, FIELD) for v in row] for row in law.matrix])
     if not np.allclose(m, m.T, rtol=1e-12, atol=0.0):
         raise ModelError(
             "the matrix of a storage field must be symmetric, else it has no energy",

@@ -64,7 +64,7 @@ class Ensemble:
     seconds : float
         How long it took, s.
     how : str
-        Which members ran in how many processes, and why not in more.
+        How many members ran in how many threads, and how many as ordinary runs.
 
     Examples
     --------

@@ -11,30 +11,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.errors import HybondError, NumericsError, UsageError
+from hybond import simulation
+from hybond.engine.compiled.members import Ran
+from hybond.engine.compiled.native import Unavailable, library
+from hybond.engine.tables.options import Settings, settings_of
+from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
+from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import end_of
+from hybond.run_options import AUTO, STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
-from hybond.sweep.member import Member, Task, member_of, run_of
-from hybond.sweep.processes import MOST, cores, in_processes, stays
+from hybond.sweep.family import Family, family_of
+from hybond.sweep.member import Task, read_outputs, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
+from hybond.sweep.threads import cores, in_threads
 
 Vector = NDArray[np.float64]
-
-STARTING = 0.5
-"""What starting processes takes, s: most of it is their imports."""
-TELLING = 0.1
-"""Time that members must have taken, s, before it says what the others will take."""
-CHUNK = 0.2
-"""What a process gets to do at a time, s."""
-SHARE = 4
-"""Chunks that every process gets at the least, so that all end together."""
-LARGE = 32
-"""Members in a chunk at the most, while it is not known what one takes."""
 
 _OWN = {
     "parameters": "the parameters are in sets",
@@ -42,6 +37,11 @@ _OWN = {
     "journal": "ensemble.run(k) runs one member again: give it one there with hybond.simulate",
 }
 """Options of `simulate` that an ensemble does not pass on, and what to do instead."""
+_NONE = np.zeros(0)
+NO_NUMBERS = -1
+"""The kind of a member of which a value is an expression, or none at all."""
+_RUN = ("engine", "keep", "fmus")
+"""Those that do not say what is computed."""
 
 
 def ensemble(
@@ -58,8 +58,11 @@ def ensemble(
 ) -> Ensemble:
     """Simulate a model with many sets of parameters, on all cores.
 
-    Each member is an ordinary run. One that stops with an error does not stop the others. What
-    comes out does not depend on the number of processes, not in a bit.
+    Members differ in numbers: tables are made once, parameters are written into them, and the
+    library runs one member after the other, in threads of this process. One that it has more to say
+    of (it stops, it warns, it slides, another solver than it has) is an ordinary run. One that
+    stops with an error does not stop the others. What comes out is that of ordinary runs, and does
+    not depend on the number of threads, not in a bit.
 
     Parameters
     ----------
@@ -78,10 +81,9 @@ def ensemble(
     events : bool
         Whether to keep the times of all events; they are counted in any case.
     workers : int
-        Processes. 1 runs all in this one. Default: one for each core, if the first members, which
-        run in this process, take so long that starting others pays.
+        Threads. Default: one for each core.
     progress : callable
-        ``progress(done, total)``, members, in this process.
+        ``progress(done, total)``, members, in the thread of the call.
     **options
         Of `hybond.simulate`, for all members: ``solver``, ``rtol``, ``engine``, ...
 
@@ -121,7 +123,7 @@ def ensemble(
     if workers is not None and (
         not isinstance(workers, int) or isinstance(workers, bool) or workers < 1
     ):
-        raise _refusal(f"workers = {workers!r}", "workers", "1 for this process only, or more")
+        raise _refusal(f"workers = {workers!r}", "workers", "1 or more threads")
     columns = columns_of(sets)
     end = end_of(until, model.experiment)
     task = Task(
@@ -133,120 +135,188 @@ def ensemble(
         events,
     )
     work = _Work(task, columns, progress)
-    how = work.all(workers, named=outputs is not None)
+    how = work.all(workers or cores())
     return _gathered(work, how, time.perf_counter() - began)
 
 
 class _Work:
-    """The members of one call: those that have run, and how the others will."""
+    """The members of one call: what is kept of those that have run, and how the others will."""
 
     def __init__(
         self, task: Task, columns: Columns, progress: Callable[[int, int], None] | None
     ) -> None:
         self.task = task
         self.columns = columns
-        self.total = len(next(iter(columns.values())))
-        self.members: dict[int, Member] = {}
+        self.total = n = len(next(iter(columns.values())))
         self.units: dict[str, str] = {}
         self.interrupted = False
+        self.known = bool(task.names)
+        """Whether it is known what the outputs are."""
+        self.status = np.full(n, "interrupted", dtype="<U12")
+        self.t_end = np.zeros(n)
+        self.counts = np.zeros(n, dtype=np.intp)
+        self.events: list[Vector] = [_NONE] * n
+        self.errors: dict[int, HybondError] = {}
+        self.warnings: dict[int, tuple[str, ...]] = {}
         self._progress = progress
-        self._spent: list[float] = []
+        self._done = 0
+        self._outputs(task.names)
+
+    def _outputs(self, names: tuple[str, ...]) -> None:
+        self.task = replace(self.task, names=names)
+        self.final = np.full((len(names), self.total), np.nan)
+        self.samples = np.full((len(names), self.total, len(self.task.t)), np.nan)
+
+    def _tell(self, names: tuple[str, ...], units: Mapping[str, str]) -> None:
+        """Note what the outputs are, once."""
+        if not self.known:
+            self._outputs(names)
+            self.known = True
+        self.units = self.units or dict(units)
 
     def set(self, k: int) -> dict[str, Value]:
         return {path: column[k] for path, column in self.columns.items()}
 
-    def all(self, workers: int | None, *, named: bool) -> str:
-        """Run all members, here and in other processes; return how it was done."""
+    def all(self, workers: int) -> str:
+        """Run all members; return how it was done."""
         try:
-            return self._all(workers, named=named)
+            return self._all(workers)
         except KeyboardInterrupt:
             self.interrupted = True
-            return f"interrupted after {len(self.members)} of {self.total} members"
+            return f"interrupted after {self._done} of {_members(self.total)}"
 
-    def _all(self, workers: int | None, *, named: bool) -> str:
-        known = False
-        kept_here = ""
-        count = cores() if workers is None else workers
-        for k in range(self.total):
-            rest = self.total - k
-            if known and not kept_here and count > 1 and self._pays(rest, workers):
-                # looked at once, and only if there is a use for it
-                kept_here = stays(self.task)
-                if not kept_here:
-                    return self._elsewhere(k, min(count, rest, MOST))
-            known = self._here(k, known, named=named) or known
-        ending = f": {kept_here}" if kept_here else ""
-        return f"{_members(self.total)} in this process{ending}"
-
-    def _here(self, k: int, known: bool, *, named: bool) -> bool:
-        """Run a member in this process; whether it has told what the outputs are."""
-        began = time.perf_counter()
-        run = run_of(self.task, self.set(k))
-        found = isinstance(run, Result)
-        if isinstance(run, Result):
-            if run.status == "interrupted":
-                raise KeyboardInterrupt
-            if not known:
-                names = self.task.names if named else tuple(run.names)
-                self.task = replace(self.task, names=names)
-                self.units = {name: run.unit(name) for name in names}
-        self.keep([member_of(self.task, k, run)])
-        self._spent.append(time.perf_counter() - began)
-        return found
-
-    def _pays(self, rest: int, workers: int | None) -> bool:
-        """Whether other processes would be done sooner than this one."""
-        if workers is not None:
-            return True
-        # the first member imports what it needs
-        told = self._spent[1:]
-        if sum(told) < TELLING and sum(self._spent) < 2.0 * STARTING:
-            return False
-        return rest * self._each() * (1.0 - 1.0 / cores()) > 2.0 * STARTING
-
-    def _each(self) -> float:
-        told = self._spent[1:] or self._spent
-        return sum(told) / len(told)
-
-    def _elsewhere(self, first: int, count: int) -> str:
-        """Run the members from `first` on in other processes."""
-        rest = self.total - first
-        most = LARGE if len(self._spent) < 2 else int(CHUNK / max(self._each(), 1e-9))
-        chunk = max(1, min(most, -(-rest // (SHARE * count))))
-        sets = [(k, self.set(k)) for k in range(first, self.total)]
-        try:
-            lost = in_processes(self.task, sets, count, chunk, self.keep)
-        except OSError as error:
-            # a system that has no processes to give, or no semaphores
-            for k in range(first, self.total):
-                if k not in self.members:
-                    self._here(k, True, named=True)
-            return f"{_members(self.total)} in this process: no other could be started ({error})"
-        if lost:
-            self._give_up(lost)
-        words = "process" if count == 1 else "processes"
-        return f"{_members(first)} in this process, {rest} in {count} {words}"
-
-    def _give_up(self, why: str) -> None:
-        """Write down what a process that ended has not done."""
-        nothing = HybondError("", code="")
-        empty = member_of(self.task, 0, nothing)
-        for k in range(self.total):
-            if k not in self.members:
-                error = NumericsError(
-                    why,
-                    code="HB-S116",
-                    where=f"sets[{k}]",
-                    hint="ensemble.run(k) shows what one member does; is there memory for all?",
+    def _all(self, workers: int) -> str:
+        asked, alone = _asked(self.task)
+        together = ordinary = 0
+        rest = np.arange(self.total)
+        if asked is None:
+            # whoever runs first says what the outputs are, and what is wrong with the call
+            ordinary, rest = self._ordinary(rest.tolist()), rest[:0]
+        kinds, values = _read(self.columns)
+        while len(rest) and asked is not None:
+            first = int(rest[0])
+            own, left = rest[:1], [first]
+            family = None
+            if kinds[first] != NO_NUMBERS:
+                impact = self.task.options.get("impact")
+                family = family_of(
+                    self.task.model, self.set(first), *asked, self.task.names, impact
                 )
-                self.members[k] = replace(empty, number=k, error=error)
+            if family is not None:
+                self._tell(family.names, family.units)
+                given = {path: column[rest] for path, column in values.items()}
+                fits, numbers, read = family.numbers(given, len(rest))
+                fits &= kinds[rest] == kinds[first]
+                if fits[0]:
+                    own = rest[fits]
+                    left = self._together(family, own, numbers[fits], read[fits], workers)
+            together += len(own) - len(left)
+            ordinary += self._ordinary(left)
+            rest = np.setdiff1d(rest, own, assume_unique=True)
+        how = []
+        if together:
+            count = min(workers, together)
+            how.append(f"{_members(together)} in {count} thread{'s' * (count != 1)}")
+        if ordinary:
+            how.append(f"{_members(ordinary)} one after the other{alone and f': {alone}'}")
+        return ", ".join(how)
 
-    def keep(self, members: list[Member]) -> None:
-        """Keep what has been run."""
-        for member in members:
-            self.members[member.number] = member
-        if self._progress is not None:
-            self._progress(len(self.members), self.total)
+    def _together(
+        self, family: Family, own: NDArray[np.intp], numbers: Vector, read: Vector, workers: int
+    ) -> list[int]:
+        """Run members of a family; return those that an ordinary run has more to say of."""
+        left: list[int] = []
+        order = np.argsort(self.task.t, kind="stable")
+
+        def keep(first: int, ran: Ran) -> None:
+            here = slice(first, first + len(ran.plain))
+            members, plain = own[here], ran.plain
+            values = family.values(ran.out[plain], read[here][plain])
+            done = members[plain]
+            self.final[:, done] = values[:, :, -1]
+            for at, k in enumerate(order.tolist()):
+                self.samples[:, done, k] = values[:, :, at]
+            self.status[done] = "ok"
+            self.t_end[done] = ran.end[plain]
+            self.counts[done] = ran.count[plain]
+            if family.warnings:
+                self.warnings.update(dict.fromkeys(done.tolist(), family.warnings))
+            if self.task.events:
+                times = np.split(ran.events, np.cumsum(ran.count[plain])[:-1])
+                for k, own_times in zip(done.tolist(), times):
+                    self.events[k] = own_times
+            left.extend(members[~plain].tolist())
+            self._note(len(done))
+
+        t = self.task.t[order]
+        in_threads(family.model, family.looked, t, numbers, min(workers, len(own)), keep)
+        return sorted(left)
+
+    def _ordinary(self, members: list[int]) -> int:
+        """Run members each as an ordinary run; return how many."""
+        for k in members:
+            run = run_of(self.task, self.set(k))
+            if isinstance(run, Result):
+                if run.status == "interrupted":
+                    raise KeyboardInterrupt
+                names = self.task.names if self.known else tuple(run.names)
+                self._tell(names, {name: run.unit(name) for name in names})
+            self._keep(k, run)
+            self._note(1)
+        return len(members)
+
+    def _keep(self, k: int, run: Result | HybondError) -> None:
+        error = run if isinstance(run, HybondError) else None
+        self.status[k] = "error"
+        if isinstance(run, Result):
+            error = read_outputs(self.task, run, self.final[:, k], self.samples[:, k])
+            self.status[k] = run.status if error is None else "error"
+            self.t_end[k], self.counts[k] = run.t_end, run.trace.events.total
+            self.events[k] = np.array(run.trace.events.times) if self.task.events else _NONE
+            if run.warnings:
+                self.warnings[k] = run.warnings
+        if error is not None:
+            self.errors[k] = error
+
+    def _note(self, many: int) -> None:
+        self._done += many
+        if self._progress is not None and many:
+            self._progress(self._done, self.total)
+
+
+def _asked(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
+    """Return what runs of the library are asked for; None and why if it is no such runs."""
+    options = {k: v for k, v in task.options.items() if k not in _RUN}
+    settings, band = settings_of(task.model.experiment, task.until, **options)
+    if settings.solver in (AUTO, *STEPPING):
+        return None, f"solver {settings.solver!r}"
+    if task.options.get("keep") is not None:
+        return None, "keep"
+    if (task.options.get("engine") or simulation.ENGINE) == "python":
+        return None, "the engine as Python"
+    try:
+        library()
+    except Unavailable as error:
+        return None, str(error)
+    return (settings, band), ""
+
+
+def _read(columns: Columns) -> tuple[NDArray[np.intp], dict[str, Vector]]:
+    """Return of each member a number for the kinds of its values, and the values in SI.
+
+    Members whose values are of the same kinds have the same number.
+    """
+    kinds, values = [], {}
+    for path, column in columns.items():
+        own = [kind_of(value) for value in column]
+        kinds.append([kind for kind, _ in own])
+        values[path] = np.array([value for _, value in own])
+    place: dict[tuple[Kind, ...], int] = {}
+    found = [
+        NO_NUMBERS if any(isinstance(k, str) for k in row) else place.setdefault(row, len(place))
+        for row in zip(*kinds, strict=True)
+    ]
+    return np.array(found), values
 
 
 def _members(count: int) -> str:
@@ -254,18 +324,7 @@ def _members(count: int) -> str:
 
 
 def _gathered(work: _Work, how: str, seconds: float) -> Ensemble:
-    task, n = work.task, work.total
-    final = np.full((len(task.names), n), np.nan)
-    samples = np.full((len(task.names), n, len(task.t)), np.nan)
-    status = np.full(n, "interrupted", dtype="<U12")
-    t_end, counts = np.zeros(n), np.zeros(n, dtype=np.intp)
-    for k, member in work.members.items():
-        if len(member.final) == len(task.names):
-            final[:, k], samples[:, k] = member.final, member.samples
-        status[k], t_end[k], counts[k] = member.status, member.t_end, member.count
-    in_order = sorted(work.members.items())
-    nothing = np.zeros(0)
-    times = tuple(work.members[k].events if k in work.members else nothing for k in range(n))
+    task = work.task
     return Ensemble(
         model=task.model,
         until=task.until,
@@ -273,15 +332,15 @@ def _gathered(work: _Work, how: str, seconds: float) -> Ensemble:
         sets={path: tuple(column) for path, column in work.columns.items()},
         parameters={path: numbers_of(column) for path, column in work.columns.items()},
         units=work.units,
-        status=status,
-        t_end=t_end,
-        counts=counts,
-        events=times if task.events else (),
-        final=dict(zip(task.names, final, strict=True)),
+        status=work.status,
+        t_end=work.t_end,
+        counts=work.counts,
+        events=tuple(work.events) if task.events else (),
+        final=dict(zip(task.names, work.final, strict=True)),
         t=task.t,
-        samples=dict(zip(task.names, samples, strict=True)) if len(task.t) else {},
-        errors={k: m.error for k, m in in_order if m.error is not None},
-        warnings={k: m.warnings for k, m in in_order if m.warnings},
+        samples=dict(zip(task.names, work.samples, strict=True)) if len(task.t) else {},
+        errors=dict(sorted(work.errors.items())),
+        warnings=dict(sorted(work.warnings.items())),
         interrupted=work.interrupted,
         seconds=seconds,
         how=how,

@@ -1,4 +1,4 @@
-"""One member of an ensemble: an ordinary run, and what is kept of it."""
+"""One member of an ensemble as an ordinary run, and its outputs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
-from hybond.result import Result, Status
+from hybond.result import Result
 from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
@@ -48,40 +48,6 @@ class Task:
     events: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
-    """What is kept of one run.
-
-    Parameters
-    ----------
-    number : int
-        From 0.
-    status : {"ok", "accumulation", "error", "interrupted"}
-    t_end : float
-        The time reached, s.
-    count : int
-        Number of events.
-    events : array, shape (events,)
-        Their times, s, if they were asked for.
-    final : array, shape (outputs,)
-        Values at `t_end`.
-    samples : array, shape (outputs, times)
-        Limits from the right, nan beyond `t_end`.
-    error : HybondError or None
-    warnings : tuple of str
-    """
-
-    number: int
-    status: Status
-    t_end: float
-    count: int
-    events: Vector
-    final: Vector
-    samples: Vector
-    error: HybondError | None
-    warnings: tuple[str, ...]
-
-
 def run_of(task: Task, parameters: Mapping[str, Value]) -> Result | HybondError:
     """Return the run of a set, or why there is none.
 
@@ -105,48 +71,34 @@ def run_of(task: Task, parameters: Mapping[str, Value]) -> Result | HybondError:
     return run
 
 
-def member_of(task: Task, number: int, run: Result | HybondError) -> Member:
-    """Return what is kept of a run.
+def read_outputs(task: Task, run: Result, final: Vector, samples: Vector) -> HybondError | None:
+    """Read outputs at the end and at the times that the run has reached; return what failed.
+
+    Parameters
+    ----------
+    task : Task
+    run : Result
+    final : array, shape (outputs,)
+        Filled in, as are `samples`.
+    samples : array, shape (outputs, times)
 
     Raises
     ------
     UsageError
         HB-S109 for an output that does not exist.
     """
-    final = np.full(len(task.names), np.nan)
-    samples = np.full((len(task.names), len(task.t)), np.nan)
-    none = np.zeros(0)
-    if isinstance(run, HybondError):
-        return Member(number, "error", 0.0, 0, none, final, samples, run, ())
-    error = run.error
-    times = np.array(run.trace.events.times) if task.events else none
-    try:
-        _read(task, run, final, samples)
-    except UsageError:
-        raise
-    except HybondError as failure:
-        error = error or failure
-    return Member(
-        number=number,
-        status=run.status if error is None else "error",
-        t_end=run.t_end,
-        count=run.trace.events.total,
-        events=times,
-        final=final,
-        samples=samples,
-        error=error,
-        warnings=run.warnings,
-    )
-
-
-def _read(task: Task, run: Result, final: Vector, samples: Vector) -> None:
-    """Read all outputs at the end and at the times of the grid that the run has reached."""
     for name in task.names:
         run.expression(name)
     if not run.segments:
-        return
+        return run.error
     there = (task.t >= run.t_begin) & (task.t <= run.t_end)
-    values = run.sample([*task.t[there].tolist(), run.t_end], task.names)
+    try:
+        values = run.sample([*task.t[there].tolist(), run.t_end], task.names)
+    except UsageError:
+        raise
+    except HybondError as failure:
+        return run.error or failure
     for k, name in enumerate(task.names):
         samples[k, there] = values[name][:-1]
         final[k] = values[name][-1]
+    return run.error

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import UsageError
+from hybond.model.kept import kind_of
 from hybond.model.parts import Value
-from hybond.units import try_quantity
 
 Columns = dict[str, list[Value]]
 """For each dotted path the value of every member."""
@@ -61,18 +61,12 @@ def numbers_of(values: Sequence[Value]) -> NDArray[Any]:
     >>> numbers_of([1, "5 mm"]).tolist(), numbers_of(["2*m", 1.0]).tolist()
     ([1.0, 0.005], ['2*m', 1.0])
     """
-    found: list[float] = []
-    for value in values:
-        quantity = try_quantity(value) if isinstance(value, str) else None
-        if quantity is not None:
-            found.append(quantity.value)
-        elif isinstance(value, float | int):
-            found.append(float(value))
-        else:
-            whole = np.empty(len(values), dtype=object)
-            whole[:] = list(values)
-            return whole
-    return np.array(found)
+    found = [kind_of(value) for value in values]
+    if not any(isinstance(kind, str) for kind, _ in found):
+        return np.array([number for _, number in found])
+    whole = np.empty(len(values), dtype=object)
+    whole[:] = list(values)
+    return whole
 
 
 def _checked(columns: Columns) -> Columns:

@@ -19,6 +19,7 @@ typedef struct Arena {
 struct Taken {
     Taken *next;
     Arena *arena;
+    size_t size;
     double start;
 };
 
@@ -30,6 +31,7 @@ static void *take(Arena *arena, int count, size_t size)
         longjmp(arena->spent, 1);
     }
     block->arena = arena;
+    block->size = total;
     block->next = arena->last;
     arena->last = block;
     return block + 1;

@@ -19,7 +19,7 @@ def start_values(graph: FlatGraph, mode: Mode) -> dict[str, float]:
         piece = i.waveform.piece(0.0)
         found[f"u:{i.index}"] = i.waveform.value(0.0, piece)
         found[f"du:{i.index}"] = i.waveform.rate(0.0, piece)
-    start = start_of(graph).tolist()
+    start = start_of(graph)
     for s, x in zip(graph.storages, start, strict=False):
         found[f"x:{s.index}"] = x
     for signal in graph.integrals:

@@ -21,8 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
-from hybond.engine.compiled.build import NAME
-from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import (
     MACHINES_OF_INSTANT,
@@ -32,8 +30,10 @@ from hybond.engine.compiled.rows import (
     copied_floats,
     copied_ints,
 )
+from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
+from hybond.model.expressions.slots import plain, slot_of
 
 OK, REFUSED, ACCUMULATES, SPENT, PAUSED, RAISED = 0, 1, 3, 4, 7, 8
 LONGEST_SLICE = 2**31 - 1
@@ -137,6 +137,14 @@ class NativeModel:
         ints = {**tables.ints, "code": code.instructions, "value_begins": values}
         ints["pair_begins"] = pairs
         floats = {**tables.floats, "code_number": code.numbers}
+        self.floats: dict[str, NDArray[np.float64]] = {}
+        self.written = [
+            (name, k, slot.tree)
+            for name, row in floats.items()
+            for k, slot in enumerate(map(slot_of, row))
+            if slot is not None
+        ]
+        """What parameters write: columns, places in them, and expressions of parameters."""
         for name, kind in columns().items():
             if kind in ("int", "float"):
                 number = tables.numbers[name]
@@ -144,12 +152,32 @@ class NativeModel:
             elif kind == "Ints":
                 self._put(name, np.array(ints[name] or [0], dtype=np.intc), ctypes.c_int)
             elif kind == "Floats":
-                self._put(name, np.array(floats[name] or [0.0]), ctypes.c_double)
+                self.floats[name] = np.array([*map(plain, floats[name])] or [0.0])
+                self._put(name, self.floats[name], ctypes.c_double)
             else:
                 texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
                 row = (ctypes.c_char_p * len(texts))(*texts)
                 self._kept.append(row)
                 setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+
+    def written_with(self, tables: ModelTables) -> NativeModel:
+        """Return this model with other numbers in its slots: those of the graph of `tables`."""
+        written = tables.graph.written
+        assert written is not None
+        found = NativeModel.__new__(NativeModel)
+        found.tables = tables
+        found.written = []
+        found._kept = [self]
+        found.record = model_struct()()
+        size = ctypes.sizeof(found.record)
+        ctypes.memmove(ctypes.byref(found.record), ctypes.byref(self.record), size)
+        found.floats = dict(self.floats)
+        for name in dict.fromkeys(name for name, _, _ in self.written):
+            found.floats[name] = self.floats[name].copy()
+            found._put(name, found.floats[name], ctypes.c_double)
+        for name, k, tree in self.written:
+            found.floats[name][k] = written.writing.value(tree, written.row)
+        return found
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)

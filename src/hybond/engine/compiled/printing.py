@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
-from functools import lru_cache
 from pathlib import Path
 
-from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.compiled.sources import ENGINE, SHOWN, digest, portable_paths
 from hybond.engine.expressions.code import DEEPEST
 from hybond.translate.c_printer import CPrinter, c_text
 from hybond.translate.c_words import HEADERS, c_words
@@ -95,16 +93,6 @@ def program() -> Program:
     return load(roots, portable_paths())
 
 
-@lru_cache(maxsize=1)
-def digest() -> str:
-    """Return what tells the sources of the library from others."""
-    translate = ENGINE.parent / "translate"
-    own = [HERE / "printing.py", HERE / "library.c"]
-    paths = sorted([*portable_paths(), *translate.glob("*.py"), *own])
-    text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in paths)
-    return hashlib.sha256(text).hexdigest()[:16]
-
-
 def _columns(printer: CPrinter) -> list[str]:
     """Return the columns of a model in the library, in order: type and name.
 
@@ -138,7 +126,8 @@ def library_text() -> str:
     lines += ["", f'#define HYBOND_SOURCE "{digest()}"']
     listed = ", ".join(c_text(column) for column in _columns(printer))
     lines += wrapped(f"static const char *const HYBOND_COLUMNS[] = {{{listed}, NULL}};", 0)
-    return "\n".join([*lines, "", (HERE / "library.c").read_text(encoding="utf-8")])
+    shown = [(HERE / name).read_text(encoding="utf-8") for name in SHOWN]
+    return "\n".join([*lines, "", *shown])
 
 
 def _printer(found: Program) -> CPrinter:

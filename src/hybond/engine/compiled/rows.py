@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,12 +121,13 @@ class Rows:
 
 def copied_floats(begin: Any, *shape: int) -> NDArray[np.float64]:
     """Return an array of numbers of the library as our own."""
-    size = int(np.prod(shape))
+    size = math.prod(shape)
     return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy() if size else np.zeros(shape)
 
 
 def copied_ints(begin: Any, *shape: int) -> NDArray[np.intc]:
     """Return an array of whole numbers of the library as our own."""
-    if not np.prod(shape):
+    size = math.prod(shape)
+    if not size:
         return np.zeros(shape, dtype=np.intc)
-    return np.ctypeslib.as_array(begin, (int(np.prod(shape)),)).reshape(shape).copy()
+    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy()

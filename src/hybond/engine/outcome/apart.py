@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import Prepared, choose_engine
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
+from hybond.engine.tables.options import Settings
 from hybond.model.graph import FlatGraph, Mode
 from hybond.run_options import impact_of
 from hybond.trace import Event, Trace
@@ -62,7 +63,7 @@ class Apart:
             max_steps=MANY,
             max_writes=int(experiment.get("max_writes", 1000)),
         )
-        return choose_engine().prepare(settings.tables(self.graph))
+        return prepared(self.graph, settings, choose_engine())
 
     @property
     def start(self) -> Vector:

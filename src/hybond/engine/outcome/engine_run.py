@@ -8,8 +8,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import lru_cache
 from types import FrameType
 
 import numpy as np
@@ -23,111 +21,17 @@ from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.tables import ModelTables, tables_of
-from hybond.engine.tables.options import IMPACTS, METHODS, Options
 from hybond.errors import HybondError
-from hybond.model.graph import FlatGraph
 from hybond.trace import Accumulation, Trace
 
-SHARED = 2
-"""Graphs whose tables are kept for the next run: the last ones."""
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
 FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
 MOST = 1_000_000
-LARGEST = 2**31 - 1
-"""Beyond it there is no whole number in the library."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """What a run is asked for.
-
-    Parameters
-    ----------
-    until, rtol, max_step, event_tol : float
-    atol : float or None
-    solver : str
-        One of `METHODS`.
-    step : float or None
-        Of fixed steps, s.
-    theta : float
-        Of time-stepping.
-    slides : bool
-    impact : tuple of str and float
-        Law of impacts, and the exponent of springs.
-    max_events, max_steps, max_writes : int
-    """
-
-    until: float
-    solver: str
-    step: float | None
-    event_tol: float
-    max_events: int
-    max_writes: int
-    rtol: float = 1e-8
-    atol: float | None = None
-    max_step: float = math.inf
-    slides: bool = False
-    impact: tuple[str, float] = ("newton", 1.0)
-    max_steps: int = LARGEST
-    theta: float = 0.5
-
-    def tables(self, graph: FlatGraph) -> ModelTables:
-        """Return the tables of a model for such a run; runs of one graph share them.
-
-        Raises
-        ------
-        ModelError
-            As `tables_of`.
-        """
-        return _tables_for(_Asked(graph, self))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Asked:
-    """What tables are asked for; a graph is known by its identity."""
-
-    graph: FlatGraph
-    settings: Settings
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, _Asked):
-            return NotImplemented
-        return self.graph is other.graph and self.settings == other.settings
-
-    def __hash__(self) -> int:
-        return hash((id(self.graph), self.settings))
-
-
-@lru_cache(maxsize=SHARED)
-def _tables_for(asked: _Asked) -> ModelTables:
-    s = asked.settings
-    numbers: dict[str, float] = {
-        "until": s.until,
-        "points": 1,
-        "rtol": s.rtol,
-        "atol": math.nan if s.atol is None else s.atol,
-        "max_step": s.max_step,
-        "event_tol": s.event_tol,
-        # the library counts no further
-        "max_writes": min(s.max_writes, LARGEST),
-        "max_events": min(s.max_events, LARGEST),
-        "max_steps": min(s.max_steps, LARGEST),
-        "method": METHODS[s.solver],
-        "step": s.step or 0.0,
-        "theta": s.theta,
-        "slides": int(s.slides),
-        "impact": IMPACTS[s.impact[0]],
-        "impact_exponent": s.impact[1],
-    }
-    return tables_of(
-        asked.graph, options=Options(asked.graph, numbers, []), calling=True, tells=True
-    )
 
 
 class EngineRun:

@@ -15,8 +15,10 @@ from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, l
 from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import Rows
-from hybond.engine.tables import ModelTables
+from hybond.engine.tables import ModelTables, tables_of, written_tables
+from hybond.engine.tables.options import Options, Settings
 from hybond.errors import UsageError
+from hybond.model.graph import FlatGraph
 
 Asked = Literal["library", "python"]
 
@@ -89,6 +91,8 @@ class Prepared:
     Parameters
     ----------
     tables : ModelTables
+    written : callable
+        ``written(tables)`` is the same with other numbers in its slots: those of these tables.
     run : callable
         ``run(runners)`` is a run that has not begun; what runs each block is by its path.
     look : callable
@@ -96,6 +100,7 @@ class Prepared:
     """
 
     tables: ModelTables
+    written: Callable[[ModelTables], Prepared]
     run: Callable[[Mapping[str, Runner] | None], SlicedRun]
     look: Callable[[], Look]
 
@@ -152,9 +157,15 @@ def choose_engine(asked: Asked | None = None) -> EngineChoice:
 
 def prepared_for_library(tables: ModelTables) -> Prepared:
     """Return a model whose tables the library reads."""
-    model = NativeModel(tables)
+    return _native(NativeModel(tables))
+
+
+def _native(model: NativeModel) -> Prepared:
     return Prepared(
-        tables, lambda runners: NativeRun(model, runners=runners), lambda: NativeLook(model)
+        model.tables,
+        lambda tables: _native(model.written_with(tables)),
+        lambda runners: NativeRun(model, runners=runners),
+        lambda: NativeLook(model),
     )
 
 
@@ -166,5 +177,51 @@ def prepared_for_python(tables: ModelTables) -> Prepared:
 
     model = PythonModel(tables)
     return Prepared(
-        tables, lambda runners: PythonRun(model, runners=runners), lambda: PythonLook(model)
+        tables,
+        prepared_for_python,
+        lambda runners: PythonRun(model, runners=runners),
+        lambda: PythonLook(model),
     )
+
+
+def prepared(graph: FlatGraph, settings: Settings, maker: EngineChoice) -> Prepared:
+    """Return a model, prepared for runs by an engine; it is kept with its graph.
+
+    Raises
+    ------
+    ModelError
+        As `tables_of`.
+    """
+    asked = settings, maker.prepare
+    found: Prepared | None = graph.kept.get(asked)
+    if found is None:
+        found = _written(graph, settings, maker) or maker.prepare(tables_for(graph, settings))
+        graph.kept.keep(asked, found)
+    return found
+
+
+def tables_for(graph: FlatGraph, settings: Settings) -> ModelTables:
+    """Return the tables of a model for runs that are written down.
+
+    Raises
+    ------
+    ModelError
+        As `tables_of`.
+    """
+    options = Options(graph, settings.numbers, [])
+    return tables_of(graph, options=options, calling=True, tells=True)
+
+
+def _written(graph: FlatGraph, settings: Settings, maker: EngineChoice) -> Prepared | None:
+    """Return what was prepared with slots, numbers written into them, if they fit."""
+    w = graph.written
+    if w is None:
+        return None
+    slotted = prepared(w.graph, settings, maker)
+    # what tables are made of may ask more of the parameters than the graph does
+    if not w.writing.fits(w.row):
+        return None
+    try:
+        return slotted.written(written_tables(slotted.tables, graph, w))
+    except ArithmeticError:
+        return None

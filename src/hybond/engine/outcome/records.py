@@ -357,7 +357,7 @@ class Records:
         cause = CAUSES[int(rows.instant_place[k, 0])]
         if cause == "start":
             # the row begins with what was settled
-            before = start_of(self.graph)
+            before = np.array(start_of(self.graph))
         return Event(
             t,
             cause,

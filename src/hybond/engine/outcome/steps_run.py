@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from hybond.blocks.runners import Runner
-from hybond.engine.outcome.engine_run import EngineRun, Settings
-from hybond.engine.outcome.engines import Prepared
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import EngineChoice, prepared
 from hybond.engine.outcome.step_error import BAD, StepError, compare
-from hybond.engine.tables import ModelTables
+from hybond.engine.tables.options import Settings
 from hybond.errors import HybondError
 from hybond.model.expressions import Number
 from hybond.model.graph import FlatGraph
@@ -30,8 +30,7 @@ class StepsRun:
     ----------
     graph : FlatGraph
     settings : Settings
-    prepare : callable
-        Makes tables ready for an engine.
+    maker : EngineChoice
     progress : callable
     runners : mapping
         What runs each block, by its path: a block may run once only, so that the error of such a
@@ -42,7 +41,7 @@ class StepsRun:
         self,
         graph: FlatGraph,
         settings: Settings,
-        prepare: Callable[[ModelTables], Prepared],
+        maker: EngineChoice,
         *,
         progress: Callable[[float, int], None] | None = None,
         runners: Mapping[str, Runner] | None = None,
@@ -50,8 +49,9 @@ class StepsRun:
         self.graph = graph
         self.settings = settings
         self.progress = progress
-        self._prepare = prepare
-        self._fine = EngineRun(prepare(settings.tables(graph)), progress=progress, runners=runners)
+        self._maker = maker
+        own = prepared(graph, settings, maker)
+        self._fine = EngineRun(own, progress=progress, runners=runners)
         self.trace = self._fine.trace
         assert settings.step is not None
         self.step = settings.step
@@ -91,7 +91,7 @@ class StepsRun:
         """Return how far a run with steps longer by `factor` is from this one, if it can be."""
         longer = replace(self.settings, step=factor * self.step)
         coarse = EngineRun(
-            self._prepare(longer.tables(self.graph)),
+            prepared(self.graph, longer, self._maker),
             # so that a run can be interrupted here as well
             progress=None if self.progress is None else self._progress_at_end,
         )

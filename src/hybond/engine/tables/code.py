@@ -25,6 +25,7 @@ from hybond.engine.expressions.functions import (
     TAN,
     TANH,
 )
+from hybond.engine.tables.expressions import number_of
 from hybond.errors import ModelError
 from hybond.model.expressions import (
     And,
@@ -42,6 +43,7 @@ from hybond.model.expressions import (
     Pre,
     Table,
 )
+from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import fold
 
 ONE = {
@@ -136,7 +138,7 @@ class Code:
     def _node(self, e: Expr, prior: bool, below: list[_Part], *, paired: bool) -> _Part:
         match e:
             case Number(value) | Bool(value):
-                return [c.NUMBER, self._number(float(value))], 1
+                return [c.NUMBER, self._number(number_of(value))], 1
             case Name(path) if paired:
                 return [c.PRIOR if prior else c.SIGNAL, self.slot[path]], 1
             case Name(path):
@@ -190,7 +192,8 @@ class Code:
         return code, depth
 
     def _number(self, value: float) -> int:
-        at = self._place.get(value) if value == value and value != 0.0 else None
+        own = is_slotted(value) or (value == value and value != 0.0)
+        at = self._place.get(value) if own else None
         if at is None:
             at = len(self.numbers)
             self.numbers.append(value)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from hybond.engine.tables.expressions import Expressions, number_of
 from hybond.equations.slots import Slots
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
+from hybond.model.written import Written
 
 
 @dataclass(slots=True)
@@ -49,6 +50,14 @@ class ModelTables:
     bonds: list[str] = field(default_factory=list)
     rules: list[str] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
+
+
+def written_tables(t: ModelTables, graph: FlatGraph, written: Written) -> ModelTables:
+    """Return tables with numbers where there are slots; `graph` is theirs."""
+    values = Expressions()
+    values.all, values.text = written.put(t.values.all, stays=True), t.values.text
+    floats, pairs = (written.put(part, stays=True) for part in (t.floats, t.pairs))
+    return replace(t, graph=graph, floats=floats, values=values, pairs=pairs)
 
 
 def first_of(rows: list[list[Any]]) -> list[int]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from hybond.model.expressions import Bool, Expr, Number
-from hybond.model.expressions.traced import Traced
+from hybond.model.expressions.slots import is_slotted
 
 CONSTANT = -1
 """What stands for an expression that is a number: the number is in the table beside it."""
 
 
 def number_of(value: float) -> float:
-    """Return an entry of a table: a float, which knows where it comes from if it is followed."""
-    return value if isinstance(value, Traced) else float(value)
+    """Return an entry of a table: a float, or what parameters make of it."""
+    return value if is_slotted(value) else float(value)
 
 
 class Expressions:

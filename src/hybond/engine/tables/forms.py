@@ -15,7 +15,6 @@ from hybond.engine.tables.generators import (
     CONSTANT,
     Found,
     Generators,
-    Key,
     Terms,
     constant,
     generators,
@@ -24,9 +23,7 @@ from hybond.engine.tables.generators import (
 )
 from hybond.engine.tables.options import METHODS
 from hybond.equations.element_parts import Dynamic, Source
-from hybond.model.expressions import Expr, Number, differentiate, names
-from hybond.model.expressions.traced import give_up
-from hybond.model.expressions.tree import walk
+from hybond.model.expressions import Expr, names
 from hybond.model.inputs import Called, Constant, Timetable
 from hybond.run_options import QUANTISED
 
@@ -63,8 +60,6 @@ class _Making:
     def __init__(self, t: ModelTables) -> None:
         self.t = t
         self.reasons = [STORAGE, LAWS]
-        self.followed: dict[int, dict[Key, float]] = {}
-        """Of each form that was found, by its identity: factors that know where they come from."""
 
     def put(self, sources: list[Source], dynamics: list[Dynamic]) -> None:
         t, g = self.t, self.t.graph
@@ -106,8 +101,6 @@ class _Making:
         if isinstance(found, str):
             # inputs that never change may be factors, if they are taken for their levels
             found = self._found(e, bonds=bonds, level=True)
-        if isinstance(found, dict):
-            self._follow(e, found)
         return found
 
     def _found(self, e: Expr, *, bonds: bool, level: bool) -> Found:
@@ -119,25 +112,6 @@ class _Making:
         found = terms_of(e, known)
         straight = isinstance(found, str) or all(map(_straight, found))
         return found if straight else "a product with what is stored"
-
-    def _follow(self, e: Expr, found: Terms) -> None:
-        """Keep factors that know of which parameters they are made; give up what is lost."""
-        followed: dict[Key, float] = {}
-        for key, c in found.items():
-            rate, shift, factors = key
-            if not rate and not shift and len(factors) == 1:
-                slope = differentiate(e, factors[0])
-                if isinstance(slope, Number) and float(slope.value) == c.real:
-                    followed[key] = slope.value
-            elif key == CONSTANT and isinstance(e, Number) and float(e.value) == c.real:
-                followed[key] = e.value
-        if followed.keys() != found.keys():
-            numbers = [n.value for n, _ in walk(e) if isinstance(n, Number)]
-            read = {n.partition(":")[2] for n in names(e) if n.startswith("u:")}
-            waveforms = [self.t.graph.inputs[int(k)].waveform for k in read]
-            numbers += [w.level for w in waveforms if isinstance(w, Constant)]
-            give_up(numbers, "a source whose motion is solved exactly")
-        self.followed[id(found)] = followed
 
     def _name(self, path: str, *, level: bool) -> Found:
         kind, _, index = path.partition(":")
@@ -202,13 +176,10 @@ class _Making:
             return []
         g, slots = self.t.graph, self.t.slots
         bonds, stored = 2 * len(g.bonds), len(g.storages)
-        followed = self.followed[id(found)]
-        timed = dict(_entries(made.row(_timed(found)).tolist()))
-        timed.update({made.place[key]: a for key, a in followed.items() if not _stored(key[2])})
         first = bonds + stored + len(g.integrals)
-        row = [(first + k, a) for k, a in timed.items()]
+        row = [(first + k, a) for k, a in made.row(_timed(found)).items()]
         for key, c in found.items():
-            factor = followed.get(key, c.real)
+            factor = c.real
             if not _stored(key[2]):
                 continue
             path = key[2][0]

@@ -9,7 +9,6 @@ what moves with time alone is closed under derivatives, all that the exponential
 from __future__ import annotations
 
 import cmath
-import operator
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -17,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.tables.expressions import number_of
 from hybond.model.expressions import (
-    FLOATS,
     And,
     Binary,
     Bool,
@@ -33,8 +32,10 @@ from hybond.model.expressions import (
     Or,
     Pre,
     Table,
+    simplify,
 )
-from hybond.model.expressions.tree import fold
+from hybond.model.expressions.slots import is_slotted, plain, settled
+from hybond.model.expressions.tree import fold, with_children
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -44,33 +45,27 @@ Terms: TypeAlias = dict[Key, complex]
 Found: TypeAlias = "Terms | str"
 """Terms, or the reason why there are none."""
 
+OVERFLOWS = "a value that overflows"
+SOLVED = "a source whose motion is solved exactly"
 CONSTANT: Key = (0j, 0.0, ())
 TIME: Key = (0j, 0.0, ("time",))
 HIGHEST = 8
 """Degree of a monomial."""
-_COMPARE = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
 
 
 def constant(value: float) -> Terms:
     """Return a constant as terms."""
-    return {CONSTANT: complex(value)} if value else {}
+    return {CONSTANT: value} if value else {}
 
 
 def of_name(path: str) -> Terms:
     """Return a name as terms."""
-    return {(0j, 0.0, (path,)): 1.0 + 0j}
+    return {(0j, 0.0, (path,)): 1.0}
 
 
 def value_of(terms: Terms) -> float | None:
     """Return the value of terms that are constant, else None."""
-    return terms.get(CONSTANT, 0j).real if terms.keys() <= {CONSTANT} else None
+    return terms.get(CONSTANT, 0.0).real if terms.keys() <= {CONSTANT} else None
 
 
 def combined(parts: Iterable[tuple[complex, Terms]]) -> Terms:
@@ -78,7 +73,7 @@ def combined(parts: Iterable[tuple[complex, Terms]]) -> Terms:
     total: Terms = {}
     for factor, terms in parts:
         for key, c in terms.items():
-            total[key] = total.get(key, 0j) + factor * c
+            total[key] = total.get(key, 0.0) + factor * c
     return {key: c for key, c in total.items() if c}
 
 
@@ -95,7 +90,7 @@ def terms_of(e: Expr, known: Callable[[str], Found]) -> Found:
     --------
     >>> from hybond.model.expressions import parse
     >>> terms_of(parse("2*time + 1"), of_name)
-    {(0j, 0.0, ('time',)): (2+0j), (0j, 0.0, ()): (1+0j)}
+    {(0j, 0.0, ('time',)): 2.0, (0j, 0.0, ()): 1.0}
     >>> sorted(key[0].imag for key in terms_of(parse("sin(3*time)^2"), of_name))
     [-6.0, 0.0, 6.0]
     >>> terms_of(parse("sqrt(time)"), of_name)
@@ -106,16 +101,20 @@ def terms_of(e: Expr, known: Callable[[str], Found]) -> Found:
         if isinstance(node, Name):
             return "an a priori value" if prior else known(node.path)
         if isinstance(node, Number | Bool):
-            return constant(float(node.value))
+            return constant(number_of(node.value))
         if isinstance(node, If):
             return _chosen(below)
         reason = next((b for b in below if isinstance(b, str)), None)
         return reason or _of_node(node, [b for b in below if not isinstance(b, str)])
 
     found = fold(e, of)
-    if isinstance(found, dict) and not all(map(cmath.isfinite, found.values())):
-        return "a value that overflows"
+    if isinstance(found, dict) and not all(map(_is_finite, found.values())):
+        return OVERFLOWS
     return found
+
+
+def _is_finite(c: complex) -> bool:
+    return cmath.isfinite(plain(c) if is_slotted(c) else c)
 
 
 def _chosen(below: list[Found]) -> Found:
@@ -199,23 +198,10 @@ _NAMES: dict[type[Expr], str] = {
 
 def _constant_node(node: Expr, values: list[float]) -> Found:
     """Return a node all of whose arguments are constants."""
-    match node:
-        case Binary("^"):
-            return constant(float(FLOATS.pow(*values)))
-        case Call(function, _):
-            return constant(float(FLOATS.call[function](*values)))
-        case Compare(op):
-            return constant(float(_COMPARE[op](*values)))
-        case Not():
-            return constant(float(not values[0]))
-        case And():
-            return constant(float(all(values)))
-        case Or():
-            return constant(float(any(values)))
-        case Table(_, x, y, extrapolate, slope):
-            read = (FLOATS.slope if slope else FLOATS.table)(x, y, extrapolate)
-            return constant(float(read(values[0])))
-    return f"a {type(node).__name__}"
+    if isinstance(node, And | Or):
+        return constant(float(all(values) if isinstance(node, And) else any(values)))
+    found = simplify(with_children(node, tuple(map(Number, values))))
+    return constant(number_of(found.value)) if isinstance(found, Number | Bool) else OVERFLOWS
 
 
 def _product(a: Terms, b: Terms) -> Found:
@@ -231,7 +217,7 @@ def _product(a: Terms, b: Terms) -> Found:
                     {n for n in both if n.startswith("at:")}
                 )
             key = (rate + other_rate, shift + other_shift, tuple(sorted(both)))
-            found[key] = found.get(key, 0j) + c * d
+            found[key] = found.get(key, 0.0) + c * d
     return {key: c for key, c in found.items() if c}
 
 
@@ -252,7 +238,7 @@ def _wave(function: str, argument: Terms) -> Found:
         return f"{function} of what varies"
     if not argument.keys() <= {CONSTANT, TIME}:
         return f"{function} of what is no line in time"
-    a, b = argument[TIME].real, argument.get(CONSTANT, 0j).real
+    a, b = (settled(argument.get(key, 0.0).real, SOLVED) for key in (TIME, CONSTANT))
     if function in ("sin", "cos"):
         turned = cmath.exp(1j * b) / (2j if function == "sin" else 2.0)
         return {(a * 1j, 0.0, ()): turned, (-a * 1j, 0.0, ()): turned.conjugate()}
@@ -284,9 +270,9 @@ class Generators:
     matrix: Matrix
     moving: NDArray[np.bool_]
 
-    def row(self, terms: Terms) -> Vector:
-        """Return what terms are by generators."""
-        row = np.zeros(len(self.expressions))
+    def row(self, terms: Terms) -> dict[int, float]:
+        """Return what terms are by generators: a factor of each, but for those that are zero."""
+        row: dict[int, float] = {}
         for key, c in terms.items():
             k = self.place.get(key)
             if k is None:
@@ -295,7 +281,7 @@ class Generators:
                 row[k], row[k + 1] = 2.0 * c.real, -2.0 * c.imag
             else:
                 row[k] = c.real
-        return row
+        return {k: c for k, c in row.items() if c}
 
 
 def generators(wanted: Iterable[Key], rate_of: Callable[[str], str | None]) -> Generators:

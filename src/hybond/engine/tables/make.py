@@ -30,7 +30,6 @@ from hybond.model.resolve import prior
 
 def tables_of(
     graph: FlatGraph,
-    plain: FlatGraph | None = None,
     *,
     options: Options | None = None,
     calling: bool = False,
@@ -43,8 +42,7 @@ def tables_of(
     are for a run that can call inputs that are functions in Python, and blocks. With `tells` it
     writes down what explains its events: what guards read, energies.
 
-    If the numbers of the graph know of which parameters they are made, those in the tables do as
-    well; `plain` is then the same graph without that, for what is tried out.
+    If numbers of the graph are expressions of parameters, those in the tables are so as well.
 
     Raises
     ------
@@ -52,7 +50,6 @@ def tables_of(
         HB-E630 an input that is a function in Python or a block, without `calling`, HB-E631 an
         element that says too many things; those of `options.options_of`.
     """
-    plain = plain or graph
     options = options or options_of(graph, given)
     graph = options.graph
     t = ModelTables(graph, slots_of(graph))
@@ -61,7 +58,7 @@ def tables_of(
     put_machines(t)
     put_elements(t)
     _junctions(t)
-    put_storages(t, plain)
+    put_storages(t)
     put_powers(t)
     if not calling:
         refuse_calls(graph)

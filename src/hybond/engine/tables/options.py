@@ -1,10 +1,10 @@
-"""The options of a run that an export takes over from the experiment of a model."""
+"""What a run is asked for, as given or as its experiment says, and as numbers in tables."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
@@ -16,11 +16,14 @@ from hybond.run_options import (
     ALIASES,
     FIXED,
     STEPPING,
+    Choice,
     check_step,
     end_of,
     impact_of,
+    limit_of,
     seconds_of,
     sliding_of,
+    solver_of,
     stepping_step,
     stepping_theta,
     tolerances_of,
@@ -41,9 +44,142 @@ IMPACTS = {
 }
 
 
+LARGEST = 2**31 - 1
+"""Beyond it there is no whole number in the library."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a run is asked for.
+
+    Parameters
+    ----------
+    until, rtol, max_step, event_tol : float
+    atol : float or None
+    solver : str
+        One of `METHODS`.
+    step : float or None
+        Of fixed steps, s.
+    theta : float
+        Of time-stepping.
+    slides : bool
+    impact : tuple of str and float
+        Law of impacts, and the exponent of springs.
+    max_events, max_steps, max_writes : int
+    """
+
+    until: float
+    solver: str
+    step: float | None
+    event_tol: float
+    max_events: int
+    max_writes: int
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_step: float = math.inf
+    slides: bool = False
+    impact: tuple[str, float] = ("newton", 1.0)
+    max_steps: int = LARGEST
+    theta: float = 0.5
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The same by the fields of `hybond.engine.model.Model`."""
+        # time-stepping has a law of its own, and settles instants contact after contact
+        impact, exponent = ("newton", 1.0) if self.solver in STEPPING else self.impact
+        return {
+            "until": self.until,
+            "points": 1,
+            "rtol": self.rtol,
+            "atol": math.nan if self.atol is None else self.atol,
+            "max_step": self.max_step,
+            "event_tol": self.event_tol,
+            # the library counts no further
+            "max_writes": min(self.max_writes, LARGEST),
+            "max_events": min(self.max_events, LARGEST),
+            "max_steps": min(self.max_steps, LARGEST),
+            "method": METHODS[self.solver],
+            "step": self.step or 0.0,
+            "theta": self.theta,
+            "slides": int(self.slides),
+            "impact": IMPACTS[impact],
+            "impact_exponent": exponent,
+        }
+
+
+def settings_of(
+    experiment: Mapping[str, Any],
+    until: float | str | None = None,
+    *,
+    solver: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    step: float | str | None = None,
+    max_step: float | str | None = None,
+    theta: float | None = None,
+    sliding: Choice | None = None,
+    hysteresis: float | str | None = None,
+    impact: str | None = None,
+    max_events: int | None = None,
+    max_steps: int | None = None,
+) -> tuple[Settings, float | None]:
+    """Return what a run is asked for, and the band of its switching surfaces if they have one.
+
+    The parameters are those of `hybond.simulate`; what is not given is as the experiment says.
+
+    Raises
+    ------
+    UsageError
+        For what is wrong with them.
+    """
+    end = end_of(until, experiment)
+    rtol, atol = tolerances_of(rtol, atol, experiment)
+    name = solver_of(solver, experiment)
+    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
+    longest = seconds_of(
+        max_step if max_step is not None else experiment.get("max_step"), "max_step"
+    )
+    if longest is not None and not longest > 0.0:
+        raise UsageError(
+            f"max_step of {longest:g} s: it must be positive",
+            code="HB-S103",
+            where="max_step",
+            hint="leave it out to let the tolerances decide",
+        )
+    choice, band = sliding_of(sliding, hysteresis, experiment)
+    settings = Settings(
+        until=end,
+        solver=name,
+        step=None,
+        rtol=rtol,
+        atol=atol,
+        max_step=math.inf if longest is None else longest,
+        event_tol=float(experiment.get("event_tol", 1e-12)),
+        slides=choice == "filippov",
+        max_events=limit_of("max_events", max_events, experiment),
+        max_steps=limit_of("max_steps", max_steps, experiment),
+        max_writes=int(experiment.get("max_writes", 1000)),
+    )
+    if name in STEPPING:
+        theta = theta if theta is not None else experiment.get("theta", 0.5)
+        own = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
+        return own, band
+    if theta is not None:
+        raise UsageError(
+            f"theta is given, but solver {name!r} has none",
+            code="HB-S112",
+            where="theta",
+            hint='solver = "moreau-jean"',
+        )
+    # a step written in the experiment for a fixed-step solver may stand there unused
+    own_step = given_step if name in FIXED or step is not None else None
+    check_step(name, own_step)
+    return replace(settings, impact=impact_of(impact, experiment), step=own_step), band
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options of a run: the graph that is run, numbers by field, outputs by name."""
+    """The options of an export: the graph that is run, numbers by field, outputs by name."""
 
     graph: FlatGraph
     numbers: dict[str, float]
@@ -51,43 +187,22 @@ class Options:
 
 
 def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
-    """Return the options of a run: those given, else the experiment's, else defaults.
+    """Return the options of an export: those given, else the experiment's, else defaults.
 
     Raises
     ------
     UsageError
-        HB-E632 for a solver that an export does not have; HB-J205 for an unknown law of impacts;
-        HB-S102 and HB-S104 for a fixed step that is missing, or is none; HB-S103, HB-S106, HB-S107
-        and HB-E607 for numbers that make no sense.
+        HB-E632 for a solver that an export does not have; HB-E607 for a table of no rows; those of
+        `settings_of`.
     """
     experiment = graph.experiment
-    end = end_of(given.get("until"), experiment)
     name = str(given.get("solver") or experiment.get("solver", "rk45"))
-    name = ALIASES.get(name, name)
-    if name not in METHODS:
+    if ALIASES.get(name, name) not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",
             code="HB-E632",
             where="solver",
             hint=", ".join(METHODS),
-        )
-    step = seconds_of(given.get("step", experiment.get("step")), "step")
-    # a step written in the experiment for a fixed-step solver may stand there unused
-    if name in STEPPING:
-        step = stepping_step(step)
-    else:
-        check_step(name, step if name in FIXED or given.get("step") is not None else None)
-    impact, exponent = impact_of(given.get("impact"), experiment)
-    choice, band = sliding_of(None, None, experiment)
-    if band is not None:
-        graph = banded(graph, band)
-    longest = seconds_of(given.get("max_step", experiment.get("max_step")), "max_step")
-    if longest is not None and not longest > 0.0:
-        raise UsageError(
-            f"max_step of {longest:g} s: it must be positive",
-            code="HB-S103",
-            where="max_step",
-            hint="leave it out to let the tolerances decide",
         )
     points = int(given.get("points", experiment.get("points", POINTS)))
     if points < 1:
@@ -97,25 +212,10 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
             where="points",
             hint="one or more: the rows beside those of events",
         )
-    rtol, atol = tolerances_of(given.get("rtol"), given.get("atol"), experiment)
-    numbers = {
-        "until": end,
-        "points": points,
-        "rtol": rtol,
-        "atol": math.nan if atol is None else atol,
-        "max_step": math.inf if longest is None else longest,
-        "event_tol": float(experiment.get("event_tol", 1e-12)),
-        "max_writes": int(experiment.get("max_writes", 1000)),
-        "max_events": int(experiment.get("max_events", 1_000_000)),
-        "max_steps": int(experiment.get("max_steps", 4_000_000)),
-        "method": METHODS[name],
-        "step": step if name in (*FIXED, *STEPPING) and step is not None else 0.0,
-        "theta": stepping_theta(given.get("theta", experiment.get("theta", 0.5))),
-        "slides": int(choice == "filippov"),
-        # time-stepping has a law of its own, and settles instants contact after contact
-        "impact": IMPACTS["newton" if name in STEPPING else impact],
-        "impact_exponent": exponent,
-    }
+    own = {name: value for name, value in given.items() if name != "points"}
+    settings, band = settings_of(experiment, **own)
+    if band is not None:
+        graph = banded(graph, band)
     listed = experiment.get("outputs") or experiment.get("plot") or ()
     outputs: list[tuple[str, Expr]] = []
     assert graph.read is not None
@@ -124,4 +224,4 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
     if not outputs:
         outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
         outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
-    return Options(graph, numbers, outputs)
+    return Options(graph, {**settings.numbers, "points": points}, outputs)

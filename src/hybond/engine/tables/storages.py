@@ -7,27 +7,18 @@ from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.stored_laws import stiffness, stored_names
-from hybond.model.expressions import (
-    Number,
-    substitute,
-    turning,
-)
-from hybond.model.expressions.traced import Traced, give_up
-from hybond.model.expressions.tree import walk
-from hybond.model.graph import FlatGraph, Storage
+from hybond.model.expressions import substitute, turning
+from hybond.model.graph import Storage
 
 
-def put_storages(t: ModelTables, plain: FlatGraph) -> None:
-    """Put storage into the tables; `plain` is the graph with nothing but numbers."""
+def put_storages(t: ModelTables) -> None:
+    """Put storage into the tables."""
     g = t.graph
-    start = start_of(plain)
     t.stored = [s.path for s in g.storages] + [i.path for i in g.integrals]
     t.ints["storage_bond"] = [s.bond for s in g.storages]
     t.ints["storage_kind"] = [int(s.kind == "I") for s in g.storages]
     t.ints["storage_sign"] = [s.sign for s in g.storages]
-    t.floats["storage_start"] = [
-        _stored_at_start(g, s, float(a)) for s, a in zip(g.storages, start)
-    ]
+    t.floats["storage_start"] = [number_of(a) for a in start_of(g)[: len(g.storages)]]
     t.ints["storage_pseudo"] = [int(g.bonds[s.bond].domain.pseudo) for s in g.storages]
     domains = list(dict.fromkeys(b.domain.name for b in g.bonds))
     t.numbers["classes"] = 2 * len(domains)
@@ -67,19 +58,3 @@ def put_storages(t: ModelTables, plain: FlatGraph) -> None:
         points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
     put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
     put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
-
-
-def _stored_at_start(g: FlatGraph, s: Storage, value: float) -> float:
-    """Return what is stored at the start, `value`, with what it is made of if it is followed."""
-    law = g.nodes[s.node].law
-    assert law is not None
-    if s.start_is == "stored":
-        return number_of(s.start)
-    if law.matrix is None or len(law.matrix) > 1:
-        constants = [n.value for e in law.expressions for n, _ in walk(e) if isinstance(n, Number)]
-        own = [o.start for o in g.storages if o.node == s.node]
-        give_up((*own, *constants), "a start that is found by iteration")
-        return value
-    stored = s.start / law.matrix[0][0]
-    # the quotient may differ from what the solution of a linear system is by a rounding
-    return Traced(value, stored.tree, stored.trail) if isinstance(stored, Traced) else value

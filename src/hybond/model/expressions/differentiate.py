@@ -6,7 +6,7 @@ import math
 
 from hybond.model.expressions.algebra import FLOATS
 from hybond.model.expressions.compile import compile_expression
-from hybond.model.expressions.traced import Traced, tree_of
+from hybond.model.expressions.slots import is_slotted, plain, slot_of, slotted, tree_of
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -84,19 +84,15 @@ def _plain(e: Expr, value: float) -> bool:
 
 def _neutral(e: Expr, value: float) -> bool:
     """Whether a term is a number that changes nothing; one that may be changed is kept."""
-    return not _traced(e) and _plain(e, value)
+    return not is_slotted(e) and _plain(e, value)
 
 
 def _both(a: Expr, b: Expr) -> bool:
-    """Whether two operands are numbers that give one that is traced: zero is no matter then."""
+    """Whether two operands are numbers that give a slotted one: zero is no matter then."""
     if not (isinstance(a, Number) and isinstance(b, Number)):
         return False
-    literals = [float(e.value) for e in (a, b) if not _traced(e)]
+    literals = [e.value for e in (a, b) if not is_slotted(e)]
     return len(literals) < 2 and not any(abs(x) in (0.0, 1.0) for x in literals)
-
-
-def _traced(e: Expr) -> bool:
-    return isinstance(e, Number) and isinstance(e.value, Traced)
 
 
 def _folded(e: Expr) -> Expr:
@@ -107,28 +103,30 @@ def _folded(e: Expr) -> Expr:
         if not (isinstance(child, Bool) or (isinstance(child, Number) and child.dimension is None)):
             return e
     points = (*e.x, *e.y) if isinstance(e, Table) else ()
-    if any(map(_traced, below)) and not any(isinstance(x, Traced) for x in points):
+    if any(map(is_slotted, below)) and not any(map(is_slotted, points)):
         return _followed(e, below)
     value = compile_expression(e, {}, FLOATS, pre_offset=0)(())
     if isinstance(value, bool):
         return Bool(value)
-    # of a table with points that are traced, the value is
-    value = value if isinstance(value, Traced) else float(value)
-    return Number(value) if math.isfinite(value) else e
+    # of a table with points that are slotted, the value is
+    value = value if is_slotted(value) else float(value)
+    return Number(value) if math.isfinite(plain(value)) else e
 
 
 def _followed(e: Expr, below: tuple[Expr, ...]) -> Expr:
-    """Return the value of a node of numbers, some of them traced, as one that is traced."""
+    """Return the value of a node of numbers, some of them slotted, as one that is slotted."""
     values = [b.value for b in below if isinstance(b, Number | Bool)]
-    trail = next(v.trail for v in values if isinstance(v, Traced))
-    plain = (b if isinstance(b, Bool) else Number(float(v)) for b, v in zip(below, values))
-    value = compile_expression(with_children(e, tuple(plain)), {}, FLOATS, pre_offset=0)(())
+    slots = next(slot.slots for slot in map(slot_of, values) if slot is not None)
+    if isinstance(e, Binary) and e.op == "/" and not values[1]:
+        return e
+    numbers = (b if isinstance(b, Bool) else Number(plain(v)) for b, v in zip(below, values))
+    value = compile_expression(with_children(e, tuple(numbers)), {}, FLOATS, pre_offset=0)(())
     trees = (b if isinstance(b, Bool) else tree_of(v) for b, v in zip(below, values))
     tree = with_children(e, tuple(trees))
     if isinstance(value, bool):
-        trail.note(tree, holds=value)
+        slots.note(tree, holds=value)
         return Bool(value)
-    return Number(Traced(value, tree, trail)) if math.isfinite(value) else e
+    return Number(slotted(value, tree, slots)) if math.isfinite(value) else e
 
 
 def _simpler(e: Expr) -> Expr:

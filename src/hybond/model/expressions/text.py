@@ -7,6 +7,7 @@ import math
 import re
 
 from hybond.errors import ExpressionError
+from hybond.model.expressions.slots import plain
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -49,14 +50,13 @@ def _level(e: Expr) -> int:
             return _LEVEL[e.op]
         case Neg():
             return _NEG
-        case Number() if math.copysign(1.0, e.value) < 0:
+        case Number() if math.copysign(1.0, plain(e.value)) < 0:
             return _NEG
     return _ATOM
 
 
 def _float(value: float) -> str:
     """Write a float so that it reads back as the same float."""
-    value = float(value)
     if value == math.pi:
         return "pi"
     if value == math.floor(value) and abs(value) < 1e15 and math.copysign(1.0, value) > 0:
@@ -116,7 +116,7 @@ def to_text(e: Expr) -> str:
 def _text(e: Expr, prior: bool, below: list[str]) -> str:
     match e:
         case Number(number, dimension):
-            value = float(number)
+            value = plain(number)
             unit = "" if dimension is None else f" [{dimension}]"
             # `pi` is a name to the parser and takes no unit.
             return (repr(value) if unit and value == math.pi else _float(value)) + unit
@@ -196,7 +196,7 @@ def python_name(path: str, *, prior: bool = False) -> str:
 def _python(e: Expr, below: list[str], prior: bool, prefix: str) -> str:
     match e:
         case Number(number):
-            value = float(number)
+            value = plain(number)
             return f"{prefix}pi" if value == math.pi else _float(value)
         case Bool(value):
             return str(value)
@@ -278,7 +278,7 @@ def _latex_name(path: str) -> str:
 
 
 def _latex_number(e: Number) -> str:
-    text = r"\pi" if float(e.value) == math.pi else _float(e.value)
+    text = r"\pi" if plain(e.value) == math.pi else _float(plain(e.value))
     if "e" in text:
         digits, power = text.split("e")
         text = (digits + r" \cdot " if digits not in ("1", "1.0") else "") + f"10^{{{int(power)}}}"

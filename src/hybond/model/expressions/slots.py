@@ -1,18 +1,19 @@
-"""Numbers that know how they came about from the parameters of a model.
+"""Parameters as slots: numbers that are expressions of them, while a model is made.
 
-While a model is flattened for an export, the values of its parameters are `Traced`. Arithmetic with
-them gives more of them, and where a comparison decides what the model is made of, it is written
-down as a condition: for other values of the parameters that meet all conditions the model is made
-of the same parts, with other numbers in them.
+A parameter is followed as a `Slotted`: arithmetic with it gives more of them, so that what a model
+is made of says how it follows from its parameters, and other numbers can be written there. Where a
+comparison decides what the model is made of, it is written down as a condition; where a plain
+number is wanted, that it is this one. Parameters that meet all conditions make the same model, with
+other numbers in it: nothing becomes a plain number unseen.
 """
 
 from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from hybond.model.expressions.tree import (
     Binary,
@@ -29,6 +30,7 @@ from hybond.units import Dimension
 
 PREFIX = "p:"
 """What the name of a parameter begins with in a tree, before its dotted path."""
+NUMBERS_ONLY = "what is computed there is computed with numbers"
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 _PLAIN: Mapping[str, Callable[[float, float], Any]] = {
     "+": operator.add,
@@ -46,8 +48,8 @@ _PLAIN: Mapping[str, Callable[[float, float], Any]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Followed:
-    """A parameter that is followed.
+class Slot:
+    """A parameter that can be written.
 
     Parameters
     ----------
@@ -56,7 +58,7 @@ class Followed:
         Its value in the model, SI.
     dimension : Dimension or None
     made_of : Expr or None
-        What it is where nobody sets it, in parameters; None if it is a number.
+        What it is where nobody writes it, in parameters; None if it is a number.
     """
 
     path: str
@@ -65,32 +67,33 @@ class Followed:
     made_of: Expr | None
 
 
-class Trail:
-    """What became of the parameters of a model while it was flattened.
+class Slots:
+    """The slots of a model, and what was asked of them while it was made.
 
     Parameters
     ----------
-    wanted : collection of str
-        Dotted paths of the parameters that are followed.
+    wanted : container of str, optional
+        Dotted paths of the parameters that are slots; default: all.
     """
 
-    def __init__(self, wanted: Collection[str]) -> None:
+    def __init__(self, wanted: Container[str] | None = None) -> None:
         self.wanted = wanted
-        self.parameters: dict[str, Followed] = {}
+        self.parameters: dict[str, Slot] = {}
         """In an order in which each is made of those before it."""
         self.conditions: dict[Expr, None] = {}
-        """What was true of the parameters where the model's parts were chosen."""
-        self.lost: dict[str, str] = {}
-        """Parameters whose values went where nothing is followed, and what that is."""
+        """What is true of the parameters of all models that are made of the same parts."""
+        self.fixed: dict[str, str] = {}
+        """Parameters that cannot be another number, and what it goes into."""
 
     def follow(self, path: str, number: Number) -> Number:
-        """Return the value of a parameter as one that is followed, if it is wanted."""
-        if path not in self.wanted:
+        """Return the value of a parameter as its slot, if it is wanted."""
+        if self.wanted is not None and path not in self.wanted:
             return number
-        made_of = number.value.tree if isinstance(number.value, Traced) else None
-        start = float(number.value)
-        self.parameters[path] = Followed(path, start, number.dimension, made_of)
-        return Number(Traced(start, Name(PREFIX + path), self), number.dimension)
+        own = slot_of(number)
+        made_of = None if own is None else own.tree
+        start = plain(number.value)
+        self.parameters[path] = Slot(path, start, number.dimension, made_of)
+        return Number(slotted(start, Name(PREFIX + path), self), number.dimension)
 
     def note(self, condition: Expr, *, holds: bool) -> None:
         """Write down what was asked, and the answer."""
@@ -103,43 +106,68 @@ class Trail:
         self.conditions[condition] = None
 
 
-class Traced(float):
-    """A number, the expression of parameters that it is, and where that is written down.
+class Slotted:
+    """A number, and the expression of parameters that it is.
 
     Two of them are equal if they have one value and are one expression: what two parameters give is
     kept apart, even while it has the same value.
 
     Examples
     --------
-    >>> trail = Trail(["R", "C"])
-    >>> r, c = (trail.follow(k, Number(v)).value for k, v in (("R", 2.0), ("C", 3.0)))
+    >>> slots = Slots()
+    >>> r, c = (slots.follow(k, Number(v)).value for k, v in (("R", 2.0), ("C", 3.0)))
     >>> 1 / (r * c), str((1 / (r * c)).tree)
     (0.16666666666666666, '1/(p:R*p:C)')
-    >>> r > 1, [str(e) for e in trail.conditions]
-    (True, ['p:R > 1'])
+    >>> r > 1, float(c), [str(e) for e in slots.conditions]
+    (True, 3.0, ['p:R > 1', 'p:C == 3'])
     """
 
-    __slots__ = ("trail", "tree")
-    tree: Expr
-    trail: Trail
+    __slots__ = ("slots", "tree", "value")
+    __array_ufunc__ = None  # a number of NumPy beside it leaves the sum to it
+    imag = 0.0
 
-    def __new__(cls, value: float, tree: Expr, trail: Trail) -> Traced:
-        """Return `value`, which `tree` is."""
-        self = super().__new__(cls, value)
+    def __init__(self, value: float, tree: Expr, slots: Slots) -> None:
+        self.value = value
         self.tree = tree
-        self.trail = trail
+        self.slots = slots
+
+    @property
+    def real(self) -> Slotted:
+        """The number itself."""
         return self
 
+    def settle(self, why: str) -> float:
+        """Return the plain number, and write down that it is this one because of `why`."""
+        self.slots.note(Compare("==", self.tree, Number(self.value)), holds=True)
+        for name in sorted(names(self.tree)):
+            self.slots.fixed.setdefault(name.removeprefix(PREFIX), why)
+        return self.value
+
+    def __float__(self) -> float:
+        return self.settle(NUMBERS_ONLY)
+
+    def __int__(self) -> int:
+        return int(float(self))
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+    def __format__(self, spec: str) -> str:
+        return format(self.value, spec)
+
     def _with(self, op: str, other: object, *, swapped: bool = False) -> Any:
-        if not isinstance(other, int | float):
+        if isinstance(other, complex):
+            own = float(self)
+            return _PLAIN[op](*((other, own) if swapped else (own, other)))
+        if not isinstance(other, int | float | Slotted):
             return NotImplemented
         left, right = (tree_of(other), self.tree) if swapped else (self.tree, tree_of(other))
-        a, b = float(self), float(other)
+        a, b = self.value, plain(other)
         value = _PLAIN[op](*((b, a) if swapped else (a, b)))
         tree = _short(op, left, right)
         if isinstance(tree, Number) or isinstance(value, complex):
             return value
-        return Traced(value, tree, self.trail)
+        return Slotted(value, tree, self.slots)
 
     def __add__(self, other: object) -> Any:
         return self._with("+", other)
@@ -171,22 +199,22 @@ class Traced(float):
     def __rpow__(self, other: object, _: object = None) -> Any:
         return self._with("^", other, swapped=True)
 
-    def __neg__(self) -> Traced:
-        return Traced(-float(self), _negative(self.tree), self.trail)
+    def __neg__(self) -> Slotted:
+        return Slotted(-self.value, _negative(self.tree), self.slots)
 
-    def __pos__(self) -> Traced:
+    def __pos__(self) -> Slotted:
         return self
 
-    def __abs__(self) -> Traced:
-        return Traced(abs(float(self)), Call("abs", (self.tree,)), self.trail)
+    def __abs__(self) -> Slotted:
+        return Slotted(abs(self.value), Call("abs", (self.tree,)), self.slots)
 
     def _asked(self, op: str, other: object) -> Any:
-        if not isinstance(other, int | float):
+        if not isinstance(other, int | float | Slotted):
             return NotImplemented
-        holds = _PLAIN[op](float(self), float(other))
+        holds = _PLAIN[op](self.value, plain(other))
         tree = tree_of(other)
-        if tree != self.tree and math.isfinite(other):
-            self.trail.note(Compare(op, self.tree, tree), holds=holds)
+        if tree != self.tree and math.isfinite(plain(other)):
+            self.slots.note(Compare(op, self.tree, tree), holds=holds)
         return holds
 
     def __lt__(self, other: object) -> Any:
@@ -202,10 +230,9 @@ class Traced(float):
         return self._asked(">=", other)
 
     def __eq__(self, other: object) -> Any:
-        if not isinstance(other, Traced):
+        if not isinstance(other, Slotted):
             return self._asked("==", other)
-        same = float(self) == float(other) and self.trail is other.trail
-        return same and self.tree == other.tree
+        return self.value == other.value and self.slots is other.slots and self.tree == other.tree
 
     def __ne__(self, other: object) -> Any:
         equal = self.__eq__(other)
@@ -216,20 +243,39 @@ class Traced(float):
 
     def __hash__(self) -> int:
         # not that of the number: a table of numbers must not take one for the other
-        return hash((float(self), self.tree, id(self.trail)))
+        return hash((self.value, self.tree, id(self.slots)))
 
 
-def tree_of(value: float) -> Expr:
+def slotted(value: float, tree: Expr, slots: Slots) -> float:
+    """Return a number that is an expression of parameters; it stands where numbers do."""
+    return cast(float, Slotted(value, tree, slots))
+
+
+def slot_of(value: object) -> Slotted | None:
+    """Return a number, plain or in an expression, if it follows from parameters; else None."""
+    found = value.value if isinstance(value, Number) else value
+    return found if isinstance(found, Slotted) else None
+
+
+def is_slotted(value: object) -> bool:
+    """Whether a number, plain or in an expression, follows from parameters."""
+    return slot_of(value) is not None
+
+
+def plain(value: object) -> float:
+    """Return a number as it is now, for who decides nothing by it."""
+    return value.value if isinstance(value, Slotted) else float(value)  # type: ignore[arg-type]
+
+
+def tree_of(value: object) -> Expr:
     """Return a number as an expression of parameters."""
-    return value.tree if isinstance(value, Traced) else Number(float(value))
+    return value.tree if isinstance(value, Slotted) else Number(float(value))  # type: ignore[arg-type]
 
 
-def give_up(values: Iterable[float], why: str) -> None:
-    """Write down that nothing is followed where these numbers go: into `why`."""
-    for value in values:
-        if isinstance(value, Traced):
-            for name in sorted(names(value.tree)):
-                value.trail.lost.setdefault(name.removeprefix(PREFIX), why)
+def settled(value: float, why: str) -> float:
+    """Return a plain number; that it is this one is written down, with what it goes into."""
+    slot = slot_of(value)
+    return float(value) if slot is None else slot.settle(why)
 
 
 def _negative(e: Expr) -> Expr:

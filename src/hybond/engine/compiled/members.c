@@ -1,0 +1,311 @@
+
+/* Members: runs of one model with other numbers in its tables, one after the other.
+ *
+ * All begin with the same memory, as an engine of its own would: what it holds when it is made is
+ * kept, and put back for each of them.
+ */
+
+/* Beside OK: an ordinary run has more to say of this member. */
+enum { ORDINARY = 5, LARGEST_SLICE = 2000 };
+static const double CREATED_ENERGY = 1e-9; /* as CREATED in warned.py */
+
+/* Members to run, and what is kept of them: the record Sets in members.py. */
+typedef struct HybondSets {
+    int many, entries, outputs, times;
+    const double *number;      /* of each member its entries */
+    double *const *place;      /* where each of these goes */
+    const int *slot;           /* outputs */
+    const double *t;           /* when they are looked at, and at the end besides */
+    const volatile int *stop;  /* not zero: end early */
+    int *status, *count;
+    double *end, *out;
+    int done;                  /* members that were run */
+    size_t events;             /* of all of them, one after the other */
+    const double *event;
+} HybondSets;
+
+/* What an arena holds at a moment. */
+typedef struct Image {
+    Taken *last;
+    char *bytes;
+} Image;
+
+typedef struct HybondMembers {
+    HybondRun *run;
+    HybondLook *look;
+    Image begun, looking;
+    double *event, *t;
+    int *step;
+    size_t events, room;
+    int times;
+} HybondMembers;
+
+SHOWN HybondMembers *hybond_members_begin(const Model *model, int times);
+SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets);
+SHOWN void hybond_members_end(HybondMembers *all);
+
+static bool keep_image(const Arena *arena, Image *image)
+{
+    size_t size = 1;
+    for (const Taken *block = arena->last; block != NULL; block = block->next) {
+        size += block->size;
+    }
+    image->last = arena->last;
+    image->bytes = malloc(size);
+    if (image->bytes == NULL) {
+        return false;
+    }
+    char *at = image->bytes;
+    for (const Taken *block = arena->last; block != NULL; block = block->next) {
+        memcpy(at, block + 1, block->size);
+        at += block->size;
+    }
+    return true;
+}
+
+static void restore(Arena *arena, const Image *image)
+{
+    while (arena->last != image->last) {
+        Taken *next = arena->last->next;
+        free(arena->last);
+        arena->last = next;
+    }
+    const char *at = image->bytes;
+    for (Taken *block = arena->last; block != NULL; block = block->next) {
+        memcpy(block + 1, at, block->size);
+        at += block->size;
+    }
+}
+
+/* Make ready for members whose outputs are looked at so many times; NULL without memory. */
+SHOWN HybondMembers *hybond_members_begin(const Model *model, int times)
+{
+    HybondMembers *all = calloc(1, sizeof(HybondMembers));
+    if (all == NULL) {
+        return NULL;
+    }
+    all->times = times;
+    all->run = hybond_begin(model);
+    all->look = hybond_look_begin(model);
+    all->t = malloc(((size_t)times + 1) * sizeof(double));
+    all->step = malloc(((size_t)times + 1) * sizeof(int));
+    if (all->run == NULL || all->look == NULL || all->t == NULL || all->step == NULL
+        || !keep_image(&all->run->own.arena, &all->begun)
+        || !keep_image(&all->look->own.arena, &all->looking)) {
+        hybond_members_end(all);
+        return NULL;
+    }
+    return all;
+}
+
+SHOWN void hybond_members_end(HybondMembers *all)
+{
+    if (all != NULL) {
+        hybond_end(all->run);
+        hybond_look_end(all->look);
+        free(all->begun.bytes);
+        free(all->looking.bytes);
+        free(all->event);
+        free(all->t);
+        free(all->step);
+        free(all);
+    }
+}
+
+/* Whether a jump may have created energy, of which an ordinary run warns. */
+static bool may_create(const Report *log, int machines)
+{
+    int visit = 0;
+    for (int k = 0; k < log->instants; ++k) {
+        const double largest = log->instant_time->at[2 * k + 1];
+        const int visits = log->instant_place->at[(3 + 2 * machines) * k + 1];
+        for (int last = visit + visits; visit < last; ++visit) {
+            const double before = log->visit_energy->at[3 * visit];
+            const double after = log->visit_energy->at[3 * visit + 1];
+            const double given = log->visit_energy->at[3 * visit + 2];
+            const double size = fmax(largest, fmax(fabs(after), fabs(given)));
+            if (log->visit->at[5 * visit + 4] != 0
+                && !(after - before - given <= CREATED_ENERGY * size)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether a step belongs to the segment of the one before it. */
+static bool goes_on(const Report *log, int step, int machines)
+{
+    const int wide = 2 + 2 * machines;
+    const int *place = log->step_place->at + (size_t)wide * (size_t)step;
+    return place[0] == place[-wide] && place[1] == place[1 - wide]
+           && log->step_until->at[step] == log->step_until->at[step - 1];
+}
+
+/* Look at the outputs in the motion that begins with a step, from point `from` to before `to`. */
+static int look_at_points(HybondMembers *all, const HybondSets *sets, int first, int from, int to,
+                          double energy, double *out)
+{
+    const Report *log = all->run->log;
+    HybondLook *look = all->look;
+    const int machines = look->model->machines;
+    const int *place = log->step_place->at + (size_t)(2 + 2 * machines) * (size_t)first + 2;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ORDINARY;
+    }
+    if (look_into(look->e, look->l, log->step_time->at[3 * first], place, place + machines, 0,
+                  NULL, 0, 0, NULL, energy) != OK) {
+        return ORDINARY;
+    }
+    points_within(look->l, to - from, all->t + from, all->step + from, log->step_time->at,
+                  log->step_state->at, log->step_dense->at);
+    ask_for(look->l, sets->outputs, sets->slot);
+    double *row = out + (size_t)from * (size_t)sets->outputs;
+    return look_values(look->e, look->l, row) == OK ? OK : ORDINARY;
+}
+
+/* Look at the outputs after the event at the very end, from point `from` on. */
+static int look_after_end(HybondMembers *all, const HybondSets *sets, int from, int points,
+                          double energy, double *out)
+{
+    static const int accepted = 1;
+    const Report *log = all->run->log;
+    HybondLook *look = all->look;
+    const Model *m = look->model;
+    const int last = log->instants - 1;
+    const int *place = log->instant_place->at + (size_t)(3 + 2 * m->machines) * (size_t)last + 3;
+    const int states = m->storages + m->integrals;
+    if (setjmp(look->own.arena.spent) != 0) {
+        return ORDINARY;
+    }
+    /* nothing has landed, as in Signals.after: what passes time there is not asked */
+    for (int k = 0; k < m->machines; ++k) {
+        if (place[m->machines + k] != 0) {
+            return ORDINARY;
+        }
+    }
+    if (look_into(look->e, look->l, log->instant_time->at[2 * last], place, place + m->machines, 0,
+                  NULL, 0, 0, NULL, energy) != OK) {
+        return ORDINARY;
+    }
+    for (int k = from; k < points; ++k) {
+        points_at(look->l, 1, all->t + k, log->instant_state->at + (size_t)(2 * last + 1) * states,
+                  &accepted);
+        ask_for(look->l, sets->outputs, sets->slot);
+        if (look_values(look->e, look->l, out + (size_t)k * (size_t)sets->outputs) != OK) {
+            return ORDINARY;
+        }
+    }
+    return OK;
+}
+
+/* Look at the outputs when they are wanted, and at the end; `out` has a row for each. */
+static int look_at_outputs(HybondMembers *all, const HybondSets *sets, double *out)
+{
+    const Report *log = all->run->log;
+    const int machines = all->run->model->machines;
+    const int steps = log->steps;
+    const double end = log->step_time->at[3 * steps - 1];
+    const double energy = fmin(all->run->e->energy, 1.7976931348623157e308);
+    int points = 0;
+    while (points < sets->times && sets->t[points] <= end) {
+        all->t[points] = sets->t[points];
+        ++points;
+    }
+    if (points < sets->times) {
+        return ORDINARY;
+    }
+    all->t[points++] = end;
+    int from = 0;
+    restore(&all->look->own.arena, &all->looking);
+    for (int first = 0, next = 0; first < steps; first = next) {
+        for (next = first + 1; next < steps && goes_on(log, next, machines); ++next) {
+        }
+        int to = from;
+        int step = first;
+        const double over = log->step_time->at[3 * next - 1];
+        while (to < points && (next == steps || all->t[to] < log->step_time->at[3 * next])) {
+            if (all->t[to] > over) {
+                return ORDINARY;
+            }
+            while (log->step_time->at[3 * step + 2] < all->t[to]) {
+                ++step;
+            }
+            all->step[to++] = step;
+        }
+        if (to > from && look_at_points(all, sets, first, from, to, energy, out) != OK) {
+            return ORDINARY;
+        }
+        from = to;
+    }
+    const int last = log->instants - 1;
+    if (last < 0 || log->instant_time->at[2 * last] != end || end <= 0.0) {
+        return OK;
+    }
+    for (from = points; from > 0 && all->t[from - 1] == end; --from) {
+    }
+    return look_after_end(all, sets, from, points, energy, out);
+}
+
+static bool keep_events(HybondMembers *all, const Report *log)
+{
+    const size_t wanted = all->events + (size_t)log->instants;
+    if (wanted > all->room) {
+        double *more = realloc(all->event, 2 * wanted * sizeof(double));
+        if (more == NULL) {
+            return false;
+        }
+        all->event = more;
+        all->room = 2 * wanted;
+    }
+    for (int k = 0; k < log->instants; ++k) {
+        all->event[all->events++] = log->instant_time->at[2 * k];
+    }
+    return true;
+}
+
+/* Run a member; PAUSED if it was stopped. */
+static int run_member(HybondMembers *all, HybondSets *sets, int k)
+{
+    HybondRun *run = all->run;
+    const double *number = sets->number + (size_t)k * (size_t)sets->entries;
+    for (int j = 0; j < sets->entries; ++j) {
+        *sets->place[j] = number[j];
+    }
+    restore(&run->own.arena, &all->begun);
+    run->status = PAUSED;
+    while (run->status == PAUSED && *sets->stop == 0) {
+        (void)hybond_run(run, LARGEST_SLICE);
+    }
+    const Report *log = run->log;
+    if (run->status == PAUSED) {
+        return PAUSED;
+    }
+    if (run->status != OK || log->steps == 0 || log->warned->rows > 0 || log->opens > 0
+        || log->slides_made > 0 || log->bond_rows > 0 || may_create(log, run->model->machines)) {
+        return ORDINARY;
+    }
+    double *out = sets->out + (size_t)k * ((size_t)sets->times + 1) * (size_t)sets->outputs;
+    return look_at_outputs(all, sets, out) == OK && keep_events(all, log) ? OK : ORDINARY;
+}
+
+/* Run members one after the other; return how many were run before `stop`. */
+SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets)
+{
+    all->events = 0;
+    sets->done = 0;
+    for (int k = 0; k < sets->many; ++k) {
+        const int status = run_member(all, sets, k);
+        if (status == PAUSED) {
+            break;
+        }
+        const Report *log = all->run->log;
+        sets->status[k] = status;
+        sets->count[k] = status == OK ? log->instants : 0;
+        sets->end[k] = status == OK ? log->step_time->at[3 * log->steps - 1] : 0.0;
+        sets->done = k + 1;
+    }
+    sets->event = all->event;
+    sets->events = all->events;
+    return sets->done;
+}

@@ -1,0 +1,140 @@
+"""Runs of one model with other numbers in its tables, one after the other, by the library.
+
+What they are run with and what is kept of them are arrays; any number of threads may each run some
+of them, on tables of their own. What an ordinary run has more to say of is left to one.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.native import OK, NativeModel, library, model_struct
+from hybond.engine.compiled.points import address
+
+Vector = NDArray[np.float64]
+_POINTERS = ("number", "place", "slot", "t", "stop", "status", "count", "end", "out")
+
+
+class Sets(ctypes.Structure):
+    """Members to run, and what is kept of them: as `HybondSets` in ``members.c``."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("many", "entries", "outputs", "times")),
+        *((name, ctypes.c_void_p) for name in _POINTERS),
+        ("done", ctypes.c_int),
+        ("events", ctypes.c_size_t),
+        ("event", ctypes.POINTER(ctypes.c_double)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """What is kept of members.
+
+    Parameters
+    ----------
+    plain : array of bool, shape (members,)
+        Which of them were run; the others an ordinary run has more to say of.
+    count : array of int, shape (members,)
+        Events.
+    end : array, shape (members,)
+        The time reached, s.
+    out : array, shape (members, times + 1, outputs)
+        Slots at the times, then at the end.
+    events : array
+        Times of the events of all members that were run.
+    """
+
+    plain: NDArray[np.bool_]
+    count: NDArray[np.intc]
+    end: Vector
+    out: Vector
+    events: Vector
+
+
+class NativeMembers:
+    """Members of one model in one thread, on a copy of what parameters write.
+
+    Parameters
+    ----------
+    model : NativeModel
+    slots : array of int
+        What is looked at.
+    t : array
+        When, s, in order; and at the end besides.
+    stop : ctypes.c_int
+        Not zero: members end early.
+
+    Raises
+    ------
+    MemoryError
+    """
+
+    def __init__(
+        self, model: NativeModel, slots: NDArray[np.intc], t: Vector, stop: ctypes.c_int
+    ) -> None:
+        self._library = _running()
+        self._slots, self._t, self._stop = slots, t, stop
+        self._model = model
+        self._record = model_struct()()
+        ctypes.memmove(
+            ctypes.byref(self._record), ctypes.byref(model.record), ctypes.sizeof(self._record)
+        )
+        self._own: dict[str, Vector] = {}
+        for name in dict.fromkeys(name for name, _, _ in model.written):
+            own = self._own[name] = model.floats[name].copy()
+            pointer = own.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+            setattr(self._record, name, pointer)
+        self._places = np.array(
+            [self._own[name].ctypes.data + 8 * k for name, k, _ in model.written], dtype=np.uintp
+        )
+        handle = self._library.hybond_members_begin(ctypes.byref(self._record), len(t))
+        if not handle:
+            raise MemoryError
+        self._handle = ctypes.c_void_p(handle)
+        self._close = weakref.finalize(self, self._library.hybond_members_end, self._handle)
+
+    def run(self, numbers: Vector) -> Ran:
+        """Run members; `numbers` has a row for each, what parameters write in it.
+
+        Fewer come back than were given if they were stopped.
+        """
+        many = len(numbers)
+        status, count = np.zeros((2, many), dtype=np.intc)
+        end = np.zeros(many)
+        out = np.full((many, len(self._t) + 1, len(self._slots)), np.nan)
+        given = np.ascontiguousarray(numbers)
+        sets = Sets(many, given.shape[1], len(self._slots), len(self._t))
+        for name, column in (
+            ("number", given),
+            ("place", self._places),
+            ("slot", self._slots),
+            ("t", self._t),
+            ("status", status),
+            ("count", count),
+            ("end", end),
+            ("out", out),
+        ):
+            setattr(sets, name, address(column))
+        sets.stop = ctypes.addressof(self._stop)
+        done = self._library.hybond_members_run(self._handle, ctypes.byref(sets))
+        events = np.zeros(0)
+        if sets.events:
+            events = np.ctypeslib.as_array(sets.event, (sets.events,)).copy()
+        return Ran(status[:done] == OK, count[:done], end[:done], out[:done], events)
+
+
+def _running() -> Any:
+    found = library()
+    found.hybond_members_begin.restype = ctypes.c_void_p
+    found.hybond_members_begin.argtypes = [ctypes.c_void_p, ctypes.c_int]
+    found.hybond_members_run.argtypes = [ctypes.c_void_p, ctypes.POINTER(Sets)]
+    found.hybond_members_end.argtypes = [ctypes.c_void_p]
+    found.hybond_members_end.restype = None
+    return found

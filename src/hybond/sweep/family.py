@@ -1,0 +1,134 @@
+"""Members that are made of the same parts: rows of numbers for the slots of one model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.native import NativeModel
+from hybond.engine.outcome.engines import tables_for
+from hybond.engine.tables.bands import banded
+from hybond.engine.tables.options import Settings
+from hybond.errors import HybondError
+from hybond.model.builder import Model
+from hybond.model.expressions import (
+    ARRAYS,
+    Expr,
+    Name,
+    compile_expression,
+    names,
+    transform,
+    uses_pre,
+)
+from hybond.model.expressions.slots import Slots, slot_of
+from hybond.model.flatten import flatten
+from hybond.model.graph import FlatGraph
+from hybond.model.junction_laws import warn_of_values
+from hybond.model.parts import Value
+from hybond.model.unit_words import unit_of
+from hybond.model.written import Writing
+from hybond.result import names_of, read_name
+from hybond.simulation import notices
+
+Vector = NDArray[np.float64]
+
+
+class Family:
+    """A model whose parameters are slots, and what is looked at in its runs.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+        With slots.
+    slots : Slots
+    settings : Settings
+    wanted : sequence of str
+        Outputs; if there are none, those of a result.
+    impact : str or None
+        The law of impacts that was asked for.
+
+    Raises
+    ------
+    HybondError
+        For a model that cannot be run so, or an output that does not exist.
+    """
+
+    def __init__(
+        self,
+        graph: FlatGraph,
+        slots: Slots,
+        settings: Settings,
+        wanted: Sequence[str],
+        impact: str | None,
+    ) -> None:
+        self.names = tuple(wanted) or tuple(names_of(graph))
+        self.warnings = (*notices(graph, settings, impact), *graph.warnings)
+        expressions = [read_name(graph, name) for name in self.names]
+        self.units = {n: unit_of(e, graph) for n, e in zip(self.names, expressions, strict=True)}
+        tables = tables_for(graph, settings)
+        self.called = bool(tables.numbers["called"] or tables.numbers["blocks"])
+        self._index, self._size = tables.slots.index, tables.slots.size
+        self._numbers: dict[Expr, str] = {}
+        self._expressions = [transform(e, self._lifted) for e in expressions]
+        read = {n for e in self._expressions for n in names(e)} - set(self._numbers.values())
+        prior = any(map(uses_pre, expressions))
+        own = sorted(self._index[n] for n in read)
+        self.looked = np.array([*own, *(k + self._size for k in own if prior)], dtype=np.intc)
+        self.model = NativeModel(tables)
+        self._own = len(self.model.written)
+        trees = [tree for _, _, tree in self.model.written]
+        self._writing = Writing(slots, [*trees, *self._numbers])
+
+    def numbers(
+        self, given: Mapping[str, Vector], many: int
+    ) -> tuple[NDArray[np.bool_], Vector, Vector]:
+        """Return which members are of this family, and what is written for each.
+
+        The numbers that outputs read stand behind those of the tables.
+        """
+        fits, found = self._writing.of(given, many)
+        return fits, found[:, : self._own], found[:, self._own :]
+
+    def values(self, out: Vector, read: Vector) -> Vector:
+        """Return outputs, shape (outputs, members, times), of what was looked at."""
+        index = dict(self._index)
+        columns: list[Vector] = [np.zeros(0)] * (2 * self._size)
+        for j, k in enumerate(self.looked.tolist()):
+            columns[k] = np.ascontiguousarray(out[:, :, j])
+        for j, name in enumerate(self._numbers.values()):
+            index[name] = len(columns)
+            columns.append(np.broadcast_to(read[:, j : j + 1], out.shape[:2]))
+        found = np.empty((len(self.names), *out.shape[:2]))
+        for k, e in enumerate(self._expressions):
+            found[k] = compile_expression(e, index, ARRAYS, pre_offset=self._size)(columns)
+        return found
+
+    def _lifted(self, node: Expr) -> Expr:
+        """Return the name of a number that parameters write, in an output."""
+        slot = slot_of(node)
+        if slot is None:
+            return node
+        return Name(self._numbers.setdefault(slot.tree, f"p:={len(self._numbers)}"))
+
+
+def family_of(
+    model: Model,
+    given: Mapping[str, Value],
+    settings: Settings,
+    band: float | None,
+    wanted: Sequence[str],
+    impact: str | None,
+) -> Family | None:
+    """Return the family of a member; None for one that only an ordinary run can tell of."""
+    slots = Slots()
+    try:
+        graph = flatten(model, given, slots)
+        if band is not None:
+            graph = banded(graph, band)
+        differ = warn_of_values(graph)
+        found = Family(graph, slots, settings, wanted, impact)
+    except HybondError:
+        return None
+    return None if found.called or differ else found

@@ -1,0 +1,121 @@
+"""Members of an ensemble in threads: the library runs them, and holds no lock of Python's."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+import time
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.compiled.members import NativeMembers, Ran
+from hybond.engine.compiled.native import NativeModel
+
+Vector = NDArray[np.float64]
+
+CHUNK = 0.05
+"""What a thread gets to do at a time, s."""
+LARGE = 512
+"""Members in that at the most: what is kept of them is put away then."""
+SHARE = 4
+"""Parts that every thread gets at the least, so that all end together."""
+WAITING = 0.1
+"""Between two looks at whoever wants it to stop, s."""
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def in_threads(
+    model: NativeModel,
+    slots: NDArray[np.intc],
+    t: Vector,
+    numbers: Vector,
+    workers: int,
+    keep: Callable[[int, Ran], None],
+) -> None:
+    """Run members; hand those that are done to `keep`, with the number of the first.
+
+    Parameters
+    ----------
+    model : NativeModel
+    slots : array of int
+        What is looked at.
+    t : array
+        When, s, and at the end besides.
+    numbers : array, shape (members, entries)
+        What parameters write.
+    workers : int
+        Threads.
+    keep : callable
+        Called in this thread.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C, soon; the threads have ended.
+    MemoryError
+    """
+    stop = ctypes.c_int(0)
+    found: SimpleQueue[tuple[int, Ran] | BaseException | None] = SimpleQueue()
+    parts = _Parts(len(numbers), workers)
+
+    def work() -> None:
+        try:
+            members = NativeMembers(model, slots, t, stop)
+            each = CHUNK
+            while not stop.value and (part := parts.next(each)):
+                began = time.perf_counter()
+                ran = members.run(numbers[part.start : part.stop])
+                each = (time.perf_counter() - began) / len(part)
+                found.put((part.start, ran))
+            found.put(None)
+        except BaseException as error:
+            found.put(error)
+
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(workers)]
+    for thread in threads:
+        thread.start()
+    try:
+        left = workers
+        while left:
+            try:
+                done = found.get(timeout=WAITING)
+            except Empty:
+                continue
+            if isinstance(done, BaseException):
+                raise done
+            if done is None:
+                left -= 1
+            else:
+                keep(*done)
+    finally:
+        stop.value = 1
+        for thread in threads:
+            thread.join()
+
+
+class _Parts:
+    """The members, part after part, to whoever asks next."""
+
+    def __init__(self, many: int, workers: int) -> None:
+        self._many, self._workers = many, workers
+        self._first = 0
+        self._lock = threading.Lock()
+
+    def next(self, each: float) -> range:
+        """Return the next members for a thread that takes `each` second for one."""
+        with self._lock:
+            left = self._many - self._first
+            most = min(int(CHUNK / max(each, 1e-9)), LARGE, -(-left // (SHARE * self._workers)))
+            part = range(self._first, min(self._first + max(most, 1), self._many))
+            self._first = part.stop
+            return part
