@@ -12,9 +12,8 @@ NAMES = sorted(p.stem for p in EXAMPLES.glob("*.toml"))
 STOPPED = {"bouncing_ball_no_mode", "diode_inductor_no_mode", "falling_rod_threshold"}
 """Examples that end in HB-N401, as they are meant to."""
 RTOL = 1e-11
-DECIDED = {"parallel_resonant_converter": 1e-8, "woodpecker": 1e-8}
-"""Examples, and a tolerance at which rounding does not decide what happens at one of their events:
-which diode is called conducting that carries nothing, when a slip reverses that is none."""
+INTEGRATED = {"rtol": RTOL}
+"""Options of runs that are held against printed programs."""
 SHARE_RUNS = (
     "cases/test_audit_of_examples.py",
     "engine/test_native_runs.py",
@@ -34,21 +33,7 @@ def example(name: str) -> hb.Model:
     return hb.load(EXAMPLES / f"{name}.toml")
 
 
-def integrated(name: str) -> dict[str, object]:
-    """Return the options of a run that a printed program makes."""
-    return {"rtol": DECIDED.get(name, RTOL)}
-
-
 @functools.cache
 def run_of(name: str) -> hb.Result:
     """Run an example at a tight tolerance, as users do."""
     return hb.simulate(example(name), rtol=RTOL, on_error="return")
-
-
-@functools.cache
-def integrated_run_of(name: str) -> hb.Result:
-    """Run an example with the options of `integrated`."""
-    options = integrated(name)
-    if options == {"rtol": RTOL}:
-        return run_of(name)
-    return hb.simulate(example(name), on_error="return", **options)

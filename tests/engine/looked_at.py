@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engine.by_engine import EngineLook, EngineModel, EngineRun
 from engine.laws_put_back import Laws
-from example_runs import NAMES, RTOL, example, integrated
+from example_runs import INTEGRATED, NAMES, RTOL, example
 from timed import next_timed
 
 import hybond as hb
@@ -80,7 +80,7 @@ def model_of(name: str) -> EngineModel:
     if name in OWN:
         make, options = OWN[name]
         return EngineModel(tables_of(make().flatten(), rtol=RTOL, **options))
-    return EngineModel(tables_of(example(name).flatten(), **integrated(name)))
+    return EngineModel(tables_of(example(name).flatten(), **INTEGRATED))
 
 
 @functools.cache

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from example_runs import NAMES, PRINTED, STOPPED, example, integrated, integrated_run_of
+from example_runs import INTEGRATED, NAMES, PRINTED, STOPPED, example, run_of
 from export.programs import (
     ask,
     check,
@@ -47,7 +47,7 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     calls = []
     for k, name in enumerate(IN_JAVA):
         path = folder / f"Example{k}.java"
-        hb.export(example(name), to="java", path=path, **integrated(name))
+        hb.export(example(name), to="java", path=path, **INTEGRATED)
         calls.append(f'Example{k}.run(System.out, "--events"); System.out.print("\\f");')
     main = "public static void main(String[] words) { " + "\n".join(calls) + " }"
     (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
@@ -61,10 +61,10 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 @pytest.mark.parametrize("name", IN_C)
 def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
     """And a strict compiler has nothing to say of it."""
-    text = hb.export(example(name), to="c", **integrated(name))
+    text = hb.export(example(name), to="c", **INTEGRATED)
     compiled = compile_c if needs.STRICT else compile_quickly
     printed = ask(compiled(text, tmp_path, name), "--events", code=3 if name in STOPPED else 0)
-    check(name, read_events(printed), expected(integrated_run_of(name)))
+    check(name, read_events(printed), expected(run_of(name)))
 
 
 @pytest.mark.clang
@@ -87,7 +87,7 @@ def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
 @needs_java
 @pytest.mark.parametrize("name", IN_JAVA)
 def test_an_example_as_a_java_class(name: str, printed_by_java: dict[str, str]) -> None:
-    check(name, read_events(printed_by_java[name]), expected(integrated_run_of(name)))
+    check(name, read_events(printed_by_java[name]), expected(run_of(name)))
 
 
 @pytest.mark.slow

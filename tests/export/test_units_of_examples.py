@@ -8,7 +8,7 @@ from pathlib import Path
 import needs
 import numpy as np
 import pytest
-from example_runs import PRINTED, example, integrated, integrated_run_of
+from example_runs import PRINTED, RTOL, example, run_of
 
 import hybond as hb
 
@@ -20,7 +20,7 @@ fmpy = pytest.importorskip("fmpy")
 @pytest.mark.parametrize("name", PRINTED["fmu"])
 def test_an_example_is_a_unit(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", shlex.join(needs.QUICK))
-    model, run = example(name), integrated_run_of(name)
+    model, run = example(name), run_of(name)
     # a run that cannot go on is looked at before it stops
     end = run.t_end * (1.0 if run.error is None else 0.99)
     path = tmp_path / "any.fmu"
@@ -33,7 +33,7 @@ def test_an_example_is_a_unit(name: str, tmp_path: Path, monkeypatch: pytest.Mon
         fmi_type="CoSimulation",
         stop_time=end,
         output_interval=end / 20,
-        relative_tolerance=integrated(name)["rtol"],
+        relative_tolerance=RTOL,
         output=shown,
     )
     t = float(found["time"][-2])

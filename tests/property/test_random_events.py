@@ -104,7 +104,6 @@ def test_friction_rests_while_another_part_jumps() -> None:
     assert hb.simulate(m, until=1.0)["c6.q"].at(0.5) == 0.0
 
 
-@pytest.mark.xfail(strict=True, reason="the sign of a residue of location chooses an idle diode")
 def test_idle_diodes_stay_as_they_were() -> None:
     m = hb.Model("idle")
     m.add(j0=hb.One(law="diode"), j3=hb.One(law="diode"), j4=hb.Zero(law="diode"))

@@ -28,13 +28,16 @@ room to work in. Data flows so::
                               (qss_band: when; qss_place: where linearly implicit ones are put);
                               rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
     locate                    the first instant of a step at which a guard holds: locator (what
-                              is kept), guard_values, guard_shape, candidates, bracket
+                              is kept), guard_values, guard_shape, candidates, bracket;
+                              together (what is one instant with it, kinks), one_instant (how
+                              long that lasts)
     sampling, calls           signals set at instants; inputs and blocks that are asked for
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
     gaps                      whether the gap of a contact is the distance that its bonds close
     law_instant, law_friction what laws may do at an instant, dry friction among them
+    law_rates                 how what is zero moves on: which idle diode conducts
     law_answers               one question to them, answered
     strike                    impacts by a law that sees all closed contacts at once: impact_laws
                               (Newton's for all, Poisson's), shares (of dependent contacts),

@@ -190,6 +190,7 @@ class Step:
     error: Floats
     trial: Floats
     rate: Floats
+    kink: Floats
 
 
 @record
@@ -307,9 +308,10 @@ def make_trial(m: Model) -> Trial:
     return trial
 
 
-def make_step(n: int) -> Step:
-    """Return room for steps of n states."""
+def make_step(n: int, kinks: int) -> Step:
+    """Return room for steps of n states, and for what turns at kinks."""
     s = Step()
+    s.kink = floats(kinks)
     s.y0 = floats(n)
     s.y1 = floats(n)
     s.f0 = floats(n)
@@ -420,7 +422,7 @@ def make_engine(m: Model) -> Engine:
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
-    e.step = make_step(e.states)
+    e.step = make_step(e.states, m.kinks)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)

@@ -163,6 +163,8 @@ class Model:
     """Whether the rate does not read bond variables."""
     source_curved: Ints
     """Whether the slopes of the rate read bond variables."""
+    source_size: Ints
+    """What the magnitudes of all its terms add up to, where it has kinks; -1: it has none."""
     source_timed: Ints
     """Whether the value depends on time and inputs only."""
     source_first: Ints
@@ -406,6 +408,14 @@ class Model:
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
+    kinks: int
+    """What changes its sign where a law, a source or a rate has a kink: a step ends there."""
+    kink_atom: int
+    """The first of them among comparisons, in order, behind all others."""
+    kink_pair: Ints
+    """What each reads stands with the pairs."""
+    kink_node: Ints
+    """The element that says it; -1: the rate of a signal."""
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

@@ -26,6 +26,7 @@ from collections.abc import Iterable, Mapping
 from hybond.errors import ModelError, UnitError
 from hybond.model.expressions import Expr, Name, Number, posterior_names, simplify
 from hybond.model.expressions.slots import plain, slot_of
+from hybond.model.fed_laws import fed_laws, switched_relay
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.hierarchy import (
     BondEnd,
@@ -81,6 +82,7 @@ def open_laws(opened: Opened) -> dict[str, str]:
     found: dict[str, str] = {}
     firsts = pairs_of(opened.nodes)
     seconds = set(firsts.values())
+    fed = fed_laws(opened)
     for path, written in list(opened.nodes.items()):
         part = written.part
         if part.kind not in JUNCTIONS:
@@ -103,6 +105,8 @@ def open_laws(opened: Opened) -> dict[str, str]:
             found.update(_open_pair(opened, path, firsts[path]))
             continue
         machine, source = _parts(kind, name, part)
+        if path in fed:
+            machine = switched_relay(name, f"{name}.{_variables(part.kind)[0]}")
         opened.machines[path] = (written.scope, machine)
         found[path] = ""
         if source is not None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from hybond.errors import ModelError
 from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children, parse
+from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.junction_laws import law_of_junction
@@ -107,9 +108,13 @@ def with_laws_of_junctions(
     resolver: Resolver,
     dimensions: Mapping[str, Dimension | None],
 ) -> tuple[Machine, ...]:
-    """Return the machines, those that stand for the law of a junction with that law."""
+    """Return the machines, those that stand for the law of a junction with that law.
+
+    The law of a junction that sources alone lead is nothing but its machine.
+    """
     by_path = {n.path: n for n in nodes}
     pairs = pairs_of(opened.nodes)
+    fed = fed_laws(opened)
 
     def of(path: str) -> JunctionLaw:
         source = by_path.get(with_laws[path])
@@ -121,7 +126,7 @@ def with_laws_of_junctions(
             law = of(machine.path)
             if machine.path in pairs:
                 law = paired(law, of(pairs[machine.path]))
-            machine = replace(machine, law=law)
+            machine = replace(machine, law=None if machine.path in fed else law)
         found.append(machine)
     return tuple(found)
 

@@ -39,6 +39,7 @@ def solve_laws(p: LawProblem, start: Ints) -> bool:
     n = p.n
     holds_any = False
     rubs = False
+    p.doubtful = False
     for k in range(n):
         p.moved[k] = p.q[k] + p.shift[k] if p.shifted else p.q[k]
         p.l[k] = 0.0

@@ -39,7 +39,8 @@ class LawProblem:
     `common` says whether `l` is the common variable of the port's junction, else it is minus the
     net variable. Friction of port k is at most ``limit[k] + slope[k] l``, a row of `slope`. The
     answer is `l`; `branch`, which is 0 OFF or at rest, 1 ON or forward, -1 backward; and `open`,
-    where both variables of a pair are zero. The rest is room to work in.
+    where both variables of a pair are zero, `doubtful` if some nearly are. The rest is room to work
+    in.
 
     `rank` is the place of each port's law by name. Of what was asked last, `proved` says that there
     is no answer, `answers` how many there are of laws that have several, else 1, `more_answers`
@@ -60,6 +61,7 @@ class LawProblem:
     l: Floats
     branch: Ints
     open: Ints
+    doubtful: bool
     moved: Floats
     rank: Ints
     proved: bool

@@ -14,6 +14,10 @@ from hybond.engine.words import Floats, Ints
 
 CLEAR_PART: Final = 1e-6
 """Part of the largest of its kind from which a value is positive beyond doubt."""
+SHARED: Final = 1e-10
+"""Part of their terms up to which rows of a block say the same, and what is blocked is zero."""
+CANCELLED_PART: Final = 1e-13
+"""Part of its terms below which what others leave of q is rounding."""
 LEVELS: Final = 4
 """Orders of magnitude at which pairs that are zero on both sides are looked at again."""
 
@@ -64,20 +68,24 @@ def solve_one_sided(
 
 
 def as_before(p: LawProblem, n: int) -> bool:
-    """Whether the guessed active set clearly is the solution, which is p.z then."""
+    """Whether the guessed active set clearly is the solution, which is p.z then.
+
+    Where several share what they block, in any shares, all of them may go on doing so.
+    """
     many = 0
     for k in range(n):
         p.z[k] = 0.0
         if p.guess[k] != 0:
             p.active[many] = k
             many += 1
-    for i in range(many):
-        p.sub_q[i] = -p.own_q[p.active[i]]
-        for j in range(many):
-            p.block[i * many + j] = p.own[p.active[i] * n + p.active[j]]
-    if many > 0:
-        if lu_factor(many, p.block, p.pivot) == SINGULAR:
-            return False
+    put_active(p, n, many)
+    shared = many > 0 and lu_factor(many, p.block, p.pivot) == SINGULAR
+    if shared:
+        put_active(p, n, many)
+        for i in range(many):
+            p.fixed[i] = p.sub_q[i]
+        least_squares(p.svd, many, many, p.block, SHARED, 1, p.fixed, p.sub_q)
+    elif many > 0:
         lu_solve(many, p.block, p.pivot, 1, p.sub_q)
     most = 0.0
     for i in range(many):
@@ -85,21 +93,32 @@ def as_before(p: LawProblem, n: int) -> bool:
         if not p.sub_q[i] <= most:
             most = p.sub_q[i]
     size = 0.0
+    clear = True
     for i in range(n):
         total = 0.0
         terms = 0.0
         for j in range(n):
             total += p.own[i * n + j] * p.z[j]
-            terms += math.fabs(p.own[i * n + j]) * p.z[j]
+            terms += math.fabs(p.own[i * n + j] * p.z[j])
         p.sub_q[i] = total + p.own_q[i]
-        size = max(size, terms + math.fabs(p.own_q[i]))
-    clear = True
+        terms += math.fabs(p.own_q[i])
+        size = max(size, terms)
+        if shared and p.guess[i] != 0:
+            clear = clear and math.fabs(p.sub_q[i]) <= SHARED * terms
     for k in range(n):
         if p.guess[k] != 0:
             clear = clear and p.z[k] > CLEAR_PART * most
         else:
             clear = clear and p.sub_q[k] > CLEAR_PART * size
     return clear
+
+
+def put_active(p: LawProblem, n: int, many: int) -> None:
+    """Put the rows and columns of the active pairs into p.block, and what they must make up for."""
+    for i in range(many):
+        p.sub_q[i] = -p.own_q[p.active[i]]
+        for j in range(many):
+            p.block[i * many + j] = p.own[p.active[i] * n + p.active[j]]
 
 
 def by_levels(p: LawProblem, n: int) -> bool:
@@ -111,6 +130,7 @@ def by_levels(p: LawProblem, n: int) -> bool:
     """
     if lemke(p.lcp, n, p.own, p.own_q, p.guess) != SOLVED:
         return False
+    p.doubtful = is_doubtful(p, n)
     several = 0
     for k in range(n):
         p.z[k] = p.lcp.z[k]
@@ -136,6 +156,23 @@ def by_levels(p: LawProblem, n: int) -> bool:
     return True
 
 
+def is_doubtful(p: LawProblem, n: int) -> bool:
+    """Whether some pair of Lemke's answer is zero, or nearly, on both sides."""
+    most = 0.0
+    size = 0.0
+    for k in range(n):
+        most = max(most, p.lcp.z[k])
+        terms = math.fabs(p.own_q[k])
+        for j in range(n):
+            terms += math.fabs(p.own[k * n + j]) * p.lcp.z[j]
+        size = max(size, terms)
+    found = False
+    for k in range(n):
+        idle = p.lcp.z[k] <= CLEAR_PART * most and p.lcp.w[k] <= CLEAR_PART * size
+        found = found or idle
+    return found
+
+
 def finer_level(p: LawProblem, n: int, several: int) -> bool:
     """Solve for the pairs in p.left with what the others leave of q; False if nothing is left."""
     sure = 0
@@ -150,6 +187,13 @@ def finer_level(p: LawProblem, n: int, several: int) -> bool:
     put_in_held(p, n, sure, several, p.own, p.own_q, p.sub, p.sub_q)
     most = 0.0
     for i in range(several):
+        one = p.free[i]
+        terms = math.fabs(p.own_q[one])
+        for s in range(sure):
+            held = p.into[s * (several + 1) + several]
+            terms += math.fabs(p.own[one * n + p.held[s]] * held)
+        if math.fabs(p.sub_q[i]) <= CANCELLED_PART * terms:
+            p.sub_q[i] = 0.0  # rounding decides nothing: what is open stays so
         most = max(most, math.fabs(p.sub_q[i]))
         p.sub_start[i] = p.guess[p.free[i]]
     if most == 0.0:

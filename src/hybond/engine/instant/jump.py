@@ -232,7 +232,8 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
         return status
     reach_of(e, y, e.energy, e.work.reach)
     for k in range(m.storages):
-        # what a constraint holds at zero is zero, not ever smaller numbers
-        held = math.fabs(e.work.landed[k]) <= NOTHING * e.work.reach[k]
-        y[k] = 0.0 if held else e.work.landed[k]
+        # what a constraint holds at zero is zero, not ever smaller numbers; what none moves is kept
+        if e.work.landed[k] != y[k]:
+            held = math.fabs(e.work.landed[k]) <= NOTHING * e.work.reach[k]
+            y[k] = 0.0 if held else e.work.landed[k]
     return OK

@@ -52,6 +52,7 @@ from hybond.engine.laws.law_instant import (
     passive_role,
     quantity,
 )
+from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
 from hybond.engine.mode.tableau import NET
@@ -105,6 +106,8 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
     if find_able(e, r) != OK:
         return REFUSED
     find_rounding(e, r)
+    if look_ahead(e, r) != OK:
+        return REFUSED
     find_start(m, r)
     e.planar.ready = False
     if m.disks > 0 and find_disks(e, r) != OK:

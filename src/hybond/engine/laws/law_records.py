@@ -59,8 +59,9 @@ class Response:
     """The graph seen from its ports at one state, linearised.
 
     `bonds` are bond variables with ``l = 0`` and `gain` their derivative by `l`, a row for each;
-    `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate. It is
-    ``w = y + d l``; what is stored moves by ``e l``, and `y` then by ``ce l``.
+    `y` is `w` at ``l = 0``, `size` that of the terms that made it, `rate` its rate, `rate_size`
+    that of the terms of the rate in a linear graph. It is ``w = y + d l``; what is stored moves by
+    ``e l``, and `y` then by ``ce l``.
     """
 
     bonds: Floats
@@ -71,6 +72,7 @@ class Response:
     e: Floats
     ce: Floats
     rate: Floats
+    rate_size: Floats
 
 
 @record
@@ -99,6 +101,13 @@ class Laws:
     ahead: Floats
     kept: Floats
     later: Floats
+    later_s: Floats
+    rate_after: Floats
+    rate_terms: Floats
+    atom: Floats
+    looks_ahead: bool
+    """Whether what stands must stand a moment later, too."""
+    saw_ahead: bool
     row: Floats
     terms: Floats
     nothing: Floats
@@ -208,6 +217,7 @@ def make_response(m: Model) -> Response:
     a.y = floats(n)
     a.size = floats(n)
     a.rate = floats(n)
+    a.rate_size = floats(n)
     return a
 
 
@@ -229,6 +239,10 @@ def make_laws(m: Model) -> Laws:
     r.ahead = floats(m.integrals)
     r.kept = floats(2 * m.slots)
     r.later = floats(2 * m.slots)
+    r.later_s = floats(m.integrals)
+    r.rate_after = floats(n)
+    r.rate_terms = floats(n)
+    r.atom = floats(m.atom_first[m.rule_first[m.machines]])
     r.row = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
     r.nothing = floats(m.slots)

@@ -27,6 +27,7 @@ from hybond.engine.laws.law_branches import (
     sweep_dust,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
+from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.model import Model, machine_name, node_name
@@ -81,15 +82,20 @@ def enter_with_laws(
     for k in range(m.storages):
         r.state_at[k] = r.landed[k]
         r.swept_first = r.swept_first or r.landed[k] != r.begin[k]
-    r.states = 1
-    turn = 0
-    while turn < r.states:
-        found = from_state(e, r, x, turn, stay)
-        if found == STANDS:
-            return OK
-        if found == STOPS:
-            return REFUSED
-        turn += 1
+    for ahead in range(2):
+        r.looks_ahead = ahead == 0
+        r.saw_ahead = False
+        r.states = 1
+        turn = 0
+        while turn < r.states:
+            found = from_state(e, r, x, turn, stay)
+            if found == STANDS:
+                return OK
+            if found == STOPS:
+                return REFUSED
+            turn += 1
+        if not r.saw_ahead:
+            break
     r.undecided = True
     why = "no branches of the junction laws stand: several answers may fit, or values lie too far"
     say_fault(e, "HB-J111", why, machine_name(m, m.port_machine[0]))
@@ -222,6 +228,9 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)
+    if found == STANDS and r.problem.doubtful and r.looks_ahead and turns_at_once(e, r, r.t):
+        r.saw_ahead = True
+        found = BROKEN
     if found != BROKEN:
         e.trial.dusted = r.shifted
         if found == STANDS and r.struck and e.trial.jumps:

@@ -252,7 +252,6 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     """
     m = e.model
     p = r.now
-    mode = open_mode(e, p)
     a = r.response
     n = m.ports
     a.gain = p.gain
@@ -279,10 +278,25 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
         return ahead_of(e, r, v, x) if timed else OK
     if not p.known and find_constant(e, r, v) != OK:
         return REFUSED
+    rates_of_linear(e, r, v, a.bonds, a.rate, a.rate_size)
+    return OK
+
+
+def rates_of_linear(
+    e: Engine, r: Laws, v: Floats, bonds: Floats, rate: Floats, terms: Floats
+) -> None:
+    """Put the rate of each `y` of a linear graph there, and the size of its terms.
+
+    To be asked after a solution. `r.field` becomes the rate of what is stored.
+    """
+    m = e.model
+    p = r.now
+    mode = open_mode(e, p)
+    rates_of_stored(m, bonds, 1, 0, r.field)
     for i in range(m.storages):
         at = m.storage_bond[i] + (m.bonds if m.storage_kind[i] == 0 else 0)
-        r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(a.bonds[at])
-    for k in range(n):
+        r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(bonds[at])
+    for k in range(m.ports):
         total = 0.0
         size = 0.0
         for i in range(m.storages):
@@ -298,8 +312,8 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
                 push += part
                 size += math.fabs(part)
         # a rate that is rounding must not set the scale of what a law gives or stops
-        a.rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
-    return OK
+        rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
+        terms[k] = size
 
 
 def find_sizes(e: Engine, p: Ports, a: Response) -> None:

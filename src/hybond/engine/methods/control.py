@@ -28,6 +28,7 @@ from hybond.engine.methods.exact import (
 )
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow import take_flow
+from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.mode.values import field
@@ -117,7 +118,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         t1 = min(t1, t_end)
         h = t1 - s.t0
         error = attempt(e, t1)
-        if error <= 1.0:
+        if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK

@@ -12,6 +12,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
     PIECES,
@@ -158,6 +159,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
+        if over_kink(e, r):
+            return STEP_MADE
         if found == STAGES_BEYOND:
             r.beyond = True
             r.shrink = RADAU_SHRINK
@@ -168,12 +171,12 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
                 r.shrink = 1.0
         return STEP_REJECTED
     estimate_error(e, r)
-    if not r.error <= 1.0:
+    for i in range(n):
+        r.y1[i] = r.y[2 * n + i]
+    if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
         factor = RADAU_SAFETY * radau_rounds(r) * math.pow(r.error, -0.25)
         r.shrink = min(max(factor, RADAU_SHRINK), RADAU_SAFETY)
         return STEP_REJECTED
-    for i in range(n):
-        r.y1[i] = r.y[2 * n + i]
     if rate_at(e, n, r.t1, r.y1, r.f1) != OK:
         r.beyond = True
         r.shrink = RADAU_SHRINK
@@ -186,6 +189,21 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
                 + TO_POLYNOMIAL[3 * k + 2] * r.z[2 * n + i]
             )
     return STEP_MADE
+
+
+def over_kink(e: Engine, r: Radau) -> bool:
+    """Pass a kink within one instant by a straight line: no stages converge over a jump."""
+    n = r.n
+    for i in range(n):
+        r.y1[i] = r.y0[i] + r.h * r.f0[i]
+    if not is_one_kink(e, r.t0, r.y0, r.t1, r.y1) or rate_at(e, n, r.t1, r.y1, r.f1) != OK:
+        return False
+    for i in range(n):
+        r.coefficients[i] = r.h * r.f0[i]
+        r.coefficients[n + i] = 0.0
+        r.coefficients[2 * n + i] = 0.0
+    r.error = 1.0
+    return True
 
 
 def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, longest: float) -> int:

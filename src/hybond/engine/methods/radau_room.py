@@ -5,7 +5,7 @@ from typing import Final
 from hybond.engine.algebra.lu_pair import Complex
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
-PIECES: Final = 16
+PIECES: Final = 128
 """Steps that the repetition of one may fall apart into."""
 RATE_BLAMED: Final = 0
 """The rates where it starts: no factors were found."""

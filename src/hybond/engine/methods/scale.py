@@ -11,6 +11,7 @@ from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.mode.values import set_state
+from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6
@@ -65,6 +66,11 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
     set_state(e, mode, e.v, t, e.y)
     solve(e, mode, e.v)
     found = False
+    for k in range(mode.sources):
+        source = mode.source[k]
+        if source >= 0 and m.source_size[source] >= 0:
+            # a source that is zero may be a difference of what is large
+            e.work.xi[m.storages + k] = value(m, m.source_size[source], e.v)
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         size = size_of(e, mode, at, e.work.xi, e.v)

@@ -14,7 +14,7 @@ from hybond.engine.run.guard_values import (
     size_here,
     test_here,
 )
-from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
+from hybond.engine.run.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -142,7 +142,7 @@ def is_resolved(e: Engine, g: Locator) -> bool:
 def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:
     """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
     m = e.model
-    if g.margin[k] >= 0:
+    if g.margin[k] >= 0 or g.side[k] != NO_KINK:
         return size_here(e, g, a) * ROUNDING >= g.rest[a]
     # what a bond variable cancels from: its own value may be nothing but rounding
     g.looked = math.nan

@@ -6,6 +6,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.reading import solve_read
@@ -13,7 +14,7 @@ from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import rule_text, value
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import ALL_PARTS, Locator
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 
 BEYOND: Final = 1e-13
@@ -67,8 +68,16 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
     """Return the truth of guard k at the values of the motion, rounding being counted."""
     if g.margin[k] >= 0:
         return g.lost or e.slide.margin[g.margin[k]] < -BEYOND
+    if g.side[k] != NO_KINK:
+        return has_crossed(e, g, k)
     show(e, g, g.part[k])
     return value(e.model, g.test[k], e.v) != 0.0
+
+
+def has_crossed(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a kink is beyond the zero that the step came towards, by more than rounding."""
+    a = g.atom_first[k]
+    return float(g.side[k]) * atom_here(e, g, a) < -ROUNDING * size_here(e, g, a)
 
 
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
@@ -76,7 +85,7 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     look(e, g, t)
     m = e.model
     stack = e.work.stack
-    if g.margin[k] >= 0:
+    if g.margin[k] >= 0 or g.side[k] != NO_KINK:
         return test_here(e, g, k)
     measure_here(e, g, k)
     ask_in_motion(e)

@@ -10,13 +10,26 @@ confirmed by the test that settling applies.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.run.guard_shape import find_shape, is_resolved, sample
-from hybond.engine.run.guard_values import holds_at, show
-from hybond.engine.run.locator import ALL_PARTS, DEEPEST, FRACTION, SAMPLES, Locator, has_failed
+from hybond.engine.run.guard_values import atom_at, holds_at, show, size_here
+from hybond.engine.run.locator import (
+    ALL_PARTS,
+    DEEPEST,
+    FRACTION,
+    NO_KINK,
+    SAMPLES,
+    Locator,
+    has_failed,
+)
+
+SOON: Final = 1e-3
+"""Part of a step after which what begins at a kink is on one of its sides."""
 
 
 def locate(e: Engine, g: Locator) -> int:
@@ -33,6 +46,8 @@ def search(e: Engine, g: Locator) -> int:
     g.looked = math.nan
     if g.guards == 0:
         return OK
+    if e.model.kinks > 0:
+        take_sides_of_kinks(e, g)
     left = 1
     g.low[0] = e.step.t0
     g.high[0] = e.step.t1
@@ -65,6 +80,20 @@ def search(e: Engine, g: Locator) -> int:
         if g.at < math.inf:
             return OK
     return OK
+
+
+def take_sides_of_kinks(e: Engine, g: Locator) -> None:
+    """Note on which side of each kink the step begins; of one the motion begins at, where to."""
+    for k in range(g.guards):
+        if g.side[k] == NO_KINK:
+            continue
+        a = g.atom_first[k]
+        here = atom_at(e, g, a, e.step.t0)
+        if math.fabs(here) <= ROUNDING * size_here(e, g, a):
+            if g.side[k] != 0:
+                continue  # not passed yet
+            here = atom_at(e, g, a, e.step.t0 + SOON * (e.step.t1 - e.step.t0))
+        g.side[k] = 1 if here > 0.0 else -1 if here < 0.0 else 0
 
 
 def first_of_block(e: Engine, g: Locator) -> None:

@@ -32,6 +32,8 @@ INSTANTS: Final = 200
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
+NO_KINK: Final = 2
+"""The side of what is no kink."""
 
 
 @record
@@ -63,6 +65,8 @@ class Locator:
     margin: Ints
     part: Ints
     """The mode that it is asked of, among those that are combined, or ALL_PARTS."""
+    side: Ints
+    """Of a kink: the sign that it begins the step with, 0 where it is zero; else NO_KINK."""
     atoms: int
     atom_first: Ints
     """Of each guard: its comparisons in `shape`."""
@@ -149,6 +153,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.test = ints(g.room)
     g.margin = ints(g.room)
     g.part = ints(g.room)
+    g.side = ints(g.room)
     g.atom_first = ints(g.room + 1)
     g.truth = ints(g.room * SAMPLES)
     g.calm = ints(g.room)
@@ -220,7 +225,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     rests = m.surface_rest[2 * m.surfaces]
     several = s.parts + 1 if s.k > 0 and m.laws > 0 else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
-    fit_locator(g, several * rules + rests + 2 * s.k, atoms + 2 * s.k)
+    fit_locator(g, several * rules + rests + 2 * s.k + m.kinks, atoms + 2 * s.k + m.kinks)
     g.guards = 0
     g.atoms = 0
     read_nothing(m, g.reads)
@@ -235,7 +240,19 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     g.rounded = s.k == 0
     if s.k > 0:
         watch_slide(e, g)
+    elif not e.planar.leading:
+        watch_kinks(e, g)
     g.atom_first[g.guards] = g.atoms
+
+
+def watch_kinks(e: Engine, g: Locator) -> None:
+    """Take the kinks of laws, sources and rates."""
+    m = e.model
+    for k in range(m.kinks):
+        begin_guard(g, NONE, ALL_PARTS)
+        g.side[g.guards] = 0
+        end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)
+        read_guard(m, e.mode, g.reads, m.kink_pair[k])
 
 
 def watch_slide(e: Engine, g: Locator) -> None:
@@ -278,6 +295,7 @@ def begin_guard(g: Locator, rule: int, part: int) -> None:
     g.test[g.guards] = NONE
     g.margin[g.guards] = NONE
     g.part[g.guards] = part
+    g.side[g.guards] = NO_KINK
     g.atom_first[g.guards] = g.atoms
 
 

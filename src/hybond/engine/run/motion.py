@@ -17,10 +17,13 @@ from hybond.engine.instant.instant import GUARD, START, begin_instant
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import begin_field, evaluate, set_state
+from hybond.engine.model import node_name
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
@@ -41,6 +44,13 @@ from hybond.engine.run.log import (
 )
 from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
 from hybond.engine.run.stranded import in_vain, no_slip
+from hybond.engine.run.together import (
+    LAST_PLACES,
+    before_kink,
+    is_kink_alone,
+    kink_there,
+    last_of_instant,
+)
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -57,6 +67,10 @@ BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
 ACCUMULATES: Final = 3
+BACK_AT_ONCE: Final = 1e-9
+"""Part of the run in which so many kinks as instants that end it are one that leads nowhere."""
+SOON_BACK: Final = 1e-3
+"""Part of it after a kink in which that is to blame for steps that become too small."""
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -159,13 +173,14 @@ def flow(e: Engine, r: Run) -> int:
         return -1
     r.flowing = False
     end = min(e.next_break, e.stop)
-    instant = m.event_tol * max(e.until, math.fabs(e.t))
+    instant = room_of_instant(e, e.t)
     while True:
         if r.slice == 0:
             r.flowing = True
             return PAUSED
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
         if step(e, end) != OK:
+            stuck_at_kink(e, r)
             return -1
         if m.disks > 0 and follow(e) != OK:
             return -1
@@ -182,7 +197,8 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         at = g.at
         if at < math.inf:
-            if land(e, g) != OK:
+            if land(e, g, instant, end) != OK:
+                stuck_at_kink(e, r)
                 return -1
             at = g.at
             if at >= end - instant:
@@ -191,7 +207,13 @@ def flow(e: Engine, r: Run) -> int:
                 if e.step.t1 < end and retry(e, end) != OK:
                     return -1
         if at == math.inf:
-            if note(e, r, e.step.t1) != OK:
+            shown = e.step.t1
+            if shown >= end and shown - e.step.t0 >= instant:
+                # what crosses its bound just after a timed event does so with it
+                shown = last_of_instant(e, g, shown, shown + instant)
+                if g.failed:
+                    return -1
+            if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
                 if e.next_break <= end:
@@ -200,7 +222,11 @@ def flow(e: Engine, r: Run) -> int:
             if go_on(e) != OK:
                 return -1
             continue
-        if note(e, r, at) != OK:
+        if is_kink_alone(e, g):
+            if pass_kink(e, r, at) != OK:
+                return -1
+            continue
+        if note(e, r, at, at) != OK:
             return -1
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
@@ -266,10 +292,10 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
         if r.locator.at < math.inf:
             for d in range(m.disks):
                 p.ends[d] = 0
-            if note(e, r, r.locator.at) != OK:
+            if note(e, r, r.locator.at, r.locator.at) != OK:
                 return REFUSED
             break
-        if note(e, r, e.step.t1) != OK:
+        if note(e, r, e.step.t1, e.step.t1) != OK:
             return REFUSED
         if any_ends(e):
             break
@@ -285,14 +311,72 @@ def any_ends(e: Engine) -> bool:
     return found
 
 
-def land(e: Engine, g: Locator) -> int:
-    """Repeat the step so that it ends just past the instant found. After Executive._land."""
+def pass_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a kink, where nothing happens, and begin anew behind it."""
+    r.kink = kink_there(e, r.locator)
+    before = before_kink(e, r.locator, at)
+    behind = at + LAST_PLACES * spacing(at)
+    if before > e.step.t0:
+        # what is behind the kink must not show before it: both are one instant
+        if retry(e, before) != OK:
+            return REFUSED
+        e.step.t1 = behind
+    elif retry(e, behind) != OK:
+        return stuck_at_kink(e, r)
+    if note(e, r, behind, behind) != OK:
+        return REFUSED
+    r.kink_at[r.kinks % (IDLE + 1)] = behind
+    r.kinks += 1
+    if r.kinks > IDLE and behind - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
+        return switches_back(e, r)
+    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+
+
+def stuck_at_kink(e: Engine, r: Run) -> int:
+    """Say of a step that is too small that it gets no farther than the kink just passed."""
+    if e.refusal or r.kinks == 0:
+        return REFUSED
+    if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.until:
+        return REFUSED
+    return switches_back(e, r)
+
+
+def switches_back(e: Engine, r: Run) -> int:
+    """Refuse a jump inside a law that would slide."""
+    m = e.model
+    node = m.kink_node[r.kink] if r.kink >= 0 else -1
+    place = node_name(m, node) if node >= 0 else ""
+    why = "a jump of a law or a source switches back at once, again and again"
+    return say_fault(e, "HB-N410", why, place)
+
+
+def land(e: Engine, g: Locator, room: float, end: float) -> int:
+    """Repeat the step so that it ends just past the instant found; find all that is one with it.
+
+    Not beyond `end`. After Executive._land.
+    """
+    if land_first(e, g, room) != OK:
+        return REFUSED
+    top = min(g.at + room, end)
+    # guards are asked within the step, never where its polynomial is extended
+    if top > e.step.t1:
+        if is_kink_alone(e, g):
+            return OK  # no step goes far beyond a kink
+        if retry(e, top) != OK:
+            return REFUSED
+    g.looked = math.nan
+    g.at = last_of_instant(e, g, g.at, top)
+    return REFUSED if g.failed else OK
+
+
+def land_first(e: Engine, g: Locator, room: float) -> int:
+    """Repeat the step so that it ends just past the first instant at which a guard holds."""
     h = e.step.t1 - e.step.t0
     longest = e.step.t1
     at = g.at
     for k in range(2):
         past = 1e-6 if k == 0 else 1e-3
-        end = at + past * (at - e.step.t0)
+        end = at + max(past * (at - e.step.t0), 2.0 * room)
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         if retry(e, end) != OK or locate(e, g) != OK:
@@ -306,13 +390,16 @@ def land(e: Engine, g: Locator) -> int:
     return OK
 
 
-def note(e: Engine, r: Run, t: float) -> int:
-    """Note a step that ends at `t`, and put the state back on its constraints."""
+def note(e: Engine, r: Run, t: float, shown: float) -> int:
+    """Note a step that ends at `t`, with the state at `shown`, put back on its constraints.
+
+    The two are one instant.
+    """
     m = e.model
     for k in range(e.states):
         e.y[k] = e.step.y1[k]
-    if t != e.step.t1:
-        between(e, t, e.y)
+    if shown != e.step.t1:
+        between(e, shown, e.y)
     if is_constrained(e.mode):
         if evaluate(e, e.mode, e.shown, t, e.y) != OK:
             return REFUSED

@@ -33,6 +33,11 @@ class Run:
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
+    kinks: int
+    """Steps that a kink has ended, and when the last ones were, in a ring."""
+    kink_at: Floats
+    kink: int
+    """The last of them."""
     begun: bool
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""
@@ -55,6 +60,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.report = report
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
+    r.kink_at = floats(IDLE + 1)
     r.slice = -1
     return r
 

@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-from hybond.model.expressions import Binary, Call, Compare, Expr, Neg, Pre, comparisons, transform
+from functools import reduce
+
+from hybond.model.expressions import (
+    Binary,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Neg,
+    Number,
+    Pre,
+    comparisons,
+    transform,
+)
 from hybond.model.graph import Rule
 
 
@@ -20,8 +33,18 @@ def magnitude(e: Expr) -> Expr:
             return Binary("+", magnitude(e.left), magnitude(e.right))
         case Binary(op="*"):
             return Binary("*", magnitude(e.left), magnitude(e.right))
-        case Neg():
-            return magnitude(e.arg)
+        case Neg() | Call(function="abs"):
+            return magnitude(e.arg if isinstance(e, Neg) else e.args[0])
+        case Call(function="sign"):
+            return Number(1.0)
+        case Call(function="floor" | "ceil"):
+            return Binary("+", magnitude(e.args[0]), Number(1.0))
+        case Call(function="mod"):
+            return magnitude(e.args[1])
+        case Call(function="min" | "max"):
+            return reduce(lambda a, b: Binary("+", a, b), map(magnitude, e.args))
+        case If():
+            return Binary("+", magnitude(e.then), magnitude(e.orelse))
         case _:
             return Call("abs", (e,))
 

@@ -9,6 +9,7 @@ from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
 from hybond.engine.tables.contacts import put_contacts
 from hybond.engine.tables.elements import put_elements
+from hybond.engine.tables.kinks import put_kinks
 from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.machines import put_machines
 from hybond.engine.tables.options import Options, options_of
@@ -65,6 +66,7 @@ def tables_of(
     _priors(t)
     put_laws(t)
     put_surfaces(t)
+    put_kinks(t)
     put_contacts(t)
     put_told(t, tells=tells)
     _reads(t)
@@ -146,6 +148,8 @@ def _reads(t: ModelTables) -> None:
         numbers = [test, *t.ints["atom_value"][own], *t.ints["atom_size"][own]]
         if k >= 0:
             forms[k] += [t.values.all[n] for n in numbers]
+    for k, a in enumerate(t.ints["kink_pair"]):
+        forms[a].append(t.values.all[t.ints["atom_size"][int(t.numbers["kink_atom"]) + k]])
     read = [{t.slots.index[n] for e in own for n in names(e)} for own in forms]
     put_rows(t, "read_first", [[(k,) for k in sorted(own)] for own in read], read_slot=INTS)
 

@@ -6,10 +6,11 @@ from typing import Any
 
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.forms import put_forms
+from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
-from hybond.model.expressions import Expr, Number, names, uses_pre
+from hybond.model.expressions import Expr, Number, names, turning, uses_pre
 from hybond.model.kinds import SOURCES
 
 
@@ -51,6 +52,10 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
     slopes = [gradient(s.rate) for s in sources]
     t.ints["source_linear"] = [int(not reads_bonds(s.rate)) for s in sources]
     t.ints["source_curved"] = [int(any(reads_bonds(e) for e in d.values())) for d in slopes]
+    t.ints["source_size"] = [
+        t.values.number(magnitude(s.value)) if turning(s.value) and not uses_pre(s.value) else -1
+        for s in sources
+    ]
     t.ints["source_timed"] = [int(_of_time(s.value)) for s in sources]
     put_rows(
         t,

@@ -31,7 +31,7 @@ def turning(e: Expr) -> list[Expr]:
             case Call(function="mod"):
                 found.append(_whole(Binary("/", *part.args)))
             case Table():
-                found += [Binary("-", part.arg, Number(x)) for x in part.x]
+                found += [Binary("-", part.arg, Number(x)) for x in part.x[1:-1]]
     return [e for e in dict.fromkeys(found) if names(e)]
 
 

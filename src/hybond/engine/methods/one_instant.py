@@ -1,0 +1,50 @@
+"""How long an instant lasts, and steps that are no longer than one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.mode.newton import solve
+from hybond.engine.mode.values import set_motion
+from hybond.engine.model import value
+from hybond.engine.words import Floats
+
+LEAST: Final = 8.0
+"""Units in the last place that an instant lasts at least."""
+
+
+def room_of_instant(e: Engine, t: float) -> float:
+    """Return how long an instant lasts: `event_tol` of the run, eight last places at least."""
+    now = math.fabs(t)
+    return max(e.model.event_tol * max(e.until, now), LEAST * spacing(now))
+
+
+def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool:
+    """Whether a step tried is within one instant, at which a kink is passed.
+
+    What has never moved has no size: no step over the kink that makes it move is short enough.
+    """
+    m = e.model
+    s = e.step
+    if m.kinks == 0 or e.slide.k > 0 or t1 - t0 > room_of_instant(e, t0):
+        return False
+    if not show_motion(e, t0, y0):
+        return False
+    for k in range(m.kinks):
+        s.kink[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
+    if not show_motion(e, t1, y1):
+        return False
+    passed = False
+    for k in range(m.kinks):
+        there = value(m, m.atom_value[m.kink_atom + k], e.v)
+        passed = passed or (s.kink[k] != there and s.kink[k] * there <= 0.0)
+    return passed
+
+
+def show_motion(e: Engine, t: float, y: Floats) -> bool:
+    """Put all values of the motion into `e.v`; False if a law has none."""
+    set_motion(e, e.v, t, y)
+    return solve(e, e.mode, e.v) == OK

@@ -1,0 +1,94 @@
+"""Guards that begin to hold within one instant are settled together.
+
+Complementary gates cross one threshold by expressions that round differently. Which of them is
+first is no part of the model: the instant is the last of those that cannot be told apart, and there
+all of them hold.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.run.bracket import bracket
+from hybond.engine.run.guard_values import (
+    atom_at,
+    atom_here,
+    holds_at,
+    look,
+    show,
+    size_here,
+    test_here,
+)
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+
+LAST_PLACES: Final = 8.0
+"""Units in the last place within which a jump and what is watched for it may differ."""
+NEAR_ZERO: Final = 1e-6
+"""Part of its terms from which on rounding has no say in a comparison."""
+
+
+def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
+    """Return the last instant in ``[t, top]`` at which a guard begins to hold, `t` if none does.
+
+    Guards that hold at `t` must still hold there: what is only touched at `t` is an instant alone.
+    """
+    last = t
+    look(e, g, top)
+    for k in range(g.guards):
+        g.done[k] = 1 if may_hold(e, g, k) else 0
+    for k in range(g.guards):
+        if g.done[k] == 0 or g.failed or holds_at(e, g, k, t):
+            continue
+        if holds_at(e, g, k, top):
+            last = max(last, bracket(e, g, k, t, top))
+    for k in range(g.guards if last > t else 0):
+        if g.side[k] == NO_KINK and holds_at(e, g, k, t) and not holds_at(e, g, k, last):
+            last = t
+    show(e, g, ALL_PARTS)
+    return last
+
+
+def may_hold(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a guard holds where it is looked, or would if rounding counts as zero."""
+    if g.side[k] != NO_KINK:
+        return False
+    near = test_here(e, g, k)
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        near = near or math.fabs(atom_here(e, g, a)) <= NEAR_ZERO * size_here(e, g, a)
+    return near
+
+
+def is_kink_alone(e: Engine, g: Locator) -> bool:
+    """Whether nothing but kinks has ended the step at the instant found."""
+    alone = e.model.kinks > 0
+    for k in range(g.guards):
+        alone = alone and (g.side[k] != NO_KINK or not holds_at(e, g, k, g.at))
+    show(e, g, ALL_PARTS)
+    return alone
+
+
+def before_kink(e: Engine, g: Locator, at: float) -> float:
+    """Return an instant at which none of the kinks that end the step there is passed."""
+    reach = LAST_PLACES * spacing(at)
+    before = at
+    here = False
+    while not here and before > e.step.t0:
+        before = at - reach
+        reach = 2.0 * reach
+        here = True
+        for k in range(g.guards):
+            if g.side[k] != NO_KINK and holds_at(e, g, k, at):
+                there = atom_at(e, g, g.atom_first[k], before)
+                here = here and float(g.side[k]) * there > 0.0
+    return before
+
+
+def kink_there(e: Engine, g: Locator) -> int:
+    """Return the kink that has ended the step at the instant found, -1 if none did."""
+    for k in range(g.guards):
+        if g.side[k] != NO_KINK and holds_at(e, g, k, g.at):
+            return g.atom[g.atom_first[k]] - e.model.kink_atom
+    return -1

@@ -1,0 +1,52 @@
+"""Tables of kinks: what changes its sign where a law, a source or the rate of a signal has one.
+
+Comparisons, `abs`, `sign`, `min`, `max`, whole numbers and corners of tables. A method of high
+order ends its step there; those with steps of their own do not.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hybond.engine.tables.guards import magnitude
+from hybond.engine.tables.options import METHODS
+from hybond.equations.surfaces import moves
+from hybond.model.expressions import Expr, turning, uses_pre
+from hybond.run_options import QUANTISED
+
+if TYPE_CHECKING:
+    from hybond.engine.tables.columns import ModelTables
+
+FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", *QUANTISED))
+"""Methods that end a step at a kink."""
+MOST = 64
+"""Most kinks of one expression; a longer table is a curve."""
+
+
+def put_kinks(t: ModelTables) -> None:
+    """Put what is watched for kinks behind the comparisons of guards."""
+    found: dict[Expr, int] = {}
+    for e, node in _asked(t) if t.numbers["method"] in FOLLOWED else []:
+        turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
+        for a in turns if len(turns) <= MOST else []:
+            found.setdefault(a, node)
+    t.numbers["kinks"] = len(found)
+    t.numbers["kink_atom"] = len(t.ints["atom_value"])
+    t.ints["kink_node"] = list(found.values())
+    t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
+    t.pairs += found
+    t.ints["atom_value"] += [t.values.number(a) for a in found]
+    t.ints["atom_size"] += [t.values.number(magnitude(a)) for a in found]
+    t.ints["atom_zero"] += [1] * len(found)
+
+
+def _asked(t: ModelTables) -> list[tuple[Expr, int]]:
+    """Return what a step evaluates, and the element that says it; -1 for signals."""
+    storages = [t.graph.storages[k].node for k in range(len(t.graph.storages))]
+    numbers = [
+        *zip(t.ints["dynamic_value"], t.ints["dynamic_node"], strict=True),
+        *zip(t.ints["source_value"], t.ints["source_node"], strict=True),
+        *zip(t.ints["co_energy"], storages, strict=True),
+        *((k, -1) for k in t.ints["integral_rate"]),
+    ]
+    return [(t.values.all[k], node) for k, node in numbers if k >= 0]

@@ -1,0 +1,179 @@
+"""Kinks of laws, sources and signals end a step: order is kept, and no half wave is passed over."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+
+SOLVERS = ["rk45", "radau", "exact"]
+
+
+def filled(source: str, until: float, **options: object) -> hb.Result:
+    """Fill a capacitor from a source, and let a signal add up the same."""
+    m = hb.Model("filled")
+    m.add(c=hb.C(1.0), u=hb.Sf(source), n=hb.Zero())
+    m.bond("u -> n -> c")
+    m.signal(a=hb.Integral(source))
+    return hb.simulate(m, until=until, **options)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    ("per_second", "level"), [(1.0, 0.0), (50.0, 0.9), (1000.0, 0.999), (50.0, -0.5), (3.0, 0.9999)]
+)
+def test_half_waves_are_counted(per_second: float, level: float, solver: str) -> None:
+    """Narrow pulses far apart, at the tolerance that everybody has."""
+    w = 2.0 * math.pi * per_second
+    for source in (
+        f"max(0, sin({w!r}*time) - {level})",
+        f"if sin({w!r}*time) > {level} then sin({w!r}*time) - {level} else 0",
+        f"0.5*(sin({w!r}*time) - {level} + abs(sin({w!r}*time) - {level}))",
+    ):
+        run = filled(source, 1.0, solver=solver)
+        begin = math.asin(level)
+        pulse = (2.0 * math.cos(begin) - level * (math.pi - 2.0 * begin)) / w
+        if level < 0.0:
+            # the run begins and ends within a pulse
+            assert run["c.q"].at(1.0) == pytest.approx(per_second * pulse, rel=1e-7)
+        for name in ("c.q", "a"):
+            assert run[name].at(1.0) == pytest.approx(per_second * pulse, rel=2e-7)
+        assert len(run.events) == 1  # a kink is no event
+
+
+@pytest.mark.parametrize("solver", ["qss3", "liqss3"])
+def test_quantised_states_meet_half_waves(solver: str) -> None:
+    """Where nothing moves they have no event of their own. A hundred quanta are their accuracy."""
+    w = 2.0 * math.pi * 5.0
+    run = filled(f"max(0, sin({w!r}*time) - 0.5)", 1.0, solver=solver, rtol=1e-5)
+    begin = math.asin(0.5)
+    pulse = (2.0 * math.cos(begin) - 0.5 * (math.pi - 2.0 * begin)) / w
+    assert run["c.q"].at(1.0) == pytest.approx(5.0 * pulse, rel=100 * 1e-5)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_square_wave_of_signs_is_integrated_exactly(solver: str) -> None:
+    """A triangle; at a quarter of a period behind the last corner it is a quarter high."""
+    run = filled(f"sign(sin({2.0 * math.pi * 7.0!r}*time))", 3.0 + 0.25 / 7.0, solver=solver)
+    assert run["c.q"].at(run.t_end) == pytest.approx(0.25 / 7.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_saw_teeth_and_stairs(solver: str) -> None:
+    assert filled("mod(time, 0.3)", 2.95, solver=solver)["c.q"].at(2.95) == pytest.approx(
+        9 * 0.045 + 0.5 * 0.25**2, rel=1e-8
+    )
+    assert filled("floor(3*time)", 2.5, solver=solver)["c.q"].at(2.5) == pytest.approx(
+        sum(range(7)) / 3.0 + 7.0 * (2.5 - 7.0 / 3.0), rel=1e-8
+    )
+
+
+FORCES = {
+    "abs": "-(2.5*x - 1.5*abs(x))",
+    "if": "if x < 0 then -4*x else -x",
+    "max": "-(max(x, 0) + 4*min(x, 0))",
+}
+
+
+def bent_spring(force: str) -> hb.Model:
+    """Stiffness 1 on one side, 4 on the other: half a period of pi, half a period of pi/2."""
+    m = hb.Model("bent")
+    m.add(m=hb.I(1.0, p=1.0), v=hb.One())
+    if force == "table":
+        m.add(s=hb.C({"e": {"table": [[-9, 0, 9], [-36, 0, 9]]}}))
+        m.bond("v -> m", "v -> s")
+        m.signal(x="s.q")
+    else:
+        m.add(f=hb.Se(FORCES[force]))
+        m.bond("f -> v -> m")
+        m.signal(x=hb.Integral("v.f"))
+    return m
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+@pytest.mark.parametrize("force", ["abs", "if", "max", "table"])
+def test_a_spring_with_two_stiffnesses(force: str, solver: str) -> None:
+    """After whole periods it is where it was; between, half a sine on either side."""
+    period = 1.5 * math.pi
+    run = hb.simulate(bent_spring(force), until=10.0 * period, solver=solver)
+    assert run["x"].at(10.0 * period) == pytest.approx(0.0, abs=1e-6)
+    assert run["m.p"].at(10.0 * period) == pytest.approx(1.0, abs=1e-6)
+    for t in (0.3, 1.9, 3.0):
+        assert run["x"].at(period + t) == pytest.approx(math.sin(t), abs=1e-6)
+    for t in (0.2, 0.8, 1.5):
+        x = -0.5 * math.sin(2.0 * t)
+        assert run["x"].at(4.0 * period + math.pi + t) == pytest.approx(x, abs=1e-6)
+
+
+def test_the_order_of_a_method_is_kept_across_kinks() -> None:
+    """Where the tolerance shrinks by 1e6, so does the error, and steps grow as without kinks."""
+    period = 1.5 * math.pi
+    errors, steps = [], []
+    for rtol in (1e-4, 1e-7, 1e-10):
+        run = hb.simulate(bent_spring("abs"), until=5.0 * period, rtol=rtol, solver="rk45")
+        errors.append(abs(run["x"].at(5.0 * period)) + abs(run["m.p"].at(5.0 * period) - 1.0))
+        steps.append(run.stats["steps"])
+    assert errors[2] < 1e-4 * errors[1] ** 0.5 < 1e-2 * errors[0] ** 0.25
+    assert errors[0] < 1e-2
+    assert errors[2] < 1e-8
+    # order 5: a thousandth of the tolerance takes 10^(3/5) = 4 times the steps
+    assert steps[2] / steps[1] < 5.0
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+def test_corners_of_a_table_in_a_resistor(solver: str) -> None:
+    """A dead zone of 1 V on either side, under a sine of 2 V: its charge in closed form."""
+    m = hb.Model("dead zone")
+    table = {"table": [[-5, -1, 1, 5], [-4, 0, 0, 4]]}
+    m.add(u=hb.Se("2*sin(time/(1 [s]))"), j=hb.One(), r=hb.G({"f": table}))
+    m.bond("u -> j -> r")
+    m.signal(q=hb.Integral("r.f"))
+    begin = math.asin(0.5)
+    pulse = 4.0 * math.cos(begin) - (math.pi - 2.0 * begin)
+    run = hb.simulate(m, until=6.0 * math.pi, solver=solver)
+    assert run["q"].at(math.pi) == pytest.approx(pulse, rel=1e-8)
+    assert run["q"].at(4.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
+    assert run["q"].at(5.0 * math.pi) == pytest.approx(pulse, rel=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+@pytest.mark.parametrize(
+    ("source", "read"),
+    [
+        ("-sign(x + v.f)", "u"),
+        ("if x + v.f > 0 then -1 else 1", "u"),
+        ("-2*abs(sign(x + v.f))*sign(x + v.f)", "u"),
+    ],
+)
+def test_a_jump_that_would_switch_back_at_once_is_refused_early(
+    source: str, read: str, solver: str
+) -> None:
+    """With the recipe: it would slide, and a source does not."""
+    m = hb.Model("chatter")
+    m.add(m=hb.I(1.0), v=hb.One(), u=hb.Se(source))
+    m.bond("u -> v -> m")
+    m.signal(x=hb.Integral("v.f", start=1.0))
+    run = hb.simulate(m, until=5.0, solver=solver, on_error="return")
+    assert run.error is not None
+    assert run.error.code == "HB-N410"
+    assert read in str(run.error)
+    assert "relay" in str(run.error)
+    assert run.stats["steps"] < 10_000
+
+
+def test_the_recipe_slides() -> None:
+    """From where the motion reaches x + v = 0 on, x' = -x."""
+    m = hb.Model("slides")
+    m.add(m=hb.I(1.0), v=hb.One(), u=hb.Se("-rel.e"), y=hb.Sf("x + v.f"))
+    m.add(rel=hb.One(law="relay", limit=1.0))
+    m.bond("u -> v -> m", "y -> rel")
+    m.signal(x=hb.Integral("v.f", start=1.0))
+    run = hb.simulate(m, until=5.0)
+    # x = 1 - t^2/2, v = -t
+    begin = math.sqrt(3.0) - 1.0
+    (sliding,) = run.sliding
+    assert sliding.t0 == pytest.approx(begin, rel=1e-9)
+    x = (1.0 - 0.5 * begin**2) * math.exp(begin - 5.0)
+    assert run["x"].at(5.0) == pytest.approx(x, rel=1e-6)
