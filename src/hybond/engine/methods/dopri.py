@@ -96,6 +96,19 @@ def first_step(e: Engine, limit: float, order: float) -> float:
     return min(100.0 * h0, min(h1, limit))
 
 
+def weigh(n: int, many: int, h: float, row: int, k: Floats, out: Floats, at: int) -> None:
+    """Put the sum of so many stages, weighed by a row of the table, into `out` from `at` on.
+
+    Stage after stage: each is read as it stands, and no sum waits for the one before it.
+    """
+    for i in range(n):
+        out[at + i] = 0.0
+    for j in range(many):
+        factor = h * TABLE[row + j]
+        for i in range(n):
+            out[at + i] += factor * k[j * n + i]
+
+
 def dopri_attempt(e: Engine, t1: float) -> float:
     """Make a step to t1; return the norm of its error, nan if something is not finite."""
     s = e.step
@@ -105,11 +118,9 @@ def dopri_attempt(e: Engine, t1: float) -> float:
         s.k[k] = s.f0[k]
     for stage in range(1, 7):
         at = s.y1 if stage == 6 else s.trial
+        weigh(n, stage, h, 7 * stage, s.k, at, 0)
         for k in range(n):
-            total = 0.0
-            for j in range(stage):
-                total += h * TABLE[7 * stage + j] * s.k[j * n + k]
-            at[k] = s.y0[k] + total
+            at[k] += s.y0[k]
         t = t1 if stage >= 5 else s.t0 + STAGE_AT[stage] * h
         if field(e, e.mode, t, at, s.rate) != OK or not all_finite(n, s.rate):
             return math.nan
@@ -117,11 +128,7 @@ def dopri_attempt(e: Engine, t1: float) -> float:
             s.k[stage * n + k] = s.rate[k]
     if not all_finite(n, s.y1):
         return math.nan
-    for k in range(n):
-        total = 0.0
-        for j in range(7):
-            total += h * TABLE[49 + j] * s.k[j * n + k]
-        s.error[k] = total
+    weigh(n, 7, h, 49, s.k, s.error, 0)
     tolerance(e, s.y0, s.y1, s.scale)
     return error_norm_of(n, s.error, s.scale, s.controlled)
 
@@ -166,8 +173,4 @@ def dopri_accept(e: Engine, t1: float) -> None:
         s.y[k] = s.y1[k]
         s.f[k] = s.k[6 * n + k]
     for row in range(4):
-        for k in range(n):
-            total = 0.0
-            for j in range(7):
-                total += h * TABLE[7 * (8 + row) + j] * s.k[j * n + k]
-            s.dense[row * n + k] = total
+        weigh(n, 7, h, 7 * (8 + row), s.k, s.dense, row * n)
