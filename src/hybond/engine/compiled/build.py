@@ -12,7 +12,7 @@ from pathlib import Path
 from hybond.engine.compiled.compiler import TIMEOUT, compiler
 from hybond.engine.compiled.printing import library_text
 
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
 NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
 
 
