@@ -185,6 +185,8 @@ class Step:
     rated: bool
     """Whether `f` is known there; fixed steps find it out when they need it."""
     k: Floats
+    weight: Floats
+    """Of each stage in a sum of them."""
     dense: Floats
     scale: Floats
     error: Floats
@@ -318,6 +320,7 @@ def make_step(n: int, kinks: int) -> Step:
     s.y = floats(n)
     s.f = floats(n)
     s.k = floats(7 * n)
+    s.weight = floats(7)
     s.dense = floats(4 * n)
     s.scale = floats(n)
     s.error = floats(n)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import random
+from fractions import Fraction
 
 import pytest
 from example_runs import NAMES, example
 
 from hybond.engine.expressions.code import DEEPEST, run_code, run_pair_code
+from hybond.engine.expressions.functions import power
 from hybond.engine.expressions.pairs import Stack, clear, make_stack
 from hybond.engine.model import value
 from hybond.engine.tables import answered, tables_of
@@ -47,6 +49,19 @@ def test_numbers_are_those_of_the_closures(text: str) -> None:
         v = [draw.choice(VALUES) for _ in range(6)]
         found = run_code(code.instructions, begin, code.numbers, v, [0.0] * DEEPEST)
         assert str(found) == str(float(meant(v))), v
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_squares_and_cubes_are_right_to_the_last_places(n: int) -> None:
+    draw = random.Random(n)
+    for _ in range(1000):
+        a = math.ldexp(draw.uniform(-1.0, 1.0), draw.randint(-300, 300))
+        true = Fraction(a) ** n
+        assert abs(Fraction(power(a, float(n))) - true) <= Fraction(n - 1, 2**52) * abs(true)
+    assert math.isnan(power(math.nan, float(n)))
+    assert power(1e200, float(n)) == math.inf
+    assert power(-math.inf, float(n)) == (-math.inf if n == 3 else math.inf)
+    assert math.copysign(1.0, power(-0.0, float(n))) == (-1.0 if n == 3 else 1.0)
 
 
 def stack_with(draw: random.Random, n: int) -> Stack:

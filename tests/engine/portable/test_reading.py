@@ -42,11 +42,11 @@ def bonds_of(e) -> slice:
 
 
 def forget(e) -> None:
-    """Make all bond variables no numbers."""
+    """Make all bond variables, and all that they are solved from, no numbers."""
     many = 2 * e.model.bonds
     e.v[bonds_of(e)] = [math.nan] * many
     e.work.w[:many] = [math.nan] * many
-    e.work.xi[e.model.storages :] = [math.nan] * (len(e.work.xi) - e.model.storages)
+    e.work.xi[:] = [math.nan] * len(e.work.xi)
 
 
 def test_rates_need_no_more_than_is_evaluated(engine):

@@ -15,7 +15,7 @@ from hybond.engine.compiled.sources import NAME
 
 HOME = Path(__file__).with_name(NAME)
 """Where runs look for it."""
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
 
 
 def compile_into(target: Path = HOME, *, flags: tuple[str, ...] = ()) -> str:

@@ -22,14 +22,14 @@ def is_indefinite(n: int, m: Floats, scale: Floats, down: Floats, square: Floats
             own = m[i * n + j] + m[j * n + i]
             square[i * n + j] = own * scale[i] * scale[j]
         square[i * n + i] += INDEFINITE * float(n)
-    # Cholesky: its pivots say it
+    # Cholesky, of the upper half alone: its pivots say it
     for k in range(n):
         pivot = square[k * n + k]
         if not pivot > 0.0:
             return True
         for i in range(k + 1, n):
-            share = square[i * n + k] / pivot
+            share = square[k * n + i] / pivot
             if share != 0.0:
-                for j in range(k + 1, n):
+                for j in range(i, n):
                     square[i * n + j] -= share * square[k * n + j]
     return False

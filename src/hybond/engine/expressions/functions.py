@@ -41,6 +41,10 @@ def power(a: float, b: float) -> float:
     """Return a to the power of b."""
     if b == 0.0 or a == 1.0:
         return 1.0
+    if b == 2.0:
+        return a * a
+    if b == 3.0:
+        return a * a * a
     if a != a or b != b:
         return math.nan
     size = math.fabs(a)

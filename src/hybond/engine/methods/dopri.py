@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.engine import NOT_FINITE, OK, Engine, Step, say_fault
 from hybond.engine.methods.scale import error_norm, tolerance
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
@@ -39,6 +39,8 @@ TABLE: Final = float_table(
     69997945.0 / 29380423.0,
 )  # fmt: skip
 """Rows of seven: stages (1 to 5), solution (6), error (7), dense output (8 to 11)."""
+FEW: Final = 8
+"""States below which a sum over stages stays in a register."""
 STAGE_AT: Final = float_table(0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0)
 
 
@@ -96,6 +98,29 @@ def first_step(e: Engine, limit: float, order: float) -> float:
     return min(100.0 * h0, min(h1, limit))
 
 
+def weigh(n: int, many: int, h: float, row: int, s: Step, out: Floats, at: int) -> None:
+    """Put the sum of so many stages, weighed by a row of the table, into `out` from `at` on.
+
+    Both ways add in one order. Few states are summed each in a register, many stage after stage,
+    each of which is read as it stands.
+    """
+    for j in range(many):
+        s.weight[j] = h * TABLE[row + j]
+    if n < FEW:
+        for i in range(n):
+            total = 0.0
+            for j in range(many):
+                total += s.weight[j] * s.k[j * n + i]
+            out[at + i] = total
+        return
+    for i in range(n):
+        out[at + i] = 0.0
+    for j in range(many):
+        weight = s.weight[j]
+        for i in range(n):
+            out[at + i] += weight * s.k[j * n + i]
+
+
 def dopri_attempt(e: Engine, t1: float) -> float:
     """Make a step to t1; return the norm of its error, nan if something is not finite."""
     s = e.step
@@ -105,11 +130,9 @@ def dopri_attempt(e: Engine, t1: float) -> float:
         s.k[k] = s.f0[k]
     for stage in range(1, 7):
         at = s.y1 if stage == 6 else s.trial
+        weigh(n, stage, h, 7 * stage, s, at, 0)
         for k in range(n):
-            total = 0.0
-            for j in range(stage):
-                total += h * TABLE[7 * stage + j] * s.k[j * n + k]
-            at[k] = s.y0[k] + total
+            at[k] += s.y0[k]
         t = t1 if stage >= 5 else s.t0 + STAGE_AT[stage] * h
         if field(e, e.mode, t, at, s.rate) != OK or not all_finite(n, s.rate):
             return math.nan
@@ -117,11 +140,7 @@ def dopri_attempt(e: Engine, t1: float) -> float:
             s.k[stage * n + k] = s.rate[k]
     if not all_finite(n, s.y1):
         return math.nan
-    for k in range(n):
-        total = 0.0
-        for j in range(7):
-            total += h * TABLE[49 + j] * s.k[j * n + k]
-        s.error[k] = total
+    weigh(n, 7, h, 49, s, s.error, 0)
     tolerance(e, s.y0, s.y1, s.scale)
     return error_norm_of(n, s.error, s.scale, s.controlled)
 
@@ -166,8 +185,4 @@ def dopri_accept(e: Engine, t1: float) -> None:
         s.y[k] = s.y1[k]
         s.f[k] = s.k[6 * n + k]
     for row in range(4):
-        for k in range(n):
-            total = 0.0
-            for j in range(7):
-                total += h * TABLE[7 * (8 + row) + j] * s.k[j * n + k]
-            s.dense[row * n + k] = total
+        weigh(n, 7, h, 7 * (8 + row), s, s.dense, row * n)

@@ -52,7 +52,8 @@ class Reads:
     """Bond variables that are evaluated in a step, and the sources that these are made of.
 
     The first `many` of `bond`; `chosen` says of each bond variable whether it is one of them,
-    `valued` and `rated` of each source whether a row of one reads its value, or its rate.
+    `valued` and `rated` of each source whether a row of one reads its value, or its rate, and the
+    first `stores` of `storage` are those whose co-energy is read, as `stored` says of each.
     """
 
     many: int
@@ -60,6 +61,11 @@ class Reads:
     chosen: Ints
     valued: Ints
     rated: Ints
+    stores: int
+    storage: Ints
+    stored: Ints
+    first_of: Ints
+    """Of each row: the bond variable that was the first to be read by it, plus 1; else 0."""
 
 
 @record
@@ -165,6 +171,9 @@ def make_reads(m: Model) -> Reads:
     r.chosen = ints(2 * m.bonds)
     r.valued = ints(m.most_sources)
     r.rated = ints(m.most_sources)
+    r.storage = ints(m.storages)
+    r.stored = ints(m.storages)
+    r.first_of = ints(2 * m.bonds)
     return r
 
 

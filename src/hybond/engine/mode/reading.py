@@ -10,7 +10,7 @@ from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.newton import solve
-from hybond.engine.mode.storage import co_energy
+from hybond.engine.mode.storage import co_energy_of
 from hybond.engine.model import Model, value
 from hybond.engine.words import Floats
 
@@ -20,9 +20,13 @@ def read_nothing(m: Model, r: Reads) -> None:
     r.many = 0
     for b in range(2 * m.bonds):
         r.chosen[b] = 0
+        r.first_of[b] = 0
     for k in range(m.most_sources):
         r.valued[k] = 0
         r.rated[k] = 0
+    r.stores = 0
+    for k in range(m.storages):
+        r.stored[k] = 0
 
 
 def read_rates(e: Engine, mode: Mode, r: Reads) -> None:
@@ -55,23 +59,32 @@ def read_pair(m: Model, mode: Mode, r: Reads, pair: int) -> None:
 
 
 def read_bond(m: Model, mode: Mode, r: Reads, b: int) -> None:
-    """Read a bond variable, with the sources that its terms are made of."""
+    """Read a bond variable, with the storages and sources that its terms are made of."""
     if r.chosen[b] != 0:
         return
     r.chosen[b] = 1
     r.bond[r.many] = b
     r.many += 1
-    read_sources(m, mode, r, mode.finite, mode.same[b])
-    read_sources(m, mode, r, mode.direct, mode.same[b])
+    if r.first_of[mode.same[b]] != 0:
+        return
+    r.first_of[mode.same[b]] = b + 1
+    read_knowns(m, mode, r, mode.finite, mode.same[b])
+    read_knowns(m, mode, r, mode.direct, mode.same[b])
 
 
-def read_sources(m: Model, mode: Mode, r: Reads, rows: Rows, k: int) -> None:
-    """Read the sources whose values and rates stand in a row."""
+def read_knowns(m: Model, mode: Mode, r: Reads, rows: Rows, k: int) -> None:
+    """Read the storages and the sources whose values and rates stand in a row."""
     for i in range(rows.first.at[k], rows.first.at[k + 1]):
-        source = rows.column.at[i] - m.storages
-        if source >= mode.sources:
+        known = rows.column.at[i]
+        source = known - m.storages
+        if known < m.storages:
+            if r.stored[known] == 0:
+                r.stored[known] = 1
+                r.storage[r.stores] = known
+                r.stores += 1
+        elif source >= mode.sources:
             r.rated[source - mode.sources] = mode.rated[source - mode.sources]
-        elif source >= 0:
+        else:
             r.valued[source] = 1
 
 
@@ -81,7 +94,8 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
         return solve(e, mode, v)
     m = e.model
     xi = e.work.xi
-    co_energy(m, v, xi)
+    for i in range(r.stores):
+        xi[r.storage[i]] = co_energy_of(m, r.storage[i], v)
     for k in range(mode.sources):
         source = mode.source[k]
         at = m.storages + k
@@ -91,6 +105,8 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
         xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
     for i in range(r.many):
         b = r.bond[i]
-        e.work.w[b] = row_times(mode.direct, mode.same[b], xi)
-        v[m.bond_slot + b] = e.work.w[b]
+        first = r.first_of[mode.same[b]] - 1
+        w = e.work.w[first] if first != b else row_times(mode.direct, mode.same[b], xi)
+        e.work.w[b] = w
+        v[m.bond_slot + b] = w
     return OK
