@@ -67,7 +67,8 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     reach_of(e, x, e.energy, w.reach)
     values = w.values
     for k in range(m.storages):
-        w.reach[k] *= math.fabs(own_stiffness(m, k, values))
+        # what is taken off what is stored leaves rounding of it, however little is left
+        w.reach[k] = (w.reach[k] + math.fabs(x[k])) * math.fabs(own_stiffness(m, k, values))
 
 
 def restore_bonds(e: Engine, v: Floats) -> None:
