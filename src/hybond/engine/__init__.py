@@ -16,7 +16,10 @@ room to work in. Data flows so::
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
     reading, sizes            those that are read in a step; what their rounding is measured by
     newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
-    damped                    Newton with shorter steps, where full ones do not end
+    damped, continuation      Newton with shorter steps, where full ones do not end; on the way from
+                              laws with a resistance beside them, where these do not either
+    put_back, freedom         whether a solution holds; directions that a linear system leaves free
+    undetermined              what laws leave free at the values that hold
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left
     values, scale, stepping   values while time passes; tolerances; one step

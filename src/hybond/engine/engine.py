@@ -82,7 +82,25 @@ class Work:
     trial: Block
     slopes_there: Block
     residual: Block
+    residual_size: Block
+    """The sizes of the terms of each residual, to first order."""
+    w_size: Floats
+    """The sizes of the terms of each bond variable, by which residuals are measured."""
+    aid: float
+    """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
     step: Block
+    # free directions: a matrix reduced, its scales, which row determines each unknown
+    reduced: Block
+    reduced_size: Block
+    row_scale: Block
+    column_scale: Block
+    across: Block
+    down: Block
+    pivot_row: Places
+    row_taken: Places
+    moved: Block
+    """Bond variables, moved to see whether laws still hold; and where they begin."""
+    begun: Block
     onto: Block
     left: Block
     known: Block
@@ -360,7 +378,19 @@ def make_work(m: Model) -> Work:
     w.trial = make_block(1)
     w.slopes_there = make_block(1)
     w.residual = make_block(1)
+    w.residual_size = make_block(1)
+    w.w_size = floats(n)
     w.step = make_block(1)
+    w.reduced = make_block(1)
+    w.reduced_size = make_block(1)
+    w.row_scale = make_block(1)
+    w.column_scale = make_block(1)
+    w.across = make_block(1)
+    w.down = make_block(1)
+    w.pivot_row = make_places(1)
+    w.row_taken = make_places(1)
+    w.moved = make_block(1)
+    w.begun = make_block(1)
     w.onto = make_block(1)
     w.left = make_block(1)
     w.known = make_block(1)

@@ -128,6 +128,12 @@ class Model:
     dynamic_impulsive: Ints
     """Whether it is that of a law which was declared impulsive."""
     dynamic_value: Ints
+    dynamic_rounding: Ints
+    """What rounding of it is measured by."""
+    dynamic_partner: Ints
+    """Of a law that gives one variable of a bond: the other one, or -1."""
+    dynamic_way: Floats
+    """The sign with which a resistance beside the law would add that."""
     dynamic_affine: Ints
     """Whether its slopes do not read bond variables."""
     dynamic_fixed: Ints

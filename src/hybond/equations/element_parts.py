@@ -22,6 +22,8 @@ from hybond.model.expressions import (
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.kinds import RESISTORS, SOURCES, TWO_PORTS
 
+Term = tuple[str, float]
+"""A bond variable and its sign."""
 Row = dict[int, float]
 """Column to coefficient: efforts of all bonds, then flows. The sum of the terms is zero."""
 KEPT = 512
@@ -44,6 +46,9 @@ class Dynamic:
     """The same with moduli held: what the structure is at this instant."""
     impulse_free: tuple[str, ...] = ()
     """Bond variables that this row forbids to carry an impulse."""
+    partner: Term | None = None
+    """Of a law that gives one variable of a bond: the other one, and the sign with which a
+    resistance beside the law would add it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,9 +173,6 @@ def _localised(node: Node) -> list[Expr]:
     return [substitute(e, local) for e in node.law.expressions]
 
 
-Term = tuple[str, float]
-
-
 def _two_port(node: Node) -> list[tuple[Term, Term]]:
     """Return ``(output, argument)`` of both equations ``output = modulus * argument``.
 
@@ -201,7 +203,10 @@ def _modulated(node: Node, modulus: Expr, pair: tuple[Term, Term]) -> Dynamic:
 def _controlled_source(node: Node, name: str, value: Expr) -> Dynamic:
     e = simplify(Binary("-", Name(name), value))
     slopes = gradient(e)
-    return Dynamic("structure", node.index, e, slopes, slopes, () if node.impulsive else (name,))
+    free = () if node.impulsive else (name,)
+    other = f"{'f' if name.startswith('e:') else 'e'}:{node.ends[0].bond}"
+    partner = (other, float(node.ends[0].sign))
+    return Dynamic("structure", node.index, e, slopes, slopes, free, partner)
 
 
 def _constant(node: Node) -> list[dict[str, float]]:
@@ -237,5 +242,6 @@ def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], lis
         else:
             both = (f"e:{end.bond}", f"f:{end.bond}")
             free = () if node.impulsive else both
-            dynamic.append(Dynamic("law", node.index, e, slopes, slopes, free))
+            partner = (f"e:{end.bond}", 1.0) if flow else (f"f:{end.bond}", float(end.sign))
+            dynamic.append(Dynamic("law", node.index, e, slopes, slopes, free, partner))
     return constant, dynamic

@@ -7,10 +7,9 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
 from hybond.engine.engine import OK, Engine, say_fault
-from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
-from hybond.engine.mode.newton_system import split
+from hybond.engine.mode.newton_system import split, take_rank
 from hybond.engine.mode.storage import coupled, own_stiffness, reach_of
 from hybond.engine.model import node_name, value
 from hybond.engine.reasons.facts import disagree
@@ -57,7 +56,7 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         w.kept[k] = v[m.bond_slot + k]
     if mode.structures > 0:
         # frozen rows stay in `frozen`, left null vectors in `left`
-        frozen_at(e, mode, v, w.frozen)
+        take_rank(e, mode, v)
         split(e, mode, v)
         w.lefts = mode.structures - mode.rank
     w.constraints = mode.constraints.rows + w.lefts
@@ -68,7 +67,8 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     reach_of(e, x, e.energy, w.reach)
     values = w.values
     for k in range(m.storages):
-        w.reach[k] *= math.fabs(own_stiffness(m, k, values))
+        # what is taken off what is stored leaves rounding of it, however little is left
+        w.reach[k] = (w.reach[k] + math.fabs(x[k])) * math.fabs(own_stiffness(m, k, values))
 
 
 def restore_bonds(e: Engine, v: Floats) -> None:

@@ -194,36 +194,73 @@ def slope_of(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
     count = w.constraints
     areas = ways.areas
     fit(ways.slope, count * areas)
-    sourced = False
-    for i in range(mode.structures):
-        sourced = sourced or m.dynamic_source[mode.dynamic[mode.structure[i]]] != 0
-    varies = False
-    for k in range(mode.sources):
-        varies = varies or (mode.source[k] >= 0 and m.source_value[mode.source[k]] >= 0)
-    values = with_stored(e, x)
-    if not varies and not (w.lefts > 0 and sourced):
-        # rows by co-energy variables, then by what is stored
-        fit(w.by_stored, m.storages)
-        for i in range(count):
-            constraint_by_co_energy(e, mode, i, n)
-            for a in range(areas):
-                total = 0.0
-                for k in range(m.storages):
-                    factor = w.by_stored.at[k]
-                    if factor == 0.0:
-                        continue
-                    for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
-                        s = m.stiff_other[p]
-                        total += factor * stiff(m, p, values) * ways.d.at[s * areas + a]
-                ways.slope.at[i * areas + a] = total
+    if is_curved(e, mode):
+        difference_slope(e, mode, v, x, ways)
         return
-    # controlled sources: a difference quotient is a good enough slope, because the residual
-    # decides when Newton ends
+    values = with_stored(e, x)
+    # rows by co-energy variables and sources, then by what is stored
+    fit(w.by_stored, m.storages)
+    for i in range(count):
+        constraint_by_co_energy(e, mode, i, n)
+        for a in range(areas):
+            total = 0.0
+            for k in range(m.storages):
+                factor = w.by_stored.at[k]
+                if factor == 0.0:
+                    continue
+                for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
+                    s = m.stiff_other[p]
+                    total += factor * stiff(m, p, values) * ways.d.at[s * areas + a]
+            ways.slope.at[i * areas + a] = total + by_sources(e, mode, i, ways, a)
+
+
+def is_curved(e: Engine, mode: Mode) -> bool:
+    """Whether a source that constraints may read is no linear function of what is stored."""
+    m = e.model
+    for k in range(mode.sources):
+        s = mode.source[k]
+        if s >= 0 and m.source_value[s] >= 0 and m.source_timed[s] == 0:
+            if m.form_why[s] >= 0 or m.groups > 0 or (e.work.lefts > 0 and mode.structures > 0):
+                return True
+    for i in range(mode.structures if e.work.lefts > 0 else 0):
+        d = mode.dynamic[mode.structure[i]]
+        if m.dynamic_source[d] != 0 and m.dynamic_affine[d] == 0:
+            return True
+    return False
+
+
+def by_sources(e: Engine, mode: Mode, i: int, ways: Ways, a: int) -> float:
+    """Return what sources add to the derivative of residual i by an area, by their forms."""
+    m = e.model
+    total = 0.0
+    if i >= mode.constraints.rows:
+        return total
+    for p in range(mode.constraints.first.at[i], mode.constraints.first.at[i + 1]):
+        k = mode.constraints.column.at[p] - m.storages
+        s = mode.source[k] if k >= 0 else -1
+        if s < 0 or m.source_value[s] < 0 or m.source_timed[s] != 0:
+            continue
+        for q in range(m.form_first[s], m.form_first[s + 1]):
+            stored = m.form_column[q] - 2 * m.bonds
+            if stored >= 0 and stored < m.storages:
+                change = ways.d.at[stored * ways.areas + a]
+                total += mode.constraints.value.at[p] * m.form_value[q] * change
+    return total
+
+
+def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
+    """Put difference quotients there: the residual decides when Newton ends."""
+    m = e.model
+    w = e.work
+    count = w.constraints
+    areas = ways.areas
     residual(e, mode, v, x)
     for i in range(count):
         w.base_gap.at[i] = w.gap.at[i]
     for a in range(areas):
         step = 1e-7 * far(e, x, ways, a)
+        if step == 0.0:
+            step = 1e-7
         for k in range(m.storages):
             w.ahead[k] = x[k] + step * ways.d.at[k * areas + a]
         residual(e, mode, v, w.ahead)

@@ -24,7 +24,7 @@ from hybond.engine.instant.constraints import (
 from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, slope_of
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.storage import own_stiffness, reach_of
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -158,6 +158,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
         w.gap_first.at[i] = 0.0
     for _ in range(STEPS):
         put_here(m.storages, x, ways, w.nu.at, w.here)
+        count_moves(e, ways, w.nu.at)
         rank = ways.rank
         if not ways.known:
             slope_of(e, mode, v, w.here, ways)
@@ -211,6 +212,18 @@ def unreached(count: int, areas: int, gap: Floats, slope: Floats, step: Floats) 
             total -= slope[i * areas + a] * step[a]
         most = max(most, math.fabs(total))
     return most
+
+
+def count_moves(e: Engine, ways: Ways, nu: Floats) -> None:
+    """Count what moves what is stored among the terms: of those that cancel rounding is left."""
+    m = e.model
+    for k in range(m.storages):
+        moved = 0.0
+        for a in range(ways.areas):
+            moved += math.fabs(ways.d.at[k * ways.areas + a] * nu[a])
+        if moved > 0.0:
+            own = math.fabs(own_stiffness(m, k, e.work.values))
+            e.work.reach[k] = max(e.work.reach[k], moved * own)
 
 
 def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:

@@ -13,7 +13,7 @@ from hybond.engine.methods.flow_records import Exact
 from hybond.engine.mode.leakage import project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
-from hybond.engine.mode.newton_system import newton_step, put_row, with_free
+from hybond.engine.mode.newton_system import by_free, newton_step, with_free
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -144,7 +144,7 @@ def solve_rows(e: Engine, mode: Mode, column: int) -> None:
         for k in range(n):
             total += x.row[k] * work.base[k]
         work.residual.at[rows] = total
-        put_row(mode, n, x.row, 0, 0, x.r.at)
+        by_free(mode, n, x.row, 0, 0, x.r.at)
         many = 0
         for j in range(frees):
             if x.open.at[j] == 0:

@@ -20,28 +20,12 @@ from hybond.engine.mode.newton_system import (
     system,
     with_free,
 )
+from hybond.engine.mode.put_back import put_back
 from hybond.engine.words import Floats
 
 DAMPED_STEPS: Final = 200
 SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
-
-
-def shorter_steps(e: Engine, mode: Mode, v: Floats, tolerance: float) -> bool:
-    """Find the free unknowns, into ``e.work.guess``, where full steps did not find them.
-
-    `e.work.base` is what the knowns give. A step below `tolerance` of the largest unknown is the
-    last.
-    """
-    r = e.work.guess.at
-    for turn in range(2):
-        if turn == 0 and not mode.guessed:
-            continue
-        for j in range(mode.finite_frees):
-            r[j] = mode.guess.at[j] if turn == 0 else 0.0
-        if damped(e, mode, v, r, tolerance):
-            return True
-    return False
 
 
 def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
@@ -58,12 +42,13 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
         with_free(mode, n, work.base, r, work.w)
         rows = system(e, mode, v, work.w)
         if is_zero(rows, work.residual.at):
+            mode.regular = False
             return True
         if not all_finite(rows, work.residual.at):
             return False
         if not all_finite(rows * frees, work.jacobian.at):
             return False
-        newton_step(e, rows, frees)
+        mode.regular = newton_step(e, rows, frees)
         size = largest_of(frees, r)
         last = True
         for j in range(frees):
@@ -80,7 +65,8 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
         for j in range(frees):
             r[j] -= part * work.whole.at[j]
         if last:
-            return True
+            with_free(mode, n, work.base, r, work.w)
+            return put_back(e, mode, v, work.w)
         if part == 0.0:
             return False
     return False

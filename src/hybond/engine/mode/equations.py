@@ -6,28 +6,22 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
-from hybond.engine.algebra.products import all_finite, times_matrix, times_orthonormal
-from hybond.engine.algebra.svd import null_space, rank_above, svd
-from hybond.engine.engine import NO_MODE, OK, Engine, say_fault, svd_room
+from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
-from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import system
+from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
-from hybond.engine.words import Floats, Ints, some
+from hybond.engine.words import Ints, some
 
-RANK_TOLERANCE: Final = 1e-10
 LOST: Final = 0.02
 """Units of rounding that elimination may lose, against those that a comparison lets pass: eight
 of 2.2e-16, against 1e-13 of the terms."""
-TRIALS: Final = 3
-"""Generic points at which ranks are found."""
 
 
 def mode_of(e: Engine, state: Ints) -> int:
@@ -119,25 +113,24 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.loose = 0
     if mode.too_high:
         return
-    mode.rank = generic_rank(e, mode) if mode.structures > 0 else 0
-    mode.affine = mode.rank == mode.structures
+    mode.rank = mode.structures
+    take_rank(e, mode, e.v)
+    mode.affine = True
     for i in range(mode.dynamics):
         d = mode.dynamic[i]
         if d >= 0 and m.dynamic_affine[d] == 0:
             mode.affine = False
         if d < 0 and not is_hidden_affine(m, mode, -1 - d):
             mode.affine = False
-    if mode.finite_frees == 0:
+    if mode.finite_frees == 0 or mode.dynamics > 0:
+        # what laws that are evaluated leave free is known at the values that hold
         return
-    if mode.dynamics == 0:
-        fit(mode.freedom, 2 * m.bonds * mode.finite_frees)
-        mode.loose = mode.finite_frees
-        for i in range(2 * m.bonds * mode.finite_frees):
-            mode.freedom.at[i] = mode.finite_free.at[i]
-    else:
-        mode.loose = generic_null(e, mode)
+    fit(mode.freedom, 2 * m.bonds * mode.finite_frees)
+    mode.loose = mode.finite_frees
+    for i in range(2 * m.bonds * mode.finite_frees):
+        mode.freedom.at[i] = mode.finite_free.at[i]
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
-    if mode.dynamics == 0 and mode.leakage.stages > 0:
+    if mode.leakage.stages > 0:
         fold(e, mode)
         read_rates(e, mode, mode.rates)
 
@@ -293,63 +286,3 @@ def is_prior_landed(e: Engine, k: int) -> bool:
         if e.landed[m.switch_machine[m.prior_switch[i]]] != 0:
             return True
     return False
-
-
-def generic_values(e: Engine, trial: int, v: Floats) -> None:
-    """Fill values with fixed numbers between 0.3 and 1.7 that no law is special at."""
-    seed = 12345 + 7919 * trial
-    for k in range(2 * e.model.slots):
-        # Lehmer's generator, small enough for 32 bits
-        seed = (seed * 16807) % 65537
-        v[k] = 0.3 + 1.4 * (float(seed) + 0.5) / 65537.0
-
-
-def generic_rank(e: Engine, mode: Mode) -> int:
-    """Return the structural rank of the power structure's dynamic rows."""
-    m = e.model
-    w = e.work
-    n = 2 * m.bonds
-    best = 0
-    frees = mode.power_frees
-    for trial in range(TRIALS):
-        generic_values(e, trial, w.generic)
-        frozen_at(e, mode, w.generic, w.frozen)
-        fit(w.a, mode.structures * n)
-        fit(w.b, mode.structures * frees)
-        for i in range(mode.structures):
-            for k in range(n):
-                w.a.at[i * n + k] = w.frozen.at[mode.structure[i] * n + k]
-        times_matrix(mode.structures, n, frees, w.a.at, mode.power_free.at, w.b.at)
-        if frees == 0 or not all_finite(mode.structures * frees, w.b.at):
-            continue
-        largest = 0.0
-        for i in range(mode.structures * frees):
-            largest = max(largest, math.fabs(w.b.at[i]))
-        d = svd_room(e, max(mode.structures, frees), max(mode.structures, frees))
-        svd(d, mode.structures, frees, w.b.at)
-        best = max(best, rank_above(d, min(mode.structures, frees), RANK_TOLERANCE * largest))
-    return best
-
-
-def generic_null(e: Engine, mode: Mode) -> int:
-    """Find the free directions that no dynamic row ever sees, hidden rows included."""
-    m = e.model
-    w = e.work
-    n = 2 * m.bonds
-    frees = mode.finite_frees
-    smallest = -1
-    fit(mode.freedom, n * frees)
-    for trial in range(TRIALS):
-        generic_values(e, trial, w.generic)
-        for k in range(n):
-            w.w[k] = w.generic[m.bond_slot + k]
-        rows = system(e, mode, w.generic, w.w)
-        if not all_finite(rows * frees, w.jacobian.at):
-            continue
-        fit(w.a, frees * frees)
-        d = svd_room(e, max(rows, frees), max(rows, frees))
-        many = null_space(d, rows, frees, w.jacobian.at, RANK_TOLERANCE, w.a.at)
-        if smallest < 0 or many < smallest:
-            smallest = many
-            times_orthonormal(n, frees, many, mode.finite_free.at, w.a.at, mode.freedom.at)
-    return max(smallest, 0)

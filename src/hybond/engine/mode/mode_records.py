@@ -121,6 +121,10 @@ class Mode:
     other: Ints
     rank: int
     affine: bool
+    """Whether no row's slopes read bond variables; where the structure hides nothing, one step of
+    Newton is exact."""
+    regular: bool
+    """Whether the last step of Newton shows that nothing is free."""
     leakage: Leakage
     loose: int
     freedom: Block

@@ -9,32 +9,34 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Rows, fit, row_times
-from hybond.engine.algebra.products import all_finite, times_orthonormal
-from hybond.engine.algebra.svd import null_space
-from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault, svd_room
-from hybond.engine.mode.damped import shorter_steps
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.mode.continuation import continued
+from hybond.engine.mode.damped import damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
-from hybond.engine.mode.leakage import project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import (
+    by_free,
     is_zero,
     largest_of,
     newton_step,
     system,
+    take_rank,
     with_free,
     write_bonds,
 )
+from hybond.engine.mode.put_back import put_back
 from hybond.engine.mode.storage import co_energy
+from hybond.engine.mode.undetermined import least_of_free
 from hybond.engine.model import node_name, value
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 
 STEPS: Final = 40
-ASIDE: Final = 3
-"""Times that Newton leaves a point where the laws are flat."""
 TOLERANCE: Final = 1e-13
 """Newton ends when an update is below this part of the bond variables' size."""
-RANK_TOLERANCE: Final = 1e-10
+REACHED: Final = 1e-10
+"""A step reaches a residual of which it leaves less than this part of its terms."""
 
 
 def knowns_of(e: Engine, mode: Mode, v: Floats, rates: bool) -> None:
@@ -73,95 +75,134 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
         by_knowns(e, mode, mode.direct, w)
     elif newton(e, mode, v) != OK:
         return NOT_FINITE
-    elif mode.leakage.stages > 0:
-        project(mode.leakage, 2 * e.model.bonds, w)
+    elif mode.finite_frees > 0:
+        least_of_free(e, mode, v, w)
+        keep_guess(mode, w)
     write_bonds(e, v, w)
     return OK
 
 
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
-    """Solve for the free unknowns, from where Newton ended last."""
+    """Solve for the free unknowns, from where Newton ended last, or else from zero.
+
+    With full steps, then with shorter ones, then on the way from laws with a resistance beside
+    them. What is found is put back into the laws.
+    """
     work = e.work
-    n = 2 * e.model.bonds
     frees = mode.finite_frees
-    base = work.base
-    w = work.w
-    by_knowns(e, mode, mode.finite, base)
+    by_knowns(e, mode, mode.finite, work.base)
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
+    take_rank(e, mode, v)
     r = work.guess.at
     for j in range(frees):
         r[j] = mode.guess.at[j] if mode.guessed else 0.0
+    found = full_steps(e, mode, v, r)
+    if not found and mode.guessed:
+        found = shorter_steps(e, mode, v, r, mode.guess.at)
+    if not found:
+        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+        for j in range(frees):
+            r[j] = 0.0
+        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+        rows = system(e, mode, v, work.w)
+        if not all_finite(rows, work.residual.at) and not mode.guessed:
+            return blame(e, mode, v)
+        found = damped(e, mode, v, r, TOLERANCE)
+    if not found:
+        found = continued(e, mode, v, r, TOLERANCE)
+    if found:
+        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+        return OK
+    return no_solution(e, mode, v)
+
+
+def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Take Newton's steps from `r` to a root; False if they do not lead to one."""
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    w = work.w
     update = math.inf
-    aside = 0
     for _ in range(STEPS):
-        with_free(mode, n, base, r, w)
+        with_free(mode, n, work.base, r, w)
         rows = system(e, mode, v, w)
         if not all_finite(rows, work.residual.at):
-            return blame(e, mode, v)
+            return False
         if is_zero(rows, work.residual.at):
             # exact already, even where a law has no slope: a root at zero flow
-            keep_guess(mode, r)
-            return OK
+            mode.regular = all_finite(rows * frees, work.jacobian.at) and newton_step(
+                e, rows, frees
+            )
+            return True
         if not all_finite(rows * frees, work.jacobian.at):
-            return blame(e, mode, v)
-        newton_step(e, rows, frees)
-        scale = largest_of(n, base) + largest_of(frees, r)
-        if aside < ASIDE and stands_still(e, mode, rows, frees):
-            # flat here (a quadratic law at zero flow), yet not satisfied: look aside
-            aside += 1
-            for j in range(frees):
-                r[j] += (
-                    math.pow(10.0, -3.0 * float(aside)) * max(scale, 1e-6) * (1.0 + 0.1 * float(j))
-                )
-            update = math.inf
-            continue
+            return False
+        mode.regular = newton_step(e, rows, frees)
+        if not mode.regular and stands_still(e, mode, rows, frees):
+            return False
+        scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
         for j in range(frees):
             r[j] -= work.step.at[j]
-        if mode.affine:
-            # one step from anywhere is exact
-            update = 0.0
+        exact = mode.affine and mode.rank == mode.structures
         # rounding keeps a step from vanishing: stop as well when it no longer shrinks
-        if update <= TOLERANCE * scale or (update <= 1e-9 * scale and update >= 0.5 * previous):
-            with_free(mode, n, base, r, w)
-            keep_guess(mode, r)
-            return OK
-    if shorter_steps(e, mode, v, TOLERANCE):
-        with_free(mode, n, base, r, w)
-        keep_guess(mode, r)
-        return OK
+        ends = update <= TOLERANCE * scale or update >= 0.5 * previous
+        if exact or ends:
+            with_free(mode, n, work.base, r, w)
+            if put_back(e, mode, v, w):
+                return True
+            if exact:
+                return False
+    return False
+
+
+def shorter_steps(e: Engine, mode: Mode, v: Floats, r: Floats, begin: Floats) -> bool:
+    """Take shorter steps from `begin`."""
+    for j in range(mode.finite_frees):
+        r[j] = begin[j]
+    return damped(e, mode, v, r, TOLERANCE)
+
+
+def no_solution(e: Engine, mode: Mode, v: Floats) -> int:
+    """Refuse laws for which no solution was found, or one of them that has no value."""
+    work = e.work
+    guessed = mode.guessed
     mode.guessed = False
-    say_fault(e, "HB-N301", "laws have no solution near the last one", first_place(e, mode))
+    for j in range(mode.finite_frees):
+        work.guess.at[j] = mode.guess.at[j] if guessed else 0.0
+    with_free(mode, 2 * e.model.bonds, work.base, work.guess.at, work.w)
+    rows = system(e, mode, v, work.w)
+    if not all_finite(rows, work.residual.at):
+        return blame(e, mode, v)
+    say_fault(e, "HB-N301", "no values were found at which all laws hold", first_place(e, mode))
     if e.model.tells != 0:
         tell_laws(e, mode)
     e.fault.t = v[0]
     return NOT_FINITE
 
 
-def keep_guess(mode: Mode, r: Floats) -> None:
-    """Keep where Newton ended."""
+def keep_guess(mode: Mode, w: Floats) -> None:
+    """Keep what the free unknowns are: Newton begins there next time."""
     for j in range(mode.finite_frees):
-        mode.guess.at[j] = r[j]
+        mode.guess.at[j] = w[mode.free_column[j]]
     mode.guessed = True
 
 
 def stands_still(e: Engine, mode: Mode, rows: int, frees: int) -> bool:
     """Whether a step leaves a part of the residual that the slopes here cannot reach."""
-    if mode.affine:
-        return False
     work = e.work
-    much = False
-    most = 0.0
     for i in range(rows):
         total = work.residual.at[i]
+        size = math.fabs(total)
         for j in range(frees):
-            total -= work.jacobian.at[i * frees + j] * work.step.at[j]
+            term = work.jacobian.at[i * frees + j] * work.step.at[j]
+            total -= term
+            size += math.fabs(term)
         rest = math.fabs(total)
-        much = much or rest > 0.5 * math.fabs(work.residual.at[i])
-        most = max(most, rest)
-    return much and most > 0.0
+        if rest > 0.5 * math.fabs(work.residual.at[i]) and rest > REACHED * size:
+            return True
+    return False
 
 
 def first_place(e: Engine, mode: Mode) -> Text:
@@ -179,10 +220,10 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     n = 2 * m.bonds
     mode.guessed = False
     slopes_at(e, mode, v, e.work.slopes)
+    fit(e.work.row, mode.finite_frees)
     for i in range(mode.dynamics):
-        steep = False
-        for k in range(n):
-            steep = steep or not math.isfinite(e.work.slopes.at[i * n + k])
+        by_free(mode, n, e.work.slopes.at, i * n, 0, e.work.row.at)
+        steep = not all_finite(mode.finite_frees, e.work.row.at)
         if steep or not math.isfinite(dynamic_value(e, mode, i, v)):
             d = mode.dynamic[i]
             place = node_name(m, m.dynamic_node[d]) if d >= 0 else "a constraint's derivative"
@@ -197,36 +238,3 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
         tell_law(e, mode, OVERFLOW, 0.0)
     e.fault.t = v[0]
     return NOT_FINITE
-
-
-def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
-    """Return in how many directions bond variables are free at this point, into `e.work.freedom`.
-
-    Bond variables in `v` are the solution.
-    """
-    m = e.model
-    work = e.work
-    n = 2 * m.bonds
-    frees = mode.finite_frees
-    if mode.dynamics == 0 or frees == 0:
-        fit(work.freedom, n * max(mode.loose, 1))
-        for i in range(n * mode.loose):
-            work.freedom.at[i] = mode.freedom.at[i]
-        return mode.loose
-    for k in range(n):
-        work.w[k] = v[m.bond_slot + k]
-    rows = system(e, mode, v, work.w)
-    size = 0.0
-    for i in range(rows * frees):
-        if math.isfinite(work.jacobian.at[i]):
-            size = max(size, math.fabs(work.jacobian.at[i]))
-    for i in range(rows * frees):
-        if not math.isfinite(work.jacobian.at[i]):
-            # a slope without bound (a root at zero) fixes its variable like any other
-            work.jacobian.at[i] = size if size > 0.0 else 1.0
-    fit(work.a, frees * frees)
-    d = svd_room(e, max(rows, frees), max(rows, frees))
-    many = null_space(d, rows, frees, work.jacobian.at, RANK_TOLERANCE, work.a.at)
-    fit(work.freedom, n * max(many, 1))
-    times_orthonormal(n, frees, many, mode.finite_free.at, work.a.at, work.freedom.at)
-    return many

@@ -8,17 +8,24 @@ vectors.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.algebra.svd import least_squares, svd_of_transpose
+from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
+from hybond.engine.mode.freedom import rank_here, step_of_singular
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.model import value
 from hybond.engine.words import Floats
+
+CLEAR_PIVOT: Final = 1e-6
+"""A pivot above this part of the largest entry of its column is no cancellation."""
+STEEP: Final = 1e8
+"""What stands for a slope without bound, as a multiple of the others in its row."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -30,6 +37,34 @@ def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
 
 def system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     """Put Newton's residual and Jacobian, in the free unknowns, into `e.work`; return the rows."""
+    for k in range(2 * e.model.bonds):
+        e.work.w_size[k] = math.fabs(w[k])
+    return rows_of_system(e, mode, v, w)
+
+
+def measured_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
+    """Do the same, residuals being measured by all terms that bond variables are sums of."""
+    measure_terms(e, mode, w)
+    return rows_of_system(e, mode, v, w)
+
+
+def measure_terms(e: Engine, mode: Mode, w: Floats) -> None:
+    """Put the sizes of the terms of bond variables there: of what is known, of what is free."""
+    frees = mode.finite_frees
+    for k in range(2 * e.model.bonds):
+        known = w[k]
+        size = 0.0
+        for j in range(frees):
+            share = mode.finite_free.at[k * frees + j]
+            if share != 0.0:
+                term = share * w[mode.free_column[j]]
+                known -= term
+                size += math.fabs(term)
+        e.work.w_size[k] = size + math.fabs(known)
+
+
+def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
+    """Put residuals, the sizes of their terms and the Jacobian there; return the rows."""
     m = e.model
     work = e.work
     n = 2 * m.bonds
@@ -37,16 +72,20 @@ def system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     rows = mode.dynamics
     write_bonds(e, v, w)
     fit(work.residual, rows)
+    fit(work.residual_size, rows)
     fit(work.jacobian, rows * frees)
     fit(work.step, rows + frees)
     for i in range(rows):
         work.f[i] = dynamic_value(e, mode, i, v)
     slopes_at(e, mode, v, work.slopes)
+    bound_slopes(mode.dynamics, n, work.slopes.at)
+    if work.aid > 0.0:
+        add_aid(e, mode, w)
     if mode.rank == mode.structures:
         # the power structure leaves nothing hidden: its rows stand as they are
         for i in range(rows):
             work.residual.at[i] = work.f[i]
-            put_row(mode, n, work.slopes.at, i * n, i, work.jacobian.at)
+            put_row(e, mode, work.slopes.at, i * n, i)
         return rows
     split(e, mode, v)
     many = mode.structures
@@ -63,49 +102,106 @@ def system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
             for k in range(n):
                 row[k] += share * work.slopes.at[mode.structure[i] * n + k]
         work.residual.at[at] = total
-        put_row(mode, n, row, 0, at, work.jacobian.at)
+        put_row(e, mode, row, 0, at)
         at += 1
     for i in range(rows - many):
         work.residual.at[at] = work.f[mode.other[i]]
-        put_row(mode, n, work.slopes.at, mode.other[i] * n, at, work.jacobian.at)
+        put_row(e, mode, work.slopes.at, mode.other[i] * n, at)
         at += 1
     known_by_left(e, mode)
     for j in range(many - mode.rank):
         work.residual.at[at] = hidden_row(e, mode, j, v, w, row)
-        put_row(mode, n, row, 0, at, work.jacobian.at)
+        put_row(e, mode, row, 0, at)
         at += 1
     return rows
 
 
-def put_row(mode: Mode, n: int, a: Floats, first: int, at: int, jacobian: Floats) -> None:
-    """Put a row of slopes by bond variables into the Jacobian, by free unknowns."""
+def put_row(e: Engine, mode: Mode, a: Floats, first: int, at: int) -> None:
+    """Put a row of slopes by bond variables into the Jacobian, by free unknowns.
+
+    The sizes of its terms are summed as well.
+    """
+    work = e.work
+    work.residual_size.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_size)
+    by_free(mode, 2 * e.model.bonds, a, first, at * mode.finite_frees, work.jacobian.at)
+
+
+def row_terms(n: int, a: Floats, first: int, size: Floats) -> float:
+    """Return the sum of the sizes of the terms of a row of slopes, of those that are finite."""
+    total = 0.0
+    for k in range(n):
+        if a[first + k] != 0.0 and math.isfinite(a[first + k]):
+            total += math.fabs(a[first + k]) * size[k]
+    return total
+
+
+def by_free(mode: Mode, n: int, a: Floats, first: int, at: int, row: Floats) -> None:
+    """Put a row of slopes by bond variables there, by free unknowns.
+
+    What is not free has no part in it, not even with a slope without bound: a root at zero.
+    """
     frees = mode.finite_frees
     for j in range(frees):
-        jacobian[at * frees + j] = 0.0
+        row[at + j] = 0.0
     for k in range(n):
         slope = a[first + k]
         if slope != 0.0:
             for j in range(frees):
-                jacobian[at * frees + j] += slope * mode.finite_free.at[k * frees + j]
+                share = mode.finite_free.at[k * frees + j]
+                if share != 0.0:
+                    row[at + j] += slope * share
+
+
+def bound_slopes(rows: int, n: int, a: Floats) -> None:
+    """Let slopes without bound, a root at zero, be steep ones: they lead away from there.
+
+    Rows say what an element gives less its law, which grows.
+    """
+    for i in range(rows):
+        most = 1.0
+        bounded = True
+        for k in range(n):
+            if math.isfinite(a[i * n + k]):
+                most = max(most, math.fabs(a[i * n + k]))
+            else:
+                bounded = False
+        for k in range(n if not bounded else 0):
+            if not math.isfinite(a[i * n + k]):
+                a[i * n + k] = STEEP * most if a[i * n + k] > 0.0 else -STEEP * most
+
+
+def add_aid(e: Engine, mode: Mode, w: Floats) -> None:
+    """Put a resistance beside each law that gives one variable of a bond."""
+    m = e.model
+    work = e.work
+    n = 2 * m.bonds
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d >= 0 and m.dynamic_partner[d] >= 0:
+            k = m.dynamic_partner[d]
+            work.f[i] -= work.aid * m.dynamic_way[d] * w[k]
+            work.slopes.at[i * n + k] -= work.aid * m.dynamic_way[d]
+
+
+def take_rank(e: Engine, mode: Mode, v: Floats) -> None:
+    """Find the rank of the power structure's rows at the values `v`, moduli held."""
+    work = e.work
+    many = mode.structures
+    frees = mode.power_frees
+    if many == 0:
+        return
+    put_structure(e, mode, v)
+    mode.rank = (
+        rank_here(e, many, frees, work.c.at) if all_finite(many * frees, work.c.at) else many
+    )
 
 
 def split(e: Engine, mode: Mode, v: Floats) -> None:
     """Find bases of the range and of the left null space of the structure rows."""
-    m = e.model
     work = e.work
-    n = 2 * m.bonds
     many = mode.structures
     frees = mode.power_frees
-    frozen_at(e, mode, v, work.frozen)
-    fit(work.c, many * max(frees, 1))
-    for i in range(many):
-        for j in range(frees):
-            work.c.at[i * frees + j] = 0.0
-        for k in range(n):
-            entry = work.frozen.at[mode.structure[i] * n + k]
-            if entry != 0.0:
-                for j in range(frees):
-                    work.c.at[i * frees + j] += entry * mode.power_free.at[k * frees + j]
+    put_structure(e, mode, v)
     d = svd_room(e, max(many, frees), max(many, frees))
     svd_of_transpose(d, many, frees, work.c.at)
     rank = mode.rank
@@ -116,6 +212,23 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
             work.onto.at[i * rank + j] = d.v[j * many + i]
         for j in range(many - rank):
             work.left.at[i * (many - rank) + j] = d.v[(rank + j) * many + i]
+
+
+def put_structure(e: Engine, mode: Mode, v: Floats) -> None:
+    """Put the power structure's rows by what it leaves free into ``e.work.c``."""
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.power_frees
+    frozen_at(e, mode, v, work.frozen)
+    fit(work.c, mode.structures * max(frees, 1))
+    for i in range(mode.structures):
+        for j in range(frees):
+            work.c.at[i * frees + j] = 0.0
+        for k in range(n):
+            entry = work.frozen.at[mode.structure[i] * n + k]
+            if entry != 0.0:
+                for j in range(frees):
+                    work.c.at[i * frees + j] += entry * mode.power_free.at[k * frees + j]
 
 
 def known_by_left(e: Engine, mode: Mode) -> None:
@@ -186,8 +299,11 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
         w[k] = total
 
 
-def newton_step(e: Engine, rows: int, frees: int) -> None:
-    """Solve ``jacobian step = residual``; if it is not square and regular in the least squares."""
+def newton_step(e: Engine, rows: int, frees: int) -> bool:
+    """Solve ``jacobian step = residual``; if it is singular, what is free is zero.
+
+    Whether it is regular beyond doubt: no pivot is a small part of its column.
+    """
     work = e.work
     if rows == frees:
         fit(work.jacobian2, rows * frees)
@@ -199,9 +315,20 @@ def newton_step(e: Engine, rows: int, frees: int) -> None:
         if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
             if all_finite(rows, work.step.at):
-                return
-    d = svd_room(e, max(rows, frees), max(rows, frees))
-    least_squares(d, rows, frees, work.jacobian.at, -1.0, 1, work.residual.at, work.step.at)
+                return is_clear(rows, work.jacobian.at, work.jacobian2.at)
+    step_of_singular(e, rows, frees)
+    return False
+
+
+def is_clear(n: int, a: Floats, factors: Floats) -> bool:
+    """Whether each pivot is a fair part of the largest entry in its column."""
+    for k in range(n):
+        most = 0.0
+        for i in range(n):
+            most = max(most, math.fabs(a[i * n + k]))
+        if math.fabs(factors[k * n + k]) < CLEAR_PIVOT * most:
+            return False
+    return True
 
 
 def is_zero(n: int, a: Floats) -> bool:

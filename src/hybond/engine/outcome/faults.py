@@ -47,7 +47,7 @@ HINTS = {
     "tolerances, or use solver 'radau' if the model is stiff",
     "HB-N202": "look for a division by zero, a root or logarithm of a negative number, or an "
     "overflow in the laws that feed this state",
-    "HB-N301": "check these laws for jumps or missing slopes; start closer to a solution",
+    "HB-N301": "look whether these laws can give what is asked of them; check them for jumps",
     "HB-N302": "look for a division by zero, a root of a negative number or a table that ends",
     "HB-N303": "a controlled source opposes them, or storage is missing where one is closed",
     "HB-N304": "check the laws of storage and of sources for jumps or flat parts",

@@ -194,7 +194,7 @@ def _no_rate(c: Case) -> Said:
 def _no_solution(c: Case) -> Said:
     mode, nodes = c.given_mode()
     names = c.paths([int(k) for k in nodes])
-    why = f"the laws of {names} have no solution near the last one (t = {c.refusal.t:.9g} s)"
+    why = f"the laws of {names} have no common solution that was found (t = {c.refusal.t:.9g} s)"
     return Said(why, c.graph.mode_text(mode))
 
 

@@ -10,6 +10,7 @@ from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
+from hybond.equations.rounding import rounding
 from hybond.model.expressions import Expr, Number, names, turning, uses_pre
 from hybond.model.kinds import SOURCES
 
@@ -96,6 +97,13 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
         for d in rows
     ]
+    t.ints["dynamic_rounding"] = [
+        t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
+        for d in rows
+    ]
+    partners = [d.partner for d in rows]
+    t.ints["dynamic_partner"] = [-1 if p is None else t.slots.index[p[0]] - first for p in partners]
+    t.floats["dynamic_way"] = [0.0 if p is None else p[1] for p in partners]
     free = [[(t.slots.index[n] - first,) for n in d.impulse_free] for d in rows]
     put_rows(t, "dynamic_free", free, free_column=INTS)
     for name in ("slope", "frozen"):

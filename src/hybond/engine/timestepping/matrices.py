@@ -78,7 +78,9 @@ def take_coupled(e: Engine, s: Stepping, p: Ports, h: float) -> Coupled:
 
 def is_straight(m: Model, mode: Mode) -> bool:
     """Whether a step is linear but for the laws: the state acts through matrices alone."""
-    if m.groups > 0 or m.signals_act != 0 or (mode.dynamics > 0 and not mode.affine):
+    if m.groups > 0 or m.signals_act != 0:
+        return False
+    if mode.dynamics > 0 and not (mode.affine and mode.rank == mode.structures):
         return False
     for i in range(mode.dynamics):
         if mode.dynamic[i] >= 0 and m.dynamic_fixed[mode.dynamic[i]] == 0:

@@ -1,0 +1,109 @@
+"""Laws put back into themselves: whether a solution that Newton offers is one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.engine import Engine
+from hybond.engine.mode.dynamic_rows import dynamic_value
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_system import (
+    measure_terms,
+    measured_system,
+    newton_step,
+    row_terms,
+    system,
+    write_bonds,
+)
+from hybond.engine.model import value
+from hybond.engine.words import Floats
+
+HOLDS: Final = 1e-10
+"""A law holds if its residual is below this part of its terms."""
+UNIT: Final = 2.0**-52
+ROUNDINGS: Final = 16.0
+"""Units of rounding, of all that a law is made of, by which its residual may be off."""
+SAME: Final = 0.5
+"""Slopes that differ by less than this part are the same."""
+
+
+def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
+    """Whether all laws hold at the bond variables `w`, after `system` near them."""
+    work = e.work
+    n = 2 * e.model.bonds
+    if mode.rank != mode.structures:
+        rows = measured_system(e, mode, v, w)
+    else:
+        rows = mode.dynamics
+        measure_terms(e, mode, w)
+        write_bonds(e, v, w)
+        for i in range(rows):
+            f = dynamic_value(e, mode, i, v)
+            d = mode.dynamic[i]
+            if work.aid > 0.0 and d >= 0 and e.model.dynamic_partner[d] >= 0:
+                f -= work.aid * e.model.dynamic_way[d] * w[e.model.dynamic_partner[d]]
+            work.residual.at[i] = f
+            work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
+    if all_hold(e, rows):
+        return True
+    return mode.rank == mode.structures and is_rounding(e, mode, v, w)
+
+
+def all_hold(e: Engine, rows: int) -> bool:
+    """Whether all residuals are small parts of their terms."""
+    for i in range(rows):
+        if not math.fabs(e.work.residual.at[i]) <= HOLDS * e.work.residual_size.at[i]:
+            return False
+    return True
+
+
+def is_rounding(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
+    """Whether residuals are what rounding inside of the laws leaves, and a solution is near.
+
+    Where laws cancel, values that are no solution may round to one: the slopes have to be the same
+    as far as rounding may have moved the solution.
+    """
+    m = e.model
+    work = e.work
+    frees = mode.finite_frees
+    n = 2 * m.bonds
+    rows = measured_system(e, mode, v, w)
+    if rows != frees:
+        return False
+    for i in range(rows):
+        d = mode.dynamic[i]
+        terms = work.residual_size.at[i]
+        if d >= 0:
+            terms = max(terms, value(m, m.dynamic_rounding[d], v))
+        allowed = max(HOLDS * work.residual_size.at[i], ROUNDINGS * UNIT * terms)
+        if not math.fabs(work.residual.at[i]) <= allowed:
+            return False
+        work.residual.at[i] = allowed
+    if not newton_step(e, rows, frees):
+        return False
+    fit(work.reduced, rows * frees)
+    fit(work.moved, n)
+    for i in range(rows * frees):
+        work.reduced.at[i] = work.jacobian.at[i]
+    fit(work.down, frees)
+    for j in range(frees):
+        work.down.at[j] = work.step.at[j]
+    for side in range(2):
+        for k in range(n):
+            total = 0.0
+            for j in range(frees):
+                total += mode.finite_free.at[k * frees + j] * work.down.at[j]
+            work.moved.at[k] = w[k] + total * (1.0 if side == 0 else -1.0)
+        system(e, mode, v, work.moved.at)
+        for i in range(rows):
+            most = 0.0
+            for j in range(frees):
+                most = max(most, math.fabs(work.reduced.at[i * frees + j]))
+            for j in range(frees):
+                other = work.jacobian.at[i * frees + j]
+                if not math.fabs(other - work.reduced.at[i * frees + j]) <= SAME * most:
+                    return False
+    write_bonds(e, v, w)
+    return True

@@ -1,0 +1,158 @@
+"""What laws leave free at the values that hold, and least leakage there.
+
+A direction is free if the slopes of all laws see nothing of it, and if the laws still hold when the
+values move along it: an orifice at rest has no slope, but one flow. Values that are determined stay
+as Newton found them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import all_finite, times_cancelling
+from hybond.engine.engine import Engine
+from hybond.engine.mode.freedom import directions_left
+from hybond.engine.mode.leakage import least_leakage, project
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_system import measured_system, newton_step, system, write_bonds
+from hybond.engine.mode.put_back import all_hold
+from hybond.engine.words import Floats
+
+ASIDE: Final = 1e-4
+"""The part of the values by which they are moved to see whether laws still hold."""
+HALVINGS: Final = 60
+
+
+def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
+    """Replace what laws leave free in the solution `w` of Newton by what has least leakage.
+
+    Where the laws do not hold all the way, as far as they do.
+    """
+    work = e.work
+    n = 2 * e.model.bonds
+    if mode.regular:
+        mode.loose = 0
+        mode.leakage.stages = 0
+        return
+    find_free(e, mode, v, w)
+    if mode.loose == 0:
+        return
+    fit(work.begun, n)
+    fit(work.moved, n)
+    for k in range(n):
+        work.begun.at[k] = w[k]
+        work.moved.at[k] = w[k]
+    project(mode.leakage, n, work.moved.at)
+    part = 1.0
+    if not mode.affine and not holds_at(e, mode, v, work.moved.at):
+        low = 0.0
+        high = 1.0
+        for _ in range(HALVINGS):
+            part = 0.5 * (low + high)
+            for k in range(n):
+                w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+            if holds_at(e, mode, v, w):
+                low = part
+            else:
+                high = part
+        part = low
+    for k in range(n):
+        w[k] = work.moved.at[k]
+        if part < 1.0:
+            w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+
+
+def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
+    """Return in how many directions bond variables are free at this point, into `e.work.freedom`.
+
+    Bond variables in `v` are the solution.
+    """
+    m = e.model
+    work = e.work
+    n = 2 * m.bonds
+    if mode.dynamics > 0 and mode.finite_frees > 0:
+        for k in range(n):
+            work.w[k] = v[m.bond_slot + k]
+        find_free(e, mode, v, work.w)
+    fit(work.freedom, n * max(mode.loose, 1))
+    for i in range(n * mode.loose):
+        work.freedom.at[i] = mode.freedom.at[i]
+    return mode.loose
+
+
+def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
+    """Find the directions in which bond variables are free at the solution `w`, and their leakage.
+
+    Into `mode.freedom`, `mode.loose` and `mode.leakage`.
+    """
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    rows = system(e, mode, v, w)
+    mode.loose = 0
+    mode.leakage.stages = 0
+    if not all_finite(rows * frees, work.jacobian.at):
+        return
+    if newton_step(e, rows, frees):
+        return
+    fit(work.a, frees * frees)
+    many = directions_left(e, rows, frees, work.jacobian.at, work.a.at)
+    if many == 0:
+        return
+    fit(work.b, n * many)
+    times_cancelling(n, frees, many, mode.finite_free.at, work.a.at, work.b.at)
+    fit(mode.freedom, n * many)
+    fit(work.moved, n)
+    for j in range(many):
+        if mode.affine or may_move(e, mode, v, w, many, j):
+            mode.loose += 1
+        else:
+            for k in range(n):
+                work.b.at[k * many + j] = 0.0
+    keep_moving(n, many, mode.loose, work.b.at, mode.freedom.at)
+    write_bonds(e, v, w)
+    least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
+
+
+def keep_moving(n: int, many: int, kept: int, found: Floats, freedom: Floats) -> None:
+    """Put the directions that move anything into `freedom`, each of length 1."""
+    at = 0
+    for j in range(many):
+        size = 0.0
+        for k in range(n):
+            size = math.hypot(size, found[k * many + j])
+        if size == 0.0:
+            continue
+        for k in range(n):
+            freedom[k * kept + at] = found[k * many + j] / size
+        at += 1
+
+
+def may_move(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> bool:
+    """Whether the laws still hold where direction j of ``e.work.b`` leads to, on either side."""
+    work = e.work
+    n = 2 * e.model.bonds
+    most = 0.0
+    size = 0.0
+    for k in range(n):
+        if work.b.at[k * many + j] != 0.0:
+            size = max(size, math.fabs(work.b.at[k * many + j]))
+            most = max(most, math.fabs(w[k]))
+    if size == 0.0:
+        return False
+    tries = 1 if most > 0.0 else 3
+    for turn in range(2 * tries):
+        far = math.pow(ASIDE, float(1 + turn // 2)) * (most if most > 0.0 else 1.0) / size
+        for k in range(n):
+            way = far if turn % 2 == 0 else -far
+            work.moved.at[k] = w[k] + way * work.b.at[k * many + j]
+        if holds_at(e, mode, v, work.moved.at):
+            return True
+    return False
+
+
+def holds_at(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
+    """Whether all laws hold at the bond variables `w`."""
+    return all_hold(e, measured_system(e, mode, v, w))
