@@ -96,6 +96,7 @@ def ending(run: Result) -> str:
         "ok": "the end",
         "interrupted": "interrupted",
         "accumulation": "stopped where events accumulate",
+        "unsound": "the end, but laws do not hold",
         "error": "stopped by an error",
     }[run.status]
     mode = ", ".join(run.mode.values()) or "the only mode"

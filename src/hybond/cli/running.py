@@ -9,6 +9,7 @@ from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
 from hybond.cli.progress import Progress
 from hybond.cli.settings import flatten_with
+from hybond.errors import NumericsError
 from hybond.files import load
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
@@ -61,7 +62,9 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
 
 
 def exit_code(run: Result) -> int:
-    """Return the exit code of a run: an accumulation point is an answer, not a failure."""
+    """Return the exit code of a run: 0 only if it is sound and came to its end."""
     if run.status == "interrupted":
         return 130
-    return run.error.exit_code if run.error is not None else 0
+    if run.error is not None:
+        return run.error.exit_code
+    return 0 if run.status == "ok" else NumericsError.exit_code

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from hybond.engine.engine import REFUSED, Engine
-from hybond.engine.run.motion import run_to_end
-from hybond.engine.run.report import Report, put_fault, put_final, put_header
+from hybond.engine.run.motion import ACCUMULATES, run_to_end
+from hybond.engine.run.report import Report, put_fault, put_final, put_header, put_unsound
 from hybond.engine.run.run_records import Run, make_run
 
 
 def run_program(e: Engine, report: Report) -> int:
-    """Run from the start; return the exit code: 0 fine, 3 the numerics.
+    """Run from the start; return the exit code: 0 fine, 3 the numerics or not the end.
 
     What was computed is printed first.
     """
@@ -19,5 +19,10 @@ def run_program(e: Engine, report: Report) -> int:
     put_final(e, report)
     if status == REFUSED:
         put_fault(e)
+        return 3
+    if e.checks.violated > 0:
+        put_unsound(e)
+        return 3
+    if status == ACCUMULATES:
         return 3
     return 0
