@@ -66,6 +66,9 @@ def look_at_laws(e: Engine) -> None:
     if found != OK:
         # nothing can be read here; a step that needs it is refused
         return
+    for k in range(m.slots):
+        # while time passes, a law that reads `pre()` gives nothing
+        c.v[m.slots + k] = 0.0
     c.looks += 1
     hold_laws(e, mode)
 
