@@ -33,7 +33,7 @@ class EngineHook(BuildHookInterface):
         if self.target_name != "wheel":
             return
         build = _imported("engine.compiled.build")
-        target = PACKAGE / "engine" / "compiled" / build.NAME
+        target = build.HOME
         try:
             target.unlink(missing_ok=True)
             why = build.compile_into(target)

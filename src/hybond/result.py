@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
+from hybond.files.whole import whole, write_arrays
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
@@ -403,7 +404,7 @@ class Result:
         import csv
 
         table = self.table(names)
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(table)
             for row in zip(*table.values(), strict=True):
@@ -411,7 +412,7 @@ class Result:
 
     def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
         """Write the same table as NumPy arrays."""
-        np.savez(path, allow_pickle=False, **self.table(names))
+        write_arrays(path, self.table(names))
 
     def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:
         """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""

@@ -186,6 +186,31 @@ def sliding_of(
     return choice, float(band)
 
 
+LIMITS = {"max_events": 1_000_000, "max_steps": 4_000_000}
+"""What ends a run that gets nowhere, and by default after how many."""
+
+
+def limit_of(name: str, given: int | None, experiment: Mapping[str, Any]) -> int:
+    """Return a limit of a run, as asked for or as the experiment says.
+
+    Raises
+    ------
+    UsageError
+        HB-S120 for what is no number of things.
+
+    Examples
+    --------
+    >>> limit_of("max_events", None, {"max_events": 50})
+    50
+    """
+    value = given if given is not None else experiment.get(name, LIMITS[name])
+    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        raise UsageError(
+            f"{name} = {value!r}", code="HB-S120", where=name, hint="a whole number, one or more"
+        )
+    return value
+
+
 def seconds_of(value: Any, where: str) -> float | None:
     """Return a time as it was given, s.
 

@@ -30,6 +30,7 @@ from hybond.run_options import (
     end_of,
     ignored_impact,
     impact_of,
+    limit_of,
     seconds_of,
     sliding_of,
     solver_of,
@@ -172,8 +173,8 @@ def simulate(
     choice, band = sliding_of(sliding, hysteresis, experiment)
     if band is not None:
         graph = banded(graph, band)
-    most = max_events if max_events is not None else experiment.get("max_events", 1_000_000)
-    steps = max_steps if max_steps is not None else experiment.get("max_steps", 4_000_000)
+    most = limit_of("max_events", max_events, experiment)
+    steps = limit_of("max_steps", max_steps, experiment)
     event_tol = float(experiment.get("event_tol", 1e-12))
     writes = int(experiment.get("max_writes", 1000))
     whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
@@ -200,8 +201,8 @@ def simulate(
         max_step=math.inf if longest is None else longest,
         event_tol=event_tol,
         slides=choice == "filippov",
-        max_events=int(most),
-        max_steps=int(steps),
+        max_events=most,
+        max_steps=steps,
         max_writes=writes,
     )
     maker = choose_engine(engine or ENGINE)

@@ -169,6 +169,8 @@ def test_what_does_not_fit_a_unit_is_refused(
         (XML2.replace('fmiVersion="2.0"', 'fmiVersion="1.0"'), "HB-F161"),
         (XML2[:200], "HB-F160"),
         (XML2.replace('valueReference="1"', ""), "HB-F160"),
+        (XML2.replace('modelIdentifier="gain"', 'modelIdentifier="../../gain"'), "HB-F160"),
+        (XML2.replace('modelIdentifier="gain"', ""), "HB-F160"),
         ('<!DOCTYPE a [<!ENTITY b "c">]>' + XML2[21:], "HB-F160"),
     ],
 )

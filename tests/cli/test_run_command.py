@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import hybond.cli.record as record_module
+from tests.example_runs import EXAMPLES
 
 OMEGA = 2.0  # of the spring file: sqrt(8 N/m / 2 kg)
 
@@ -55,6 +56,27 @@ def test_the_json_record_tells_the_bounce(shell: Any) -> None:
     assert energy["before"] + energy["source"] - energy["lost"] == pytest.approx(energy["after"])
     assert run["final"]["height"] == pytest.approx(1.25)
     assert run["units"]["ball.f"] == "m/s"
+
+
+def test_a_run_may_keep_its_end_and_write_all_events_to_a_journal(shell: Any) -> None:
+    boost = (str(EXAMPLES / "boost.toml"), "--until", "1 ms")
+    whole = shell("run", *boost, "--json").json
+    done = shell("run", *boost, "--keep", "5", "--journal", "events.csv")
+    with open("events.csv", encoding="utf-8") as file:
+        written = [float(row["t"]) for row in csv.DictReader(file)]
+    assert written == [e["t"] for e in whole["events"]]
+    kept = shell("run", *boost, "--json", "--keep", "5").json
+    assert 5 <= len(kept["events"]) < len(written) / 2
+    assert f"{len(written)} events, the last {len(kept['events'])} kept" in done.out
+    assert kept["events"] == whole["events"][-len(kept["events"]) :]
+    assert kept["final"] == whole["final"]
+
+
+def test_limits_of_a_run(shell: Any) -> None:
+    done = shell("run", "ball.toml", "--max-events", "1")
+    assert (done.code, "HB-N404" in done.err) == (3, True)
+    assert shell("run", "ball.toml", "--max-steps", "0").err.startswith("HB-S120 at max_steps")
+    assert shell("run", "ball.toml", "--journal", "ball.toml").err.startswith("HB-X102")
 
 
 def test_json_fits_its_schema(shell: Any) -> None:

@@ -10,8 +10,9 @@ from pathlib import Path
 import needs
 import pytest
 
-from hybond.engine.compiled.build import NAME, compile_into
+from hybond.engine.compiled.build import compile_into
 from hybond.engine.compiled.native import columns, library
+from hybond.engine.compiled.sources import NAME
 
 pytestmark = pytest.mark.usefixtures("native")
 

@@ -7,6 +7,7 @@ An FMU is a ZIP file with a ``modelDescription.xml`` (FMI 2.0.4, section 2.2; FM
 from __future__ import annotations
 
 import os
+import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ _NUMBERS = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean"} | {
     for name in ("Float64", "Float32", "Boolean")
     + tuple(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 }
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 _EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd")
 
 
@@ -134,6 +136,10 @@ def _description(root: ElementTree.Element, file: Path, where: str) -> Descripti
         for t in root.iterfind("TypeDefinitions/*")
     }
     read = _scalar2 if version.startswith("2.") else _scalar3
+    identifier = cosimulation.get("modelIdentifier", "")
+    if not _IDENTIFIER.fullmatch(identifier):
+        # it becomes a part of a path, and of the names of functions
+        raise _refused(f"its modelIdentifier is {identifier[:40]!r}, no C name", where)
     try:
         found = [v for e in root.iterfind("ModelVariables/*") if (v := read(e, units, types))]
     except (KeyError, ValueError) as error:
@@ -142,7 +148,7 @@ def _description(root: ElementTree.Element, file: Path, where: str) -> Descripti
         file,
         version[0] + ".0",
         root.get("modelName", file.stem),
-        cosimulation.get("modelIdentifier", ""),
+        identifier,
         root.get("guid") or root.get("instantiationToken") or "",
         {v.name: v for v in found},
     )

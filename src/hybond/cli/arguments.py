@@ -212,6 +212,7 @@ def _parser() -> Parser:
     run.add_argument("file", metavar="FILE", help="a model file")
     _settings(run)
     _solver(run)
+    _limits(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
         "--signals",
@@ -255,6 +256,7 @@ def _parser() -> Parser:
     explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
     _settings(explain)
     _solver(explain)
+    _limits(explain)
 
     convert = _verb(
         verbs,
@@ -362,3 +364,24 @@ def _solver(parser: ArgumentParser) -> None:
         "--fmus", action="store_true", help="run the code of the FMUs that the model names"
     )
     parser.add_argument("--impact", metavar="NAME", help=IMPACTS)
+    parser.add_argument(
+        "--sliding",
+        metavar="WAY",
+        help="where both sides push into a switching surface: filippov, hysteresis, refuse",
+    )
+    parser.add_argument("--hysteresis", metavar="H", help="half the band of --sliding hysteresis")
+
+
+def _limits(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--max-events", metavar="N", type=int, help="stop there (default: 1,000,000)"
+    )
+    parser.add_argument(
+        "--max-steps", metavar="N", type=int, help="steps between two events (default: 4,000,000)"
+    )
+    parser.add_argument(
+        "--keep", metavar="N", type=int, help="keep the last N segments and events only"
+    )
+    parser.add_argument(
+        "--journal", metavar="FILE", help="write events as .csv as they happen, also with --keep"
+    )

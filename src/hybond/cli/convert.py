@@ -10,6 +10,7 @@ from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
 from hybond.files import load, save
 from hybond.files.parse import BOND_GRAPHS, CIRCUITS
+from hybond.files.whole import write_whole
 
 
 def convert(given: Namespace) -> int:
@@ -46,7 +47,7 @@ def convert(given: Namespace) -> int:
         complain(f"warning: {warning}")
     if target.suffix.lower() == ".toml" and not target.exists():
         text = commented_text(conversion)
-        target.write_text(text, encoding="utf-8")
+        write_whole(target, text)
     else:
         save(conversion.model, target)
     say(given.target)

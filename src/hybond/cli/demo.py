@@ -14,6 +14,7 @@ from hybond.cli.refusal import refusal_of
 from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.errors import UsageError
+from hybond.files.whole import write_whole
 from hybond.result import Result
 
 EXPECTED = {
@@ -107,6 +108,6 @@ def _run(file: Path, out: Path) -> Result:
     graph = read_graph(str(file))
     draw_mode(graph, graph.start_mode).save(out / f"{file.stem}.svg")
     run = simulate_with(graph, end_time(graph, None))
-    (out / f"{file.stem}.txt").write_text(explanation(run) + "\n", encoding="utf-8")
+    write_whole(out / f"{file.stem}.txt", explanation(run) + "\n")
     write_plot(run, out / f"{file.stem}.png", ())
     return run

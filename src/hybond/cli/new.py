@@ -8,6 +8,7 @@ from pathlib import Path
 from hybond.cli.examples import example
 from hybond.cli.streams import say
 from hybond.cli.targets import check_new, check_target
+from hybond.files.whole import write_whole
 
 STARTER = """\
 hybond = 1
@@ -58,6 +59,6 @@ def new(given: Namespace) -> int:
         model = loads(text)
         model.name = target.stem
         text = dumps(model, format="json")
-    target.write_text(text, encoding="utf-8")
+    write_whole(target, text)
     say(f"{name}: now try  hybond run {name}")
     return 0

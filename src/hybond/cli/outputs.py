@@ -12,6 +12,7 @@ from hybond.cli.record import run_record, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.streams import complain
 from hybond.errors import HybondError
+from hybond.files.whole import write_whole
 from hybond.result import Result
 
 TABLES = (".csv", ".npz", ".json")
@@ -34,7 +35,7 @@ def write_table(run: Result, path: Path, file: str, names: Sequence[str]) -> Non
         case _:
             record: dict[str, Any] = run_record(run, file)
             record["table"] = {k: v.tolist() for k, v in run.table(columns).items()}
-            path.write_text(to_json(record), encoding="utf-8")
+            write_whole(path, to_json(record))
 
 
 def write_plot(run: Result, path: Path, names: Sequence[str]) -> None:

@@ -26,6 +26,7 @@ def run(given: Namespace) -> int:
     """Simulate; print the run, or one JSON object; write the files asked for."""
     table = check_target(given.out, TABLES, "--out")
     plot = check_target(given.plot, PICTURES, "--plot")
+    check_target(given.journal, (".csv",), "--journal")
     graph = read_graph(given.file, given.settings)
     until = end_time(graph, given.until)
     times = sample_times(given.at or [], until)
@@ -92,12 +93,13 @@ def _events(run: Result) -> None:
 
 def ending(run: Result) -> str:
     """Return when and how a run ended, in one line."""
+    end = format_quantity(run.until, "s")
     how = {
         "ok": "the end",
-        "interrupted": "interrupted",
-        "accumulation": "stopped where events accumulate",
-        "unsound": "the end, but laws do not hold",
-        "error": "stopped by an error",
+        "unsound": f"laws do not hold, of {end}",
+        "interrupted": f"interrupted, of {end}",
+        "accumulation": f"stopped where events accumulate, of {end}",
+        "error": f"stopped by an error, of {end}",
     }[run.status]
     mode = ", ".join(run.mode.values()) or "the only mode"
     return f"t = {run.t_end:.9g} s  {how}  ({mode})"
@@ -107,7 +109,9 @@ def stats_line(run: Result) -> str:
     """Return how much work a run was, in one line."""
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
     words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations", "modes") if k in count]
-    return ", ".join([run.solver, *words, f"{len(run.events)} events"])
+    events, kept = count.get("events", len(run.events)), len(run.events)
+    words.append(f"{events} events" + (f", the last {kept} kept" if kept < events else ""))
+    return ", ".join([run.solver, *words])
 
 
 def step_line(run: Result) -> str:

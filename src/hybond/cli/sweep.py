@@ -15,8 +15,9 @@ from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
-from hybond.errors import HybondError
+from hybond.errors import HybondError, NumericsError
 from hybond.files import load
+from hybond.files.whole import write_whole
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
 
@@ -81,7 +82,10 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
 
 
 def _options(given: Namespace) -> dict[str, Any]:
-    names = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact")
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
     return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
@@ -96,7 +100,7 @@ def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError
             case ".npz":
                 many.to_npz(target)
             case _:
-                target.write_text(to_json(sweep_record(many, file)), encoding="utf-8")
+                write_whole(target, to_json(sweep_record(many, file)))
     except Exception as error:
         refusal = refusal_of(error)
         refusal.where = refusal.where or str(target)
@@ -145,4 +149,5 @@ def _told(many: Ensemble, problems: list[HybondError]) -> int:
         complain("interrupted")
         return 130
     codes = [e.exit_code for _, e in failures] + [p.exit_code for p in problems]
+    codes += [NumericsError.exit_code for status in many.status if status == "accumulation"]
     return max(codes, default=0)

@@ -12,7 +12,7 @@ from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
 from hybond.draw.layout import layout
 from hybond.draw.legend import entries
-from hybond.draw.mpl import draw_on_axes, write_figure
+from hybond.draw.mpl import draw_on_axes, figure_bytes
 from hybond.draw.scene import Scene
 from hybond.draw.simplify import simplified, zeros_of
 from hybond.draw.sketch import Causality, Sketch, sketch
@@ -20,6 +20,7 @@ from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
 from hybond.draw.words import with_words
 from hybond.errors import UsageError
+from hybond.files.whole import write_whole
 from hybond.model.builder import graph_of
 
 if TYPE_CHECKING:
@@ -67,11 +68,11 @@ class Drawing:
         target = Path(path)
         form = target.suffix.lower().lstrip(".")
         if form == "svg":
-            target.write_text(self.svg(), encoding="utf-8")
+            write_whole(target, self.svg())
         elif form == "tex":
-            target.write_text(self.tikz(), encoding="utf-8")
+            write_whole(target, self.tikz())
         elif form in ("png", "pdf"):
-            write_figure(self.scene, target, form=form)
+            write_whole(target, figure_bytes(self.scene, form=form))
         else:
             raise UsageError(
                 f"cannot draw a {target.suffix or 'nameless'!r} file",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hybond.draw.scene import Band, Frame, Line, Scene, printable
@@ -98,8 +97,8 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
                 )
 
 
-def write_figure(scene: Scene, file: Path | io.BytesIO, *, form: str, dpi: float = 192.0) -> None:
-    """Write `scene` at its own size as ``"png"`` or ``"pdf"``."""
+def figure_bytes(scene: Scene, *, form: str, dpi: float = 192.0) -> bytes:
+    """Return `scene` at its own size as ``"png"`` or ``"pdf"``."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -108,4 +107,6 @@ def write_figure(scene: Scene, file: Path | io.BytesIO, *, form: str, dpi: float
     draw_on_axes(scene, figure.add_axes((0.0, 0.0, 1.0, 1.0)))
     # No date and no version of a writer: the same picture is the same file.
     metadata = {"pdf": {"CreationDate": None, "Producer": "hybond", "Creator": "hybond"}}
+    file = io.BytesIO()
     figure.savefig(file, format=form, dpi=dpi, metadata=metadata.get(form, {"Software": "hybond"}))
+    return file.getvalue()

@@ -6,7 +6,9 @@ the right limit. Where events are too dense for circles and event lines these ar
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from hybond.draw.mode_strip import draw_strip, lanes, room_beside
 from hybond.draw.scales import axis_scale, printed
 from hybond.draw.traces import Trace, Vector, apart, trace_of
 from hybond.errors import UsageError
+from hybond.files.whole import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -88,7 +91,10 @@ def plot_run(
     else:
         figure = _stacked(result, groups, factor, time_label, interactive=path is None)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        file = Path(path) if Path(path).suffix else Path(f"{path}.png")
+        picture = io.BytesIO()
+        figure.savefig(picture, format=file.suffix[1:], dpi=150)
+        write_whole(file, picture.getvalue())
     return figure
 
 

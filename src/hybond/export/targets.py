@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hybond.errors import UsageError
+from hybond.files.whole import write_whole
 from hybond.model.builder import Model
 from hybond.names import did_you_mean
 
@@ -117,8 +118,7 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
         options.setdefault("name", Path(path).stem)
     found: str | bytes = getattr(import_module(target.home), target.function)(model, **options)
     if path is not None:
-        data = found.encode("utf-8") if isinstance(found, str) else found
-        Path(path).write_bytes(data)
+        write_whole(path, found)
     return found
 
 

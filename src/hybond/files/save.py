@@ -19,6 +19,7 @@ from hybond.files.place import Format, Place, Source
 from hybond.files.schema import VERSION
 from hybond.files.submodel_files import Reading, is_file
 from hybond.files.toml_text import toml_text
+from hybond.files.whole import write_whole
 from hybond.model.builder import Model
 from hybond.model.parts import SubmodelPart
 
@@ -223,18 +224,8 @@ def _check_submodel_files(model: Model, file: Path) -> None:
 
 def _write(file: Path, data: bytes) -> None:
     """Replace the file at once, so that a failure half-way leaves what was there."""
-    target = file.resolve()
     try:
-        name = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
-        try:
-            with open(name, "xb") as temporary:
-                temporary.write(data)
-            if target.exists():
-                os.chmod(name, target.stat().st_mode)
-            os.replace(name, target)
-        except BaseException:
-            name.unlink(missing_ok=True)
-            raise
+        write_whole(file, data)
     except OSError as error:
         raise FileError(
             f"cannot write the file: {error.strerror or error}",

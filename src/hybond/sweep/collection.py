@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
+from hybond.files.whole import whole, write_arrays
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.result import Result
@@ -187,7 +188,7 @@ class Ensemble:
         import csv
 
         table = self.table()
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(table)
             writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
@@ -200,7 +201,7 @@ class Ensemble:
         }
         sampled = {f"samples:{name}": values for name, values in self.samples.items()}
         grid = {"t": self.t} if len(self.t) and "t" not in columns else {}
-        np.savez(path, allow_pickle=False, **columns, **grid, **sampled)
+        write_arrays(path, columns | grid | sampled)
 
     def __repr__(self) -> str:
         kinds, counts = np.unique(self.status, return_counts=True)

@@ -119,7 +119,8 @@ def test_sizes_are_those_of_the_terms(engine):
         for k in range(n):
             first, stop = mode.finite.first.at[mode.same[k]], mode.finite.first.at[mode.same[k] + 1]
             for i in range(first, stop):
-                by_known[k, mode.finite.column.at[i]] = mode.finite.value.at[i]
+                assert mode.finite.size.at[i] >= abs(mode.finite.value.at[i])
+                by_known[k, mode.finite.column.at[i]] = mode.finite.size.at[i]
         frees = mode.finite_frees
         free = np.array(mode.finite_free.at[: n * frees]).reshape(n, frees)
         size = np.abs(by_known) @ np.abs(xi[: mode.knowns])

@@ -31,6 +31,8 @@ class Rows:
     first: Places
     column: Places
     value: Block
+    size: Block
+    """What rounding of each value is measured by, at least its magnitude; where somebody asks."""
 
 
 def make_block(n: int) -> Block:
@@ -55,6 +57,7 @@ def make_rows() -> Rows:
     r.first = make_places(1)
     r.column = make_places(1)
     r.value = make_block(1)
+    r.size = make_block(1)
     return r
 
 
@@ -102,6 +105,7 @@ def fit_rows(r: Rows, rows: int, entries: int) -> None:
     fit_places(r.first, rows + 1)
     fit_places(r.column, entries)
     fit(r.value, entries)
+    fit(r.size, entries)
 
 
 def row_times(r: Rows, k: int, x: Floats) -> float:
@@ -116,5 +120,5 @@ def row_size(r: Rows, k: int, x: Floats) -> float:
     """Return the sum of the magnitudes of the terms of that product."""
     total = 0.0
     for i in range(r.first.at[k], r.first.at[k + 1]):
-        total += math.fabs(r.value.at[i]) * math.fabs(x[r.column.at[i]])
+        total += r.size.at[i] * math.fabs(x[r.column.at[i]])
     return total

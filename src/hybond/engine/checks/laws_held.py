@@ -1,4 +1,4 @@
-"""Laws put back into themselves: do the values that are read from outside satisfy the model?
+"""Laws put back into themselves, with the values that are read from outside.
 
 Bond variables come from an elimination, Newton's method and least leakage. None of that is used
 here: each law as it was declared is given all values, and what is left is held against the sizes

@@ -11,12 +11,14 @@ from pathlib import Path
 
 from hybond.engine.compiled.compiler import TIMEOUT, compiler
 from hybond.engine.compiled.printing import library_text
+from hybond.engine.compiled.sources import NAME
 
+HOME = Path(__file__).with_name(NAME)
+"""Where runs look for it."""
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared")
-NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
 
 
-def compile_into(target: Path, *, flags: tuple[str, ...] = ()) -> str:
+def compile_into(target: Path = HOME, *, flags: tuple[str, ...] = ()) -> str:
     """Print and compile the engine into the file `target`; return why not, empty if it is there."""
     command = compiler()
     if command is None:

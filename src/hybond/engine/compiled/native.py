@@ -21,8 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Calls, Question
-from hybond.engine.compiled.build import NAME
-from hybond.engine.compiled.printing import digest
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import (
     MACHINES_OF_INSTANT,
@@ -32,6 +30,7 @@ from hybond.engine.compiled.rows import (
     copied_floats,
     copied_ints,
 )
+from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
-from functools import lru_cache
 from pathlib import Path
 
-from hybond.engine.compiled.sources import ENGINE, portable_paths
+from hybond.engine.compiled.sources import ENGINE, digest, portable_paths
 from hybond.engine.expressions.code import DEEPEST
 from hybond.translate.c_printer import CPrinter, c_text
 from hybond.translate.c_words import HEADERS, c_words
@@ -93,16 +91,6 @@ def program() -> Program:
     running = [ENGINE / "run" / f"{name}.py" for name in ("motion", "trying")]
     roots = [*running, ENGINE / "expressions" / "code.py", *looking]
     return load(roots, portable_paths())
-
-
-@lru_cache(maxsize=1)
-def digest() -> str:
-    """Return what tells the sources of the library from others."""
-    translate = ENGINE.parent / "translate"
-    own = [HERE / "printing.py", HERE / "library.c"]
-    paths = sorted([*portable_paths(), *translate.glob("*.py"), *own])
-    text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in paths)
-    return hashlib.sha256(text).hexdigest()[:16]
 
 
 def _columns(printer: CPrinter) -> list[str]:

@@ -1,12 +1,20 @@
-"""Where the modules of the engine stand that are printed."""
+"""Where the modules of the engine stand that are printed, and the library made of them.
+
+Nothing of the translator is imported here: who runs a library does not print it.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import sys
+from functools import lru_cache
 from pathlib import Path
 
 ENGINE = Path(__file__).parents[1]
 ORDINARY = ("tables", "compiled", "interpreted", "outcome")
 """Rooms of the engine that are not printed."""
+NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
+"""The library, beside this file."""
 
 
 def portable_paths() -> list[Path]:
@@ -19,3 +27,13 @@ def portable_paths() -> list[Path]:
     """
     found = [*ENGINE.glob("*.py"), *ENGINE.glob("*/*.py")]
     return sorted(p for p in found if p.stem != "__init__" and p.parent.name not in ORDINARY)
+
+
+@lru_cache(maxsize=1)
+def digest() -> str:
+    """Return what tells the sources of the library from others."""
+    here = Path(__file__).parent
+    own = [here / "printing.py", here / "library.c"]
+    paths = sorted([*portable_paths(), *(ENGINE.parent / "translate").glob("*.py"), *own])
+    text = b"".join(p.name.encode() + p.read_bytes().replace(b"\r\n", b"\n") for p in paths)
+    return hashlib.sha256(text).hexdigest()[:16]

@@ -3,6 +3,11 @@
 Unknown columns are eliminated in the order rows arrive; known columns are only carried along. A
 row whose unknowns all cancel is not lost: it is a constraint among the knowns. Unknowns that are
 equal are one from the start.
+
+Beside each entry stands what rounding may have lost in it, in units of rounding: the size of the
+terms it came about by, sums and quotients followed to first order (running error analysis; Higham,
+*Accuracy and Stability of Numerical Algorithms*, 2002, section 3.3). What is small because large
+terms cancelled is known as that.
 """
 
 from __future__ import annotations
@@ -59,6 +64,8 @@ class Elimination:
     """Where the next row goes."""
     column: Places
     entry: Block
+    loss: Block
+    """At least the size of the entry: rounding has moved it by no more than some units of this."""
     used: Ints
     """In how many rows each free unknown is."""
     user: Ints
@@ -71,6 +78,7 @@ class Elimination:
     # a row under way
     total: Floats
     size: Floats
+    lost: Floats
     met: Ints
     mark: Ints
     width: int
@@ -95,12 +103,14 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.room = ints(unknowns)
     e.column = make_places(SMALLEST * unknowns)
     e.entry = make_block(SMALLEST * unknowns)
+    e.loss = make_block(SMALLEST * unknowns)
     e.used = ints(unknowns)
     e.user = ints(unknowns)
     e.cell_row = make_places(SMALLEST * unknowns)
     e.cell_next = make_places(SMALLEST * unknowns)
     e.total = floats(columns)
     e.size = floats(columns)
+    e.lost = floats(columns)
     e.met = ints(columns)
     e.mark = ints(columns)
     e.place = ints(columns)
@@ -136,20 +146,23 @@ def make_room(e: Elimination, k: int, many: int) -> None:
     room = max(many + many // 2, SMALLEST)
     grow_places(e.column, e.end + room)
     grow_block(e.entry, e.end + room)
+    grow_block(e.loss, e.end + room)
     for i in range(e.count[k]):
         e.column.at[e.end + i] = e.column.at[e.first[k] + i]
         e.entry.at[e.end + i] = e.entry.at[e.first[k] + i]
+        e.loss.at[e.end + i] = e.loss.at[e.first[k] + i]
     e.first[k] = e.end
     e.room[k] = room
     e.end += room
 
 
-def append_entry(e: Elimination, k: int, column: int, value: float) -> None:
+def append_entry(e: Elimination, k: int, column: int, value: float, loss: float) -> None:
     """Add an entry to row k; there is none in that column."""
     make_room(e, k, e.count[k] + 1)
     at = e.first[k] + e.count[k]
     e.column.at[at] = column
     e.entry.at[at] = value
+    e.loss.at[at] = loss
     e.count[k] += 1
 
 
@@ -211,6 +224,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
             column = source.column.at[source.first[k] + i]
             e.column.at[e.first[k] + i] = column
             e.entry.at[e.first[k] + i] = source.entry.at[source.first[k] + i]
+            e.loss.at[e.first[k] + i] = source.loss.at[source.first[k] + i]
             if column < e.unknowns:
                 note_user(e, column, k)
         e.count[k] = source.count[k]
@@ -236,16 +250,18 @@ def cancels(e: Elimination, total: float, size: float) -> bool:
     return zero
 
 
-def meet(e: Elimination, column: int, value: float) -> None:
-    """Add a term to the row under way."""
+def meet(e: Elimination, column: int, value: float, loss: float) -> None:
+    """Add a term to the row under way, and what it has lost."""
     if e.mark[column] == 0:
         e.mark[column] = 1
         e.met[e.width] = column
         e.width += 1
         e.total[column] = 0.0
         e.size[column] = 0.0
+        e.lost[column] = 0.0
     e.total[column] += value
     e.size[column] += math.fabs(value)
+    e.lost[column] += loss
 
 
 def reduce_row(e: Elimination) -> None:
@@ -256,10 +272,10 @@ def reduce_row(e: Elimination) -> None:
         c = e.given_value[t]
         column = e.same[k] if k < e.unknowns else k
         if column >= e.unknowns or e.solved[column] == 0:
-            meet(e, column, c)
+            meet(e, column, c, math.fabs(c))
             continue
         for i in range(e.first[column], e.first[column] + e.count[column]):
-            meet(e, e.column.at[i], -c * e.entry.at[i])
+            meet(e, e.column.at[i], -c * e.entry.at[i], math.fabs(c) * e.loss.at[i])
     e.given = 0
     drop_zeros(e)
 
@@ -301,11 +317,14 @@ def add_row(e: Elimination) -> int:
 def solve_for(e: Elimination, pivot: int) -> None:
     """Let the row under way determine an unknown, and put it into the other rows."""
     scale = e.total[pivot]
+    doubt = e.lost[pivot] / math.fabs(scale)
     make_room(e, pivot, e.width)
     for i in range(e.width):
         k = e.met[i]
         if k != pivot:
-            append_entry(e, pivot, k, e.total[k] / scale)
+            value = e.total[k] / scale
+            loss = e.lost[k] / math.fabs(scale) + math.fabs(value) * doubt
+            append_entry(e, pivot, k, value, loss)
     e.solved[pivot] = 1
     e.used[pivot] = 0
     cell = e.user[pivot]
@@ -329,6 +348,7 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
     for i in range(e.count[user]):
         e.place[e.column.at[first + i]] = i
     c = e.entry.at[first + e.place[pivot]]
+    doubt = e.loss.at[first + e.place[pivot]]
     e.entry.at[first + e.place[pivot]] = 0.0
     for i in range(e.first[pivot], e.first[pivot] + e.count[pivot]):
         k = e.column.at[i]
@@ -342,12 +362,14 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
                 if k < e.unknowns:
                     e.used[k] -= 1
             continue
+        lost = math.fabs(c) * e.loss.at[i] + doubt * math.fabs(e.entry.at[i])
         if at == NOWHERE:
-            append_entry(e, user, k, new)
+            append_entry(e, user, k, new, lost)
             if k < e.unknowns:
                 note_user(e, k, user)
         else:
             e.entry.at[first + at] = new
+            e.loss.at[first + at] += lost
     tidy_row(e, user)
 
 
@@ -360,6 +382,7 @@ def tidy_row(e: Elimination, k: int) -> None:
         if e.entry.at[first + i] != 0.0:
             e.column.at[first + kept] = e.column.at[first + i]
             e.entry.at[first + kept] = e.entry.at[first + i]
+            e.loss.at[first + kept] = e.loss.at[first + i]
             kept += 1
     e.count[k] = kept
 
@@ -383,7 +406,7 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
         e.width = 0
         for i in range(first, first + e.count[user]):
             if e.place[e.column.at[i]] == NOWHERE:
-                meet(e, e.column.at[i], e.entry.at[i])
+                meet(e, e.column.at[i], e.entry.at[i], e.loss.at[i])
         # in the order of what is told: sums follow it
         for k in range(known.unknowns):
             at = e.place[shift + k]
@@ -391,12 +414,15 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
                 continue
             e.place[shift + k] = NOWHERE
             for i in range(known.first[k], known.first[k] + known.count[k]):
-                meet(e, shift + known.column.at[i], -e.entry.at[at] * known.entry.at[i])
+                c = e.entry.at[at]
+                lost = math.fabs(c) * known.loss.at[i]
+                lost += e.loss.at[at] * math.fabs(known.entry.at[i])
+                meet(e, shift + known.column.at[i], -c * known.entry.at[i], lost)
         drop_zeros(e)
         e.count[user] = 0
         make_room(e, user, e.width)
         for i in range(e.width):
-            append_entry(e, user, e.met[i], e.total[e.met[i]])
+            append_entry(e, user, e.met[i], e.total[e.met[i]], e.lost[e.met[i]])
 
 
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:

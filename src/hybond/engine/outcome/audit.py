@@ -153,7 +153,13 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     energy = max(energy, trace.stats.get("energy_unbalanced", 0.0))
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
-    return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0), tuple(trace.unsound))
+    return Audit(
+        power,
+        energy / scale,
+        created / scale,
+        trace.stats.get("step_error", 0.0),
+        tuple(trace.unsound),
+    )
 
 
 def _created_by_steps(signals: Signals, segment: Segment) -> tuple[float, float]:

@@ -48,9 +48,7 @@ class Warnings:
         The node of each element of the engine.
     """
 
-    def __init__(
-        self, graph: FlatGraph, explain: Explaining, elements: Sequence[int] = ()
-    ) -> None:
+    def __init__(self, graph: FlatGraph, explain: Explaining, elements: Sequence[int] = ()) -> None:
         self.graph = graph
         self._elements = elements
         self.unsound: list[Violation] = []

@@ -244,6 +244,16 @@ def put_final(e: Engine, r: Report) -> None:
         put_line()
 
 
+def put_stuck(e: Engine) -> None:
+    """Print where events accumulate that nothing can rest after."""
+    put_text("# stopped: events of ")
+    put_text(machine_name(e.model, e.landings.stuck_machine))
+    put_text(" accumulate (t = ")
+    put_number(e.t)
+    put_text(" s)")
+    put_line()
+
+
 def put_fault(e: Engine) -> None:
     """Print why the run stopped."""
     put_text("# stopped: ")

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from hybond.engine.engine import REFUSED, Engine
 from hybond.engine.run.motion import ACCUMULATES, run_to_end
-from hybond.engine.run.report import Report, put_fault, put_final, put_header, put_unsound
+from hybond.engine.run.report import (
+    Report,
+    put_fault,
+    put_final,
+    put_header,
+    put_stuck,
+    put_unsound,
+)
 from hybond.engine.run.run_records import Run, make_run
 
 
@@ -24,5 +31,6 @@ def run_program(e: Engine, report: Report) -> int:
         put_unsound(e)
         return 3
     if status == ACCUMULATES:
+        put_stuck(e)
         return 3
     return 0
