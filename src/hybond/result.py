@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 Vector = NDArray[np.float64]
-Status = Literal["ok", "interrupted", "accumulation", "error"]
+Status = Literal["ok", "interrupted", "accumulation", "unsound", "error"]
 Side = Literal["left", "right"]
 
 POINTS = 200
@@ -85,7 +85,7 @@ class Result:
 
     Attributes
     ----------
-    status : {"ok", "interrupted", "accumulation", "error"}
+    status : {"ok", "interrupted", "accumulation", "unsound", "error"}
     error : HybondError or None
     events : EventTable
         Prints as the table of what happened and why.

@@ -13,6 +13,7 @@ from hybond.engine.outcome.engines import choose_engine, prepared
 from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
+from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
@@ -265,6 +266,10 @@ def _finish(
         status = "interrupted"
     except HybondError as error:
         failure = error
+    if status in ("ok", "accumulation") and trace.unsound:
+        status = "unsound"
+        reached = trace.segments[-1].t[-1] if trace.segments else 0.0
+        failure = unsound_refusal(trace.unsound, float(reached))
     for warning in graph.warnings:
         trace.warn(warning)
     trace.method = "; ".join(t for t in (chosen, trace.method) if t)

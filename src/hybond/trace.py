@@ -200,6 +200,39 @@ def _instant(event: Event) -> float:
     return event.t
 
 
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A law that the values of a run do not satisfy.
+
+    Parameters
+    ----------
+    t : float
+        When it was seen first, s.
+    place : str
+        The element or junction.
+    off : float
+        What is left when all values are put into it, SI.
+    size : float
+        The sum of the magnitudes of its terms, SI.
+    law : str
+        The law in words.
+    mode : str
+    """
+
+    t: float
+    place: str
+    off: float
+    size: float
+    law: str
+    mode: str
+
+    def __str__(self) -> str:
+        return (
+            f"at t = {self.t:.9g} s in mode ({self.mode}) the law of {self.place}, {self.law}, is "
+            f"off by {self.off:.6g} where its terms add up to {self.size:.6g}"
+        )
+
+
 @dataclass(slots=True)
 class Trace:
     """Everything a run wrote down, in order."""
@@ -214,6 +247,8 @@ class Trace:
     method: str = ""
     """How many of the modes a solver took that is not for all, and why not more."""
     stats: dict[str, float] = field(default_factory=dict)
+    unsound: list[Violation] = field(default_factory=list)
+    """Laws that were found not to hold, each the first time."""
     signals: object = None
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0

@@ -97,6 +97,7 @@ def ending(run: Result) -> str:
     end = format_quantity(run.until, "s")
     how = {
         "ok": "the end",
+        "unsound": f"laws do not hold, of {end}",
         "interrupted": f"interrupted, of {end}",
         "accumulation": f"stopped where events accumulate, of {end}",
         "error": f"stopped by an error, of {end}",

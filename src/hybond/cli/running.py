@@ -67,7 +67,7 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
 
 
 def exit_code(run: Result) -> int:
-    """Return the exit code of a run: 0 only where it went on to its end."""
+    """Return the exit code of a run: 0 only if it is sound and came to its end."""
     if run.status == "interrupted":
         return 130
     if run.error is not None:

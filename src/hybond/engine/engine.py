@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
+from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
@@ -69,6 +70,7 @@ class Work:
     sizes: Floats
     base_size: Floats
     guess: Block
+    kept_guess: Block
     freedom: Block
     terms: Floats
     slopes: Block
@@ -220,6 +222,7 @@ class Engine:
     model: Model
     fault: Fault
     warned: Warned
+    checks: Checks
     unrest: Fault
     """Why a structure at rest had no solution, the last time."""
     modes: Records[Mode]
@@ -367,6 +370,7 @@ def make_work(m: Model) -> Work:
     w.sizes = floats(n)
     w.base_size = floats(n)
     w.guess = make_block(1)
+    w.kept_guess = make_block(1)
     w.freedom = make_block(1)
     w.terms = floats(m.slots)
     w.slopes = make_block(1)
@@ -440,6 +444,7 @@ def make_engine(m: Model) -> Engine:
         e.unrest = Fault()
         e.unrest.about = make_block(16)
         e.warned = make_warned()
+    e.checks = make_checks(m)
     e.modes = records(Mode, KEPT)
     e.modes_kept = KEPT
     e.bucket = ints(BUCKETS)

@@ -94,6 +94,7 @@ class Model:
     """Elements but storages and junctions: steady ones first, in order, then the others."""
     steady: int
     """How many of them say the same in every mode."""
+    element_node: Ints
     select_first: Ints
     """Of each element: what selects its part, in `select_kind` and so on; the last runs fastest."""
     select_kind: Ints

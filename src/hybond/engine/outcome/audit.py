@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.outcome.signals import Signals
 from hybond.model.graph import FlatGraph
-from hybond.trace import Segment, Trace
+from hybond.trace import Segment, Trace, Violation
 
 Vector = NDArray[np.float64]
 
@@ -48,12 +48,15 @@ class Audit:
         largest energy.
     accuracy : float
         That of time-stepping, as far as it is known: the estimated error of the step.
+    laws : tuple of Violation
+        Laws that did not hold when the engine put its values back into them.
     """
 
     power: float
     energy: float
     created: float
     accuracy: float = 0.0
+    laws: tuple[Violation, ...] = ()
 
     def holds(self, rtol: float = 1e-8) -> bool:
         """Whether the run keeps its balances at the tolerance it was made with.
@@ -69,7 +72,8 @@ class Audit:
         True
         """
         return (
-            self.power <= 1e-12
+            not self.laws
+            and self.power <= 1e-12
             and self.energy <= 10.0 * max(rtol, self.accuracy)
             and self.created <= max(1e-9, 10.0 * self.accuracy)
         )
@@ -149,7 +153,13 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     energy = max(energy, trace.stats.get("energy_unbalanced", 0.0))
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
-    return Audit(power, energy / scale, created / scale, trace.stats.get("step_error", 0.0))
+    return Audit(
+        power,
+        energy / scale,
+        created / scale,
+        trace.stats.get("step_error", 0.0),
+        tuple(trace.unsound),
+    )
 
 
 def _created_by_steps(signals: Signals, segment: Segment) -> tuple[float, float]:

@@ -195,7 +195,8 @@ class Records:
         self.graph = tables.graph
         self.trace = trace
         self.explain = Explaining(tables)
-        self.warnings = Warnings(self.graph, self.explain)
+        self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
+        self.trace.unsound = self.warnings.unsound
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""
         self.mode: Mode = self.graph.start_mode

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.explain import Explaining
+from hybond.engine.outcome.unsound import violation
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
+from hybond.trace import Violation
 
 if TYPE_CHECKING:
     from hybond.engine.outcome.records import Instants
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
-WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES = 11, 12, 13, 14
+WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND = 11, 12, 13, 14, 15
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
 """Those whose text does not say when: once said, they are said."""
@@ -43,10 +45,13 @@ REBOUND = "its rebounds do not vanish"
 
 
 class Warnings:
-    """The warnings of one run."""
+    """The warnings of one run; `elements` are the nodes of the elements of the engine."""
 
-    def __init__(self, graph: FlatGraph, explain: Explaining) -> None:
+    def __init__(self, graph: FlatGraph, explain: Explaining, elements: Sequence[int] = ()) -> None:
         self.graph = graph
+        self._elements = elements
+        self.unsound: list[Violation] = []
+        """Laws that were found not to hold."""
         self.explain = explain
         self.unrest: tuple[int, int, float, int] | None = None
         """Of the contact that ended the run: why, the reaction, what it is, the sign it had."""
@@ -73,6 +78,10 @@ class Warnings:
             if kind == UNREST:
                 _, why, reaction, force, sign = about
                 self.unrest = int(why), int(reaction), force, int(sign)
+                continue
+            if kind == UNSOUND:
+                t = float(rows.warn_time[k])
+                self.unsound.append(violation(self.graph, self._elements, t, about))
                 continue
             yield self._text(kind, float(rows.warn_time[k]), about)
 

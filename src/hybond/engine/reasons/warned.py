@@ -48,6 +48,9 @@ FIRES_ALWAYS: Final = 13
 """A machine fires at the end of every step. Its number."""
 NEXT_DECIDES: Final = 14
 """Laws cannot decide at an instant: the next step does. No numbers."""
+UNSOUND: Final = 15
+"""A law does not hold. Numbers: what it belongs to (an element, a storage, a junction), its number
+there, what is left of it, the size of its terms, then the states of the mode."""
 
 
 @record

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -99,6 +100,8 @@ def run_to_end(e: Engine, r: Run) -> int:
             status = ACCUMULATES
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
     if status != REFUSED:
+        if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
+            look_at_laws(e)
         report_end(e, r.report)
     return status
 
@@ -240,6 +243,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     report_slide(e, r.report)
+    look_at_laws(e)
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
@@ -415,6 +419,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         arm_slips(e, t, e.y)
     e.t = t
     report_step(e, r.report)
+    look_now_and_then(e)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     return OK

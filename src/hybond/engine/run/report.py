@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.engine.checks.laws_held import ELEMENT, STORAGE
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import (
     ACCUMULATION,
@@ -19,6 +20,7 @@ from hybond.engine.model import (
     Model,
     bond_name,
     machine_name,
+    node_name,
     output_name,
     state_name,
     stored_name,
@@ -263,5 +265,23 @@ def put_fault(e: Engine) -> None:
         put_text(e.fault.place)
     put_text(" (t = ")
     put_number(e.fault.t)
+    put_text(" s)")
+    put_line()
+
+
+def put_unsound(e: Engine) -> None:
+    """Print which law did not hold first."""
+    c = e.checks
+    put_text("# unsound: HB-N411 the law of ")
+    if c.what == ELEMENT:
+        put_text(node_name(e.model, e.model.element_node[c.index]))
+    elif c.what == STORAGE:
+        put_text(stored_name(e.model, c.index))
+    else:
+        put_text("a junction")
+    put_text(" is off by ")
+    put_number(c.off)
+    put_text(" (t = ")
+    put_number(c.t)
     put_text(" s)")
     put_line()

@@ -45,6 +45,7 @@ def put_elements(t: ModelTables) -> None:
         (open_ if read or node.controlled else steady).append(node)
     elements = steady + open_
     t.numbers.update(elements=len(elements), steady=len(steady))
+    t.ints["element_node"] = [node.index for node in elements]
     # by what they say: equal numbers may come from parameters that differ
     found: dict[Any, int] = {}
     kept: list[Part] = []

@@ -1,0 +1,216 @@
+"""Laws put back into themselves, with the values that are read from outside.
+
+Bond variables come from an elimination, Newton's method and least leakage. None of that is used
+here: each law as it was declared is given all values, and what is left is held against the sizes
+of its own terms. So a law that any of these lost on the way is found.
+
+It is looked at after each settled instant, and between at each SPARSE-th evaluation of the rates.
+Motion along a surface is left out, where no law of one mode holds, and so is time-stepping, whose
+laws hold over a step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.checks.check_records import Checks
+from hybond.engine.engine import OK, Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.tableau import part_of
+from hybond.engine.mode.values import evaluate
+from hybond.engine.model import Model, value
+from hybond.engine.reasons.warned import UNSOUND, add_about, begin_warning
+from hybond.engine.timestepping.step_records import MOREAU
+
+ELEMENT: Final = 0
+STORAGE: Final = 1
+JUNCTION: Final = 2
+"""What a law belongs to: the number is that of an element, a stored quantity, a junction."""
+PART: Final = 1e-9
+"""What a law may be off by, as a part of its terms."""
+ROUNDING: Final = 1e-11
+"""Likewise, as a part of what the largest variable of each kind has brought it in the run."""
+SOLVED: Final = 1e-12
+"""Likewise, of the largest variable of any kind: where Newton ends."""
+SPARSE: Final = 512
+
+
+def look_now_and_then(e: Engine) -> None:
+    """Look at the laws if that is due again."""
+    if e.evaluations >= e.checks.due:
+        look_at_laws(e)
+
+
+def look_at_laws(e: Engine) -> None:
+    """Put the present values into all laws of the mode, and note those that do not hold."""
+    m = e.model
+    c = e.checks
+    c.due = e.evaluations + SPARSE
+    if e.slide.k > 0 or m.method == MOREAU:
+        return
+    mode = e.mode
+    # where Newton begins next is not to depend on who looks
+    guessed = mode.guessed
+    if mode.dynamics > 0:
+        fit(e.work.kept_guess, mode.finite_frees + 1)
+        for k in range(mode.finite_frees):
+            e.work.kept_guess.at[k] = mode.guess.at[k]
+    found = evaluate(e, mode, c.v, e.t, e.y)
+    if mode.dynamics > 0:
+        for k in range(mode.finite_frees):
+            mode.guess.at[k] = e.work.kept_guess.at[k]
+        mode.guessed = guessed
+    if found != OK:
+        # nothing can be read here; a step that needs it is refused
+        return
+    for k in range(m.slots):
+        # while time passes, a law that reads `pre()` gives nothing
+        c.v[m.slots + k] = 0.0
+    c.looks += 1
+    hold_laws(e, mode)
+
+
+def hold_laws(e: Engine, mode: Mode) -> None:
+    """Hold the values in `e.checks.v` against all laws of a mode."""
+    m = e.model
+    measure_bonds(m, e.checks)
+    for element in range(m.elements):
+        hold_element(e, mode, element)
+    for k in range(m.storages):
+        hold_storage(e, k)
+    for j in range(m.junctions):
+        switch = m.junction_switch[j]
+        if switch >= 0 and mode.on[switch] == 0:
+            hold_off(e, j)
+        else:
+            hold_junction(e, j)
+
+
+def measure_bonds(m: Model, c: Checks) -> None:
+    """Find what each bond variable may be off by."""
+    most = 0.0
+    for k in range(2 * m.bonds):
+        size = math.fabs(c.v[m.bond_slot + k])
+        c.magnitude[k] = size
+        kind = m.bond_class[k]
+        c.largest[kind] = max(c.largest[kind], size)
+        most = max(most, size)
+    for k in range(2 * m.bonds):
+        c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
+    if m.dynamics > 0:
+        for k in range(2 * m.bonds):
+            c.tolerance[k] += SOLVED * most
+
+
+def hold_element(e: Engine, mode: Mode, element: int) -> None:
+    """Put the values into the rows of an element."""
+    m = e.model
+    c = e.checks
+    part = part_of(m, mode, element)
+    source = m.part_source[part]
+    given = 0.0
+    if source >= 0:
+        law = m.source_value[source]
+        given = m.source_constant[source] if law < 0 else value(m, law, c.v)
+    for row in range(m.part_power[part], m.part_power[part + 1]):
+        level = given if row < m.part_law[part] else 0.0
+        total = -level
+        size = math.fabs(level)
+        may = PART * size
+        for i in range(m.row_first[row], m.row_first[row + 1]):
+            k = m.row_column[i]
+            factor = m.row_value[i]
+            total += factor * c.v[m.bond_slot + k]
+            size += math.fabs(factor) * c.magnitude[k]
+            may += math.fabs(factor) * c.tolerance[k]
+        judge(e, ELEMENT, element, total, size, may)
+    for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
+        total = value(m, m.dynamic_value[d], c.v)
+        size = 0.0
+        may = 0.0
+        for i in range(m.slope_first[d], m.slope_first[d + 1]):
+            law = m.slope_value[i]
+            slope = math.fabs(m.slope_constant[i] if law < 0 else value(m, law, c.v))
+            k = m.slope_column[i]
+            size += slope * c.magnitude[k]
+            may += slope * c.tolerance[k]
+        judge(e, ELEMENT, element, total, size, may)
+
+
+def hold_storage(e: Engine, k: int) -> None:
+    """Hold what a storage puts on its bond against what it stores."""
+    m = e.model
+    c = e.checks
+    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+    own = co_energy_of(m, k, c.v)
+    shown = c.v[m.bond_slot + at]
+    if m.storage_kind[k] == 1:
+        shown *= float(m.storage_sign[k])
+    judge(e, STORAGE, k, shown - own, math.fabs(own), PART * math.fabs(own) + c.tolerance[at])
+
+
+def hold_junction(e: Engine, j: int) -> None:
+    """Hold a junction that is ON: its common variable is one, the others' sum is zero."""
+    m = e.model
+    c = e.checks
+    common = 0 if m.junction_kind[j] == 0 else m.bonds
+    other = m.bonds - common
+    total = 0.0
+    size = 0.0
+    may = 0.0
+    first = common + m.end_bond[m.end_first[j]] if m.end_first[j] < m.end_first[j + 1] else 0
+    for i in range(m.end_first[j], m.end_first[j + 1]):
+        k = common + m.end_bond[i]
+        apart = c.v[m.bond_slot + k] - c.v[m.bond_slot + first]
+        judge(e, JUNCTION, j, apart, c.magnitude[k], c.tolerance[k] + c.tolerance[first])
+        k = other + m.end_bond[i]
+        total += float(m.end_sign[i]) * c.v[m.bond_slot + k]
+        size += c.magnitude[k]
+        may += c.tolerance[k]
+    judge(e, JUNCTION, j, total, size, may)
+
+
+def hold_off(e: Engine, j: int) -> None:
+    """Hold a junction that is OFF: it gives zero to each of its bonds."""
+    m = e.model
+    c = e.checks
+    common = 0 if m.junction_kind[j] == 0 else m.bonds
+    for i in range(m.end_first[j], m.end_first[j + 1]):
+        k = common + m.end_bond[i]
+        may = c.tolerance[k] - PART * c.magnitude[k]
+        judge(e, JUNCTION, j, c.v[m.bond_slot + k], c.magnitude[k], may)
+
+
+def judge(e: Engine, what: int, index: int, off: float, size: float, may: float) -> None:
+    """Note a law of which more is left than it may be; the first of each element is told."""
+    if math.fabs(off) <= may or may == math.inf:
+        return
+    m = e.model
+    c = e.checks
+    if c.violated == 0:
+        c.what = what
+        c.index = index
+        c.off = math.fabs(off)
+        c.size = size
+        c.t = e.t
+    c.violated += 1
+    at = index
+    if what != ELEMENT:
+        at += m.elements
+    if what == JUNCTION:
+        at += m.storages
+    if c.said[at] != 0:
+        return
+    c.said[at] = 1
+    if m.tells == 0:
+        return
+    begin_warning(e.warned, UNSOUND, e.t)
+    add_about(e.warned, float(what))
+    add_about(e.warned, float(index))
+    add_about(e.warned, math.fabs(off))
+    add_about(e.warned, size)
+    for k in range(m.machines):
+        add_about(e.warned, float(e.mode.state[k]))
