@@ -170,6 +170,8 @@ class Model:
     """Whether the rate does not read bond variables."""
     source_curved: Ints
     """Whether the slopes of the rate read bond variables."""
+    source_bent: Ints
+    """Whether the value is no linear function of what is stored and of bond variables."""
     source_size: Ints
     """What the magnitudes of all its terms add up to, where it has kinks; -1: it has none."""
     source_timed: Ints

@@ -11,7 +11,16 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.rounding import rounding
-from hybond.model.expressions import Expr, Number, names, turning, uses_pre
+from hybond.model.expressions import (
+    Expr,
+    Name,
+    Number,
+    differentiate,
+    names,
+    posterior_names,
+    turning,
+    uses_pre,
+)
 from hybond.model.kinds import SOURCES
 
 
@@ -53,6 +62,7 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
     slopes = [gradient(s.rate) for s in sources]
     t.ints["source_linear"] = [int(not reads_bonds(s.rate)) for s in sources]
     t.ints["source_curved"] = [int(any(reads_bonds(e) for e in d.values())) for d in slopes]
+    t.ints["source_bent"] = [int(_bends(s.value)) for s in sources]
     t.ints["source_size"] = [
         t.values.number(magnitude(s.value)) if turning(s.value) and not uses_pre(s.value) else -1
         for s in sources
@@ -68,6 +78,16 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
     )
     put_forms(t, sources, dynamics)
     put_steps(t, dynamics)
+
+
+def _bends(e: Expr) -> bool:
+    """Whether a value is no linear function of what is stored and of bond variables."""
+
+    def moves(part: Expr) -> bool:
+        return any(n.startswith(("x:", "s:", "e:", "f:")) for n in posterior_names(part))
+
+    slopes = (differentiate(e, n) for n in sorted(posterior_names(e)) if moves(Name(n)))
+    return any(moves(part) for part in (*turning(e), *slopes))
 
 
 def _of_time(e: Expr) -> bool:
