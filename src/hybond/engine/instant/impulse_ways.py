@@ -220,7 +220,9 @@ def is_curved(e: Engine, mode: Mode) -> bool:
     for k in range(mode.sources):
         s = mode.source[k]
         if s >= 0 and m.source_value[s] >= 0 and m.source_timed[s] == 0:
-            if m.source_bent[s] != 0 or m.groups > 0 or (e.work.lefts > 0 and mode.structures > 0):
+            if m.reasons == 0 or m.source_bent[s] != 0 or m.groups > 0:
+                return True  # without forms slopes are difference quotients
+            if e.work.lefts > 0 and mode.structures > 0:
                 return True
     for i in range(mode.structures if e.work.lefts > 0 else 0):
         d = mode.dynamic[mode.structure[i]]
