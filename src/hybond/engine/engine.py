@@ -87,6 +87,11 @@ class Work:
     residual_size: Block
     """The sizes of the terms of each residual, to first order."""
     w_size: Floats
+    kind_reach: Floats
+    w_reach: Floats
+    """The largest bond variable of its kind: what it is solved beside."""
+    residual_reach: Block
+    """The same of a row: what rounding of a solution is measured by."""
     """The sizes of the terms of each bond variable, by which residuals are measured."""
     aid: float
     """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
@@ -384,6 +389,9 @@ def make_work(m: Model) -> Work:
     w.residual = make_block(1)
     w.residual_size = make_block(1)
     w.w_size = floats(n)
+    w.kind_reach = floats(max(m.classes, 1))
+    w.w_reach = floats(n)
+    w.residual_reach = make_block(1)
     w.step = make_block(1)
     w.reduced = make_block(1)
     w.reduced_size = make_block(1)

@@ -58,10 +58,16 @@ def _bound(e: Expr, prior: bool, below: list[Expr]) -> Expr:
             return If(cond, below[1], below[2])
         case Table(arg) if not e.slope:
             slope = Table(arg, e.x, e.y, e.extrapolate, slope=True)
-            return _sum(_times(_size(slope), below[0]), _size(e))
+            near = Table(arg, e.x, _nearby(e.y), e.extrapolate)
+            return _sum(_sum(_times(_size(slope), below[0]), _size(e)), _size(near))
         case Call(function, args):
             return _of_call(e, function, args, below)
     return _ZERO
+
+
+def _nearby(y: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the largest magnitudes among neighbours: a value is found from that of a corner."""
+    return tuple(max(map(abs, y[max(k - 1, 0) : k + 2])) for k in range(len(y)))
 
 
 def _of_binary(e: Binary, below: list[Expr]) -> Expr:

@@ -15,13 +15,13 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.checks.check_records import Checks
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of
 from hybond.engine.mode.tableau import part_of
 from hybond.engine.mode.values import evaluate
-from hybond.engine.model import Model, value
+from hybond.engine.model import value
 from hybond.engine.reasons.warned import UNSOUND, add_about, begin_warning
 from hybond.engine.timestepping.step_records import MOREAU
 
@@ -35,6 +35,8 @@ ROUNDING: Final = 1e-11
 """Likewise, as a part of what the largest variable of each kind has brought it in the run."""
 SOLVED: Final = 1e-12
 """Likewise, of the largest variable of any kind: where Newton ends."""
+LOST_DIGITS: Final = 1e-13
+"""Likewise, of the terms that made a variable, as where a guard is asked."""
 SPARSE: Final = 512
 
 
@@ -76,7 +78,7 @@ def look_at_laws(e: Engine) -> None:
 def hold_laws(e: Engine, mode: Mode) -> None:
     """Hold the values in `e.checks.v` against all laws of a mode."""
     m = e.model
-    measure_bonds(m, e.checks)
+    measure_bonds(e, mode)
     for element in range(m.elements):
         hold_element(e, mode, element)
     for k in range(m.storages):
@@ -89,8 +91,13 @@ def hold_laws(e: Engine, mode: Mode) -> None:
             hold_junction(e, j)
 
 
-def measure_bonds(m: Model, c: Checks) -> None:
-    """Find what each bond variable may be off by."""
+def measure_bonds(e: Engine, mode: Mode) -> None:
+    """Find what each bond variable may be off by.
+
+    Where elimination lost digits, as between milliohms and megohms, those are missing here too.
+    """
+    m = e.model
+    c = e.checks
     most = 0.0
     for k in range(2 * m.bonds):
         size = math.fabs(c.v[m.bond_slot + k])
@@ -100,6 +107,7 @@ def measure_bonds(m: Model, c: Checks) -> None:
         most = max(most, size)
     for k in range(2 * m.bonds):
         c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
+        c.tolerance[k] += LOST_DIGITS * size_of(e, mode, k, e.work.xi, c.v)
     if m.dynamics > 0:
         for k in range(2 * m.bonds):
             c.tolerance[k] += SOLVED * most
@@ -135,9 +143,31 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
             law = m.slope_value[i]
             slope = math.fabs(m.slope_constant[i] if law < 0 else value(m, law, c.v))
             k = m.slope_column[i]
-            size += slope * c.magnitude[k]
-            may += slope * c.tolerance[k]
+            if math.isfinite(slope):
+                size += slope * c.magnitude[k]
+                may += slope * c.tolerance[k]
+            else:
+                may += moved_by(e, d, k, total)
         judge(e, ELEMENT, element, total, size, may)
+
+
+def moved_by(e: Engine, d: int, k: int, total: float) -> float:
+    """Return how far a law moves as one variable moves by what it may be off.
+
+    Where it has no slope, as a root has none at zero.
+    """
+    m = e.model
+    c = e.checks
+    at = m.bond_slot + k
+    kept = c.v[at]
+    most = 0.0
+    for side in range(2):
+        c.v[at] = kept + c.tolerance[k] if side == 0 else kept - c.tolerance[k]
+        off = math.fabs(value(m, m.dynamic_value[d], c.v) - total)
+        if math.isfinite(off):
+            most = max(most, off)
+    c.v[at] = kept
+    return most
 
 
 def hold_storage(e: Engine, k: int) -> None:

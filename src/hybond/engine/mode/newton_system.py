@@ -61,6 +61,20 @@ def measure_terms(e: Engine, mode: Mode, w: Floats) -> None:
                 known -= term
                 size += math.fabs(term)
         e.work.w_size[k] = size + math.fabs(known)
+    reach_of_kinds(e, w)
+
+
+def reach_of_kinds(e: Engine, w: Floats) -> None:
+    """Put the largest magnitude among variables of its kind beside each."""
+    m = e.model
+    work = e.work
+    for c in range(m.classes):
+        work.kind_reach[c] = 0.0
+    for k in range(2 * m.bonds):
+        c = m.bond_class[k]
+        work.kind_reach[c] = max(work.kind_reach[c], math.fabs(w[k]))
+    for k in range(2 * m.bonds):
+        work.w_reach[k] = work.kind_reach[m.bond_class[k]]
 
 
 def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
@@ -73,6 +87,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     write_bonds(e, v, w)
     fit(work.residual, rows)
     fit(work.residual_size, rows)
+    fit(work.residual_reach, rows)
     fit(work.jacobian, rows * frees)
     fit(work.step, rows + frees)
     for i in range(rows):
@@ -123,6 +138,7 @@ def put_row(e: Engine, mode: Mode, a: Floats, first: int, at: int) -> None:
     """
     work = e.work
     work.residual_size.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_size)
+    work.residual_reach.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_reach)
     by_free(mode, 2 * e.model.bonds, a, first, at * mode.finite_frees, work.jacobian.at)
 
 
