@@ -423,6 +423,8 @@ class Model:
     """The first of them among comparisons, in order, behind all others."""
     kink_pair: Ints
     """What each reads stands with the pairs."""
+    kink_switch: Ints
+    """What is to be ON for anything to feel it, -1: nothing."""
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
 

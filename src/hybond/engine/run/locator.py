@@ -249,6 +249,9 @@ def watch_kinks(e: Engine, g: Locator) -> None:
     """Take the kinks of laws, sources and rates."""
     m = e.model
     for k in range(m.kinks):
+        switch = m.kink_switch[k]
+        if switch >= 0 and e.mode.on[switch] == 0:
+            continue  # nothing feels it
         begin_guard(g, NONE, ALL_PARTS)
         g.side[g.guards] = 0
         end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)

@@ -18,13 +18,11 @@ from hybond.engine.instant.instant import GUARD, START, begin_instant
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
-from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import begin_field, evaluate, set_state
-from hybond.engine.model import node_name
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
@@ -34,6 +32,7 @@ from hybond.engine.planar.descent import (
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, watch
 from hybond.engine.run.log import (
@@ -46,10 +45,7 @@ from hybond.engine.run.log import (
 from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.run.together import (
-    LAST_PLACES,
-    before_kink,
     is_kink_alone,
-    kink_there,
     last_of_instant,
 )
 from hybond.engine.sliding.combine import combine_here
@@ -68,10 +64,6 @@ BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
 ACCUMULATES: Final = 3
-BACK_AT_ONCE: Final = 1e-9
-"""Part of the run in which so many kinks as instants that end it are one that leads nowhere."""
-SOON_BACK: Final = 1e-3
-"""Part of it after a kink in which that is to blame for steps that become too small."""
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -200,6 +192,8 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         at = g.at
         if at < math.inf:
+            if m.kinks > 0:
+                see_jump(e, r, at)
             if land(e, g, instant, end) != OK:
                 stuck_at_kink(e, r)
                 return -1
@@ -226,7 +220,11 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             continue
         if is_kink_alone(e, g):
-            if pass_kink(e, r, at) != OK:
+            if end_at_kink(e, r, at) != OK or note(e, r, e.step.t1, e.step.t1) != OK:
+                return -1
+            if count_kink(e, r) != OK:
+                return -1
+            if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
                 return -1
             continue
         if note(e, r, at, at) != OK:
@@ -313,45 +311,6 @@ def any_ends(e: Engine) -> bool:
     for d in range(e.model.disks):
         found = found or e.planar.ends[d] != 0
     return found
-
-
-def pass_kink(e: Engine, r: Run, at: float) -> int:
-    """End the step at a kink, where nothing happens, and begin anew behind it."""
-    r.kink = kink_there(e, r.locator)
-    before = before_kink(e, r.locator, at)
-    behind = at + LAST_PLACES * spacing(at)
-    if before > e.step.t0:
-        # what is behind the kink must not show before it: both are one instant
-        if retry(e, before) != OK:
-            return REFUSED
-        e.step.t1 = behind
-    elif retry(e, behind) != OK:
-        return stuck_at_kink(e, r)
-    if note(e, r, behind, behind) != OK:
-        return REFUSED
-    r.kink_at[r.kinks % (IDLE + 1)] = behind
-    r.kinks += 1
-    if r.kinks > IDLE and behind - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
-        return switches_back(e, r)
-    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
-
-
-def stuck_at_kink(e: Engine, r: Run) -> int:
-    """Say of a step that is too small that it gets no farther than the kink just passed."""
-    if e.refusal or r.kinks == 0:
-        return REFUSED
-    if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.until:
-        return REFUSED
-    return switches_back(e, r)
-
-
-def switches_back(e: Engine, r: Run) -> int:
-    """Refuse a jump inside a law that would slide."""
-    m = e.model
-    node = m.kink_node[r.kink] if r.kink >= 0 else -1
-    place = node_name(m, node) if node >= 0 else ""
-    why = "a jump of a law or a source switches back at once, again and again"
-    return say_fault(e, "HB-N410", why, place)
 
 
 def land(e: Engine, g: Locator, room: float, end: float) -> int:

@@ -38,6 +38,11 @@ class Run:
     kink_at: Floats
     kink: int
     """The last of them."""
+    jumps: bool
+    """Whether rates jumped at the last one where that could be told."""
+    rate: Floats
+    beside: Floats
+    """Rates on both sides of a kink."""
     begun: bool
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""
@@ -61,6 +66,9 @@ def make_run(e: Engine, report: Report) -> Run:
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
     r.kink_at = floats(IDLE + 1)
+    r.rate = floats(e.states)
+    r.beside = floats(4 * e.states)
+    r.kink = -1
     r.slice = -1
     return r
 

@@ -12,6 +12,7 @@ from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import Expr, turning, uses_pre
+from hybond.model.graph import FlatGraph
 from hybond.run_options import QUANTISED
 
 if TYPE_CHECKING:
@@ -26,18 +27,33 @@ MOST = 64
 def put_kinks(t: ModelTables) -> None:
     """Put what is watched for kinks behind the comparisons of guards."""
     found: dict[Expr, int] = {}
+    switches: dict[Expr, set[int]] = {}
     for e, node in _asked(t) if t.numbers["method"] in FOLLOWED else []:
         turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
+            switches.setdefault(a, set()).add(_switch_of(t.graph, node))
     t.numbers["kinks"] = len(found)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
     t.ints["kink_node"] = list(found.values())
+    t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(magnitude(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
+
+
+def _switch_of(graph: FlatGraph, node: int) -> int:
+    """Return which switch cuts an element with one bond off, as a place among them; -1: none."""
+    if node < 0 or len(graph.nodes[node].ends) != 1:
+        return -1
+    bond = graph.bonds[graph.nodes[node].ends[0].bond]
+    controlled = [n.index for n in graph.nodes if n.controlled]
+    for place in (node, bond.tail, bond.head):
+        if place in controlled:
+            return controlled.index(place)
+    return -1
 
 
 def _asked(t: ModelTables) -> list[tuple[Expr, int]]:

@@ -1,0 +1,96 @@
+"""Kinks of laws, sources and rates: a step ends there, and nothing happens.
+
+A law that jumps there and drives back to where it came from would slide; it is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.stepping import between, retry
+from hybond.engine.mode.values import field
+from hybond.engine.model import node_name
+from hybond.engine.run.run_records import IDLE, Run
+from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
+
+BACK_AT_ONCE: Final = 1e-9
+"""Part of the run in which so many kinks as instants that end it are one that leads nowhere."""
+SOON_BACK: Final = 1e-3
+"""Part of it after a kink in which that is to blame for steps that become too small."""
+ASIDE: Final = 0.25
+"""Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
+JUMPS: Final = 0.75
+"""A jump is as large from a quarter of that way; what is bent is a half or less, like a root."""
+SEEN: Final = 1e-9
+"""Part of the rates below which a change of them is no jump."""
+
+
+def end_at_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a kink; REFUSED where it leads nowhere.
+
+    What is behind the kink must not show before it: they are one instant if that is short enough.
+    """
+    kink = kink_there(e, r.locator)
+    r.kink = kink if kink >= 0 else r.kink
+    before = before_kink(e, r.locator, at)
+    behind = at + LAST_PLACES * spacing(at)
+    apart = before <= e.step.t0 or behind - before > room_of_instant(e, at)
+    if retry(e, at if apart else before) != OK:
+        return stuck_at_kink(e, r)
+    if not apart:
+        e.step.t1 = behind
+    return OK
+
+
+def count_kink(e: Engine, r: Run) -> int:
+    """Count the kink that the step just noted has ended at; REFUSED if it leads nowhere."""
+    r.kink_at[r.kinks % (IDLE + 1)] = e.t
+    r.kinks += 1
+    if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
+        return switches_back(e, r) if r.jumps else OK
+    return OK
+
+
+def see_jump(e: Engine, r: Run, at: float) -> None:
+    """See whether rates jump at a kink, into `r.jumps`, where there is room to tell."""
+    reach = ASIDE * min(at - e.step.t0, e.step.t1 - at)
+    if 0.25 * reach <= room_of_instant(e, at):
+        return  # so near, rounding speaks; what was seen last holds
+    refusal = e.refusal
+    known = True
+    for k in range(4):
+        way = reach * (1.0 if k % 2 == 0 else -1.0) * (1.0 if k < 2 else 0.25)
+        between(e, at + way, r.locator.y)
+        known = known and field(e, e.mode, at + way, r.locator.y, r.rate) == OK
+        for i in range(e.states):
+            r.beside[k * e.states + i] = r.rate[i]
+    r.locator.looked = math.nan
+    e.refusal = refusal
+    r.jumps = False
+    for i in range(e.states if known else 0):
+        wide = math.fabs(r.beside[i] - r.beside[e.states + i])
+        near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
+        size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
+        r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
+
+
+def stuck_at_kink(e: Engine, r: Run) -> int:
+    """Say of a step that is too small that it gets no farther than the kink just passed."""
+    if e.refusal or r.kinks == 0 or not r.jumps:
+        return REFUSED
+    if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.until:
+        return REFUSED
+    return switches_back(e, r)
+
+
+def switches_back(e: Engine, r: Run) -> int:
+    """Refuse a jump inside a law that would slide."""
+    m = e.model
+    node = m.kink_node[r.kink] if r.kink >= 0 else -1
+    place = node_name(m, node) if node >= 0 else ""
+    why = "a jump of a law or a source switches back at once, again and again"
+    return say_fault(e, "HB-N410", why, place)
