@@ -34,14 +34,27 @@ def test_equal_sources_joined_by_a_switch_are_fine() -> None:
 
 def test_nan_names_the_law_and_the_time() -> None:
     m = hb.Model()
-    m.add(C=hb.C(1e-3, e=1.0), r=hb.R({"f": "0.001*sqrt(e - 0.5)"}), n=hb.Zero())
+    m.add(C=hb.C(1e-3, e=1.0), r=hb.R({"f": "0.001*(0.1 + sqrt(e - 0.5))"}), n=hb.Zero())
     m.bond("n -> C", "n -> r")
     with pytest.raises(hb.NumericsError) as caught:
         hb.simulate(m, 5.0)
     assert caught.value.code == "HB-N302"
     assert "R r" in caught.value.why
-    # C e' = -k sqrt(e - 1/2) reaches 1/2 at 2 sqrt(1/2)
-    assert caught.value.partial.t_end == pytest.approx(2 * math.sqrt(0.5), rel=1e-4)
+    # C e' = -k (1/10 + s), with s^2 = e - 1/2, takes the time of 2 s/(1/10 + s) from s to 0
+    s = math.sqrt(0.5)
+    assert caught.value.partial.t_end == pytest.approx(2 * s - 0.2 * math.log1p(10 * s), rel=1e-3)
+
+
+@pytest.mark.parametrize("solver", ["rk45", "auto"])
+def test_what_comes_to_rest_where_a_root_ends_stays_there(solver: str) -> None:
+    """The same without a part that draws on: the law holds at 1/2, with no flow."""
+    m = hb.Model()
+    m.add(C=hb.C(1e-3, e=1.0), r=hb.R({"f": "0.001*sqrt(e - 0.5)"}), n=hb.Zero())
+    m.bond("n -> C", "n -> r")
+    run = hb.simulate(m, 5.0, solver=solver)
+    for t in (0.4, 1.2):
+        assert run["C.e"].at(t) == pytest.approx(0.5 + (math.sqrt(0.5) - t / 2) ** 2, abs=1e-6)
+    assert (run["C.e"].at(5.0), run["r.f"].at(5.0)) == (0.5, 0.0)
 
 
 def test_product_of_impulses_is_refused_by_name() -> None:

@@ -49,12 +49,14 @@ def limit_of(g: Landings, times: Floats, machine: int, n: int) -> bool:
         before = gap
     # three instants far apart, so that their rounding matters least
     stride = (n - 1) // 2
+    middle = first + n - 1 - stride
     last = times[first + n - 1]
-    end = aitken(times[first + n - 1 - 2 * stride], times[first + n - 1 - stride], last)
+    end = aitken(times[middle - stride], times[middle], last)
     g.limit_t = end
     g.limit_left = end - last
-    shrunk = before / (times[first + 1] - times[first])
-    g.limit_ratio = power(shrunk, 1.0 / float(n - 2))
+    # spans, not single intervals: those of the last flights are mostly rounding
+    shrunk = (last - times[middle]) / (times[middle] - times[middle - stride])
+    g.limit_ratio = power(shrunk, 1.0 / float(stride))
     return True
 
 

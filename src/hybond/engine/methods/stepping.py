@@ -58,6 +58,13 @@ def retry(e: Engine, t_end: float) -> int:
     return controlled_retry(e, t_end)
 
 
+def reach(e: Engine, t: float) -> None:
+    """Let the last step end at `t`, which is one instant with where it ends, and what is there."""
+    e.step.t1 = t
+    if e.model.method == RADAU and not e.curved:
+        e.radau.piece_t1[e.radau.pieces - 1] = t
+
+
 def between(e: Engine, t: float, y: Floats) -> None:
     """Put the state at a time within the last step into `y`, at its ends bit for bit."""
     s = e.step

@@ -27,6 +27,8 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
 """A sum below this part of its terms is a cancellation, hence zero."""
+ROUNDED: Final = 1e-14
+"""A sum below this part of what it has lost on the way is nothing but rounding."""
 CLEAR: Final = 1e-9
 """A sum above this part of its terms has digits enough."""
 NOISE: Final = 1e-14
@@ -237,12 +239,15 @@ def give(e: Elimination, column: int, value: float) -> None:
     e.given += 1
 
 
-def cancels(e: Elimination, total: float, size: float) -> bool:
-    """Whether a sum of terms of that size is zero; note how sure that is."""
+def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
+    """Whether a sum of terms of that size is zero; note how sure that is.
+
+    It is where it is small, and no more than what rounding has made of terms on the way to it.
+    """
     part = math.fabs(total)
     if part > CLEAR * size:
         return False
-    zero = part <= CANCELLATION * size
+    zero = part <= CANCELLATION * size and part <= ROUNDED * lost
     if not zero:
         e.least = min(e.least, part / size)
     elif part > NOISE * size:
@@ -286,7 +291,7 @@ def drop_zeros(e: Elimination) -> None:
     for i in range(e.width):
         at = e.met[i]
         e.mark[at] = 0
-        if not cancels(e, e.total[at], e.size[at]):
+        if not cancels(e, e.total[at], e.size[at], e.lost[at]):
             e.met[kept] = at
             kept += 1
     e.width = kept
@@ -356,20 +361,22 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
         at = e.place[k]
         old = e.entry.at[first + at] if at != NOWHERE else 0.0
         new = old - change
-        if cancels(e, new, math.fabs(old) + math.fabs(change)):
+        lost = math.fabs(c) * e.loss.at[i] + doubt * math.fabs(e.entry.at[i])
+        if at != NOWHERE:
+            lost += e.loss.at[first + at]
+        if cancels(e, new, math.fabs(old) + math.fabs(change), lost):
             if at != NOWHERE:
                 e.entry.at[first + at] = 0.0
                 if k < e.unknowns:
                     e.used[k] -= 1
             continue
-        lost = math.fabs(c) * e.loss.at[i] + doubt * math.fabs(e.entry.at[i])
         if at == NOWHERE:
             append_entry(e, user, k, new, lost)
             if k < e.unknowns:
                 note_user(e, k, user)
         else:
             e.entry.at[first + at] = new
-            e.loss.at[first + at] += lost
+            e.loss.at[first + at] = lost
     tidy_row(e, user)
 
 

@@ -11,14 +11,19 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.stepping import between, retry
-from hybond.engine.mode.values import field
-from hybond.engine.model import node_name
+from hybond.engine.methods.stepping import between, reach, retry
+from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.values import field, set_motion
+from hybond.engine.model import node_name, value
+from hybond.engine.run.guard_values import show
+from hybond.engine.run.locator import ALL_PARTS, Locator
 from hybond.engine.run.run_records import IDLE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
 BACK_AT_ONCE: Final = 1e-9
 """Part of the run in which so many kinks as instants that end it are one that leads nowhere."""
+BACK: Final = 3
+"""Kinks in a row with a jump behind which the way leads back, so that nobody gets past it."""
 SOON_BACK: Final = 1e-3
 """Part of it after a kink in which that is to blame for steps that become too small."""
 ASIDE: Final = 0.25
@@ -30,9 +35,10 @@ SEEN: Final = 1e-9
 
 
 def end_at_kink(e: Engine, r: Run, at: float) -> int:
-    """End the step at a kink; REFUSED where it leads nowhere.
+    """End the step just behind a kink; REFUSED where it leads nowhere.
 
-    What is behind the kink must not show before it: they are one instant if that is short enough.
+    What is behind the kink must not show before it. Where the two are one instant, the step ends
+    before the kink, and is carried over by the rates there: the next one begins behind it.
     """
     kink = kink_there(e, r.locator)
     r.kink = kink if kink >= 0 else r.kink
@@ -42,14 +48,27 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     if retry(e, at if apart else before) != OK:
         return stuck_at_kink(e, r)
     if not apart:
-        e.step.t1 = behind
+        carry_over_kink(e, r, behind)
     return OK
+
+
+def carry_over_kink(e: Engine, r: Run, behind: float) -> None:
+    """Carry the end of the last step over to `behind`, the same instant."""
+    refusal = e.refusal
+    if field(e, e.mode, e.step.t1, e.step.y1, r.rate) == OK:
+        for i in range(e.states):
+            e.step.y1[i] += (behind - e.step.t1) * r.rate[i]
+    e.refusal = refusal
+    r.locator.looked = math.nan
+    reach(e, behind)
 
 
 def count_kink(e: Engine, r: Run) -> int:
     """Count the kink that the step just noted has ended at; REFUSED if it leads nowhere."""
     r.kink_at[r.kinks % (IDLE + 1)] = e.t
     r.kinks += 1
+    if r.jumps and r.back >= BACK:
+        return switches_back(e, r)
     if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
         return switches_back(e, r) if r.jumps else OK
     return OK
@@ -76,6 +95,37 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
         near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
+    r.back = r.back + 1 if r.jumps and leads_back(e, r, at + 0.25 * reach) else 0
+
+
+def leads_back(e: Engine, r: Run, t: float) -> bool:
+    """Whether the rates behind a kink lead back towards it.
+
+    The rates at `t` are in the third row of `r.beside`.
+    """
+    g = r.locator
+    kink = kink_there(e, g)
+    if kink < 0:
+        return False
+    atom = e.model.atom_value[e.model.kink_atom + kink]
+    between(e, t, g.y)
+    beyond = atom_of(e, g, atom, t)
+    h = 2.0 * (t - g.at)
+    for i in range(e.states):
+        g.y[i] += h * r.beside[2 * e.states + i]
+    there = atom_of(e, g, atom, t + h)
+    g.looked = math.nan
+    return beyond * (there - beyond) < 0.0
+
+
+def atom_of(e: Engine, g: Locator, atom: int, t: float) -> float:
+    """Return a difference that is watched, at the state in `g.y`; nan if it has no value."""
+    show(e, g, ALL_PARTS)
+    g.looked = math.nan
+    set_motion(e, e.v, t, g.y)
+    if solve_read(e, e.mode, g.reads, e.v) != OK:
+        return math.nan
+    return value(e.model, atom, e.v)
 
 
 def stuck_at_kink(e: Engine, r: Run) -> int:

@@ -40,6 +40,8 @@ class Run:
     """The last of them."""
     jumps: bool
     """Whether rates jumped at the last one where that could be told."""
+    back: int
+    """At how many of the last ones in a row they led back behind such a jump."""
     rate: Floats
     beside: Floats
     """Rates on both sides of a kink."""

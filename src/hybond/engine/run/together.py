@@ -36,6 +36,8 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     Guards that hold at `t` must still hold there: what is only touched at `t` is an instant alone.
     """
     last = t
+    if g.guards == 0:
+        return last
     look(e, g, top)
     for k in range(g.guards):
         g.done[k] = 1 if may_hold(e, g, k) else 0
