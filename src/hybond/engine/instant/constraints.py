@@ -155,8 +155,3 @@ def constraint_by_co_energy(e: Engine, mode: Mode, i: int, n: int) -> None:
                 column = mode.power.column.at[p]
                 if column < m.storages:
                     w.by_stored.at[column] += share * entry * mode.power.value.at[p]
-
-
-def is_constrained(mode: Mode) -> bool:
-    """Whether a mode has constraints on what is stored, off which a motion may drift."""
-    return mode.constraints.rows > 0 or mode.structures > 0 or mode.agreements.rows > 0

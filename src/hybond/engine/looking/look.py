@@ -16,12 +16,11 @@ from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.methods.flow import why_not
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import Model
 from hybond.engine.sliding.averages import solve_here

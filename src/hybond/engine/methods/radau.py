@@ -33,6 +33,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
 )
 from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.words import Floats, float_table
 
 RADAU_SAFETY: Final = 0.9
@@ -98,10 +99,12 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
             found = rate_at(e, n, r.t0, r.shifted, r.end)
             if found == OK:
                 break
-        if found != OK:
+        if found != OK and not is_constrained(e.mode):
             return found
         for i in range(n):
-            r.jacobian[i * n + j] = (r.end[i] - r.f0[i]) / (r.shifted[j] - r.y0[j])
+            # off its constraints a state may have no rates; nothing moves it there
+            change = r.end[i] - r.f0[i] if found == OK else 0.0
+            r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
         r.shifted[j] = r.y0[j]
     r.matrix = FRESH_MATRIX
     r.served = 0.0

@@ -212,3 +212,8 @@ def make_mode(m: Model) -> Mode:
     mode.seen = floats(n)
     mode.rates = make_reads(m)
     return mode
+
+
+def is_constrained(mode: Mode) -> bool:
+    """Whether a mode has constraints on what is stored, off which a motion may drift."""
+    return mode.constraints.rows > 0 or mode.structures > 0 or mode.agreements.rows > 0

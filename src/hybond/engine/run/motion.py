@@ -13,7 +13,6 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.instant import GUARD, START, begin_instant
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
@@ -22,6 +21,7 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.values import begin_field, evaluate, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,

@@ -13,9 +13,9 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import is_fieldless
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning

@@ -35,7 +35,6 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.complementarity.law_roles import ONE_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.instant.constraints import is_constrained
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
@@ -46,6 +45,7 @@ from hybond.engine.laws.ports import (
     solve_with,
     times_partner,
 )
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import co_energy, energy_of, reach_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
