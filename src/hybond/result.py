@@ -20,7 +20,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, Sliding, Trace
+from hybond.trace import Accumulation, Segment, Sliding, Turn, Trace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -92,12 +92,13 @@ class Result:
     segments : sequence of Segment
     warnings : tuple of str
     stats : dict
-        Steps, events, evaluations, modes built (``propagated``: those that solver ``"exact"``
-        took).
+        Steps, events, evaluations, modes built (``propagated``: those that were propagated
+        exactly).
     engine : str
         What made the run: the library, or the engine as Python and why.
     method : str
-        With solver ``"exact"``: how many modes were propagated exactly, and why not more.
+        With solver ``"auto"`` or ``"exact"``: how many modes were propagated exactly, why not more,
+        and from when on others were left to ``"radau"``.
 
     Examples
     --------
@@ -161,6 +162,11 @@ class Result:
     def sliding(self) -> tuple[Sliding, ...]:
         """Intervals of motion along switching surfaces, in order."""
         return tuple(self.trace.slidings)
+
+    @property
+    def turns(self) -> tuple[Turn, ...]:
+        """With solver ``"auto"``: when it went over to ``"radau"``, or back, in order."""
+        return tuple(self.trace.turns)
 
     def weight(self, machine: str, state: str, t: float, *, side: Side = "right") -> float:
         """Return the part of the time that a machine spends in a state at `t`.

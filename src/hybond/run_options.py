@@ -26,7 +26,8 @@ IMPACT_LAWS: dict[str, str] = {
 """The laws by name, each with its meaning in one line."""
 
 SOLVERS: dict[str, str] = {
-    "rk45": "explicit Runge-Kutta 5(4) of Dormand and Prince, adaptive; the default choice",
+    "auto": "exact for linear modes, else rk45, and radau where that is stiff; the default",
+    "rk45": "explicit Runge-Kutta 5(4) of Dormand and Prince, adaptive",
     "radau": "implicit Runge-Kutta of order 5 (Radau IIA), adaptive; for stiff models",
     "exact": "exact propagation of linear modes by the exponential of a matrix; rk45 elsewhere",
     "rk4": "classical Runge-Kutta of order 4, fixed step",
@@ -43,8 +44,8 @@ SOLVERS: dict[str, str] = {
 FIXED = ("rk4", "euler")
 """Those with a fixed step."""
 
-AUTO = "auto"
-"""Not a solver: one is chosen for the model."""
+DEFAULT = "auto"
+"""The one of a run that does not say."""
 
 STEPPING: dict[str, str] = {
     "moreau-jean": "time-stepping of Moreau and Jean: fixed steps, contacts and diodes within them",
@@ -74,9 +75,9 @@ def solver_of(solver: str | None, experiment: Mapping[str, Any]) -> str:
     >>> solver_of(None, {"solver": "qss"})
     'qss3'
     """
-    name = str(solver or experiment.get("solver", "rk45"))
+    name = str(solver or experiment.get("solver", DEFAULT))
     name = ALIASES.get(name, name)
-    known = (AUTO, *SOLVERS, *STEPPING)
+    known = (*SOLVERS, *STEPPING)
     if name not in known:
         raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
     return name
@@ -258,7 +259,7 @@ def check_step(name: str, step: float | None) -> None:
         raise UsageError(
             f"solver {name!r} has a fixed step and none is given",
             code="HB-S102",
-            hint='give one, such as step="1 ms", or choose the adaptive solver "rk45"',
+            hint='give one, such as step="1 ms", or choose an adaptive solver, such as "auto"',
         )
     elif not 0.0 < step < math.inf:
         raise UsageError(

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from hybond.blocks.runners import runners_of
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import choose_engine, prepared
-from hybond.engine.outcome.fitting import fitting
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
@@ -22,14 +20,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.result import Result, Status
-from hybond.run_options import (
-    AUTO,
-    STEPPING,
-    STEPPING_IMPACT,
-    Choice,
-    ignored_impact,
-    solver_of,
-)
+from hybond.run_options import STEPPING, STEPPING_IMPACT, Choice, ignored_impact, solver_of
 
 ENGINE: Literal["library", "python"] | None = None
 """What makes runs that do not say what should."""
@@ -69,12 +60,12 @@ def simulate(
     parameters : mapping
         Values by dotted path that replace the model's own.
     solver : str
-        ``"auto"``, which looks at the model and says in `Result.method` what it took and why;
-        ``"rk45"``, ``"radau"``, ``"rk4"`` or ``"euler"``; ``"exact"``, which propagates linear
-        modes and leaves others to ``"rk45"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"`` to
-        ``"liqss3"``, which quantise states; or ``"moreau-jean"``, time-stepping: it locates no
-        events, and takes contacts, diodes and friction as laws of each step. Default ``"rk45"``,
-        or what the experiment says.
+        ``"auto"``, which propagates linear modes exactly, leaves others to ``"rk45"`` and, where
+        that turns out to be stiff, to ``"radau"``, and says so in `Result.method`; ``"rk45"``,
+        ``"radau"``, ``"rk4"`` or ``"euler"``; ``"exact"``, which never leaves modes to
+        ``"radau"``; ``"qss1"`` to ``"qss3"`` or ``"liqss1"`` to ``"liqss3"``, which quantise
+        states; or ``"moreau-jean"``, time-stepping: it locates no events, and takes contacts,
+        diodes and friction as laws of each step. Default ``"auto"``, or what the experiment says.
     rtol : float
         Relative tolerance, default 1e-8. Stored quantities are measured against the largest value
         they have had, and against 1e-6 of the value that would hold the system's energy.
@@ -181,11 +172,6 @@ def simulate(
     if band is not None:
         graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
-    chosen = None
-    if name == AUTO:
-        fit = fitting(prepared(graph, replace(settings, solver="exact"), maker))
-        name, chosen = fit.solver, f"{fit.solver} chosen: {fit.reason}"
-        settings = replace(settings, solver=name)
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
@@ -199,7 +185,7 @@ def simulate(
         run.trace.engine = maker.said
         for text in notices(graph, settings, impact):
             run.trace.warn(text)
-        return _finish(graph, run, settings.until, name, on_error, chosen)
+        return _finish(graph, run, settings.until, name, on_error)
     finally:
         for runner in runners.values():
             runner.close()
@@ -251,12 +237,8 @@ def _finish(
     end: float,
     name: str,
     on_error: str,
-    chosen: str | None,
 ) -> Result:
-    """Run; return the result, also that of a run that stopped.
-
-    `chosen` says why this solver was taken.
-    """
+    """Run; return the result, also that of a run that stopped."""
     trace = run.trace
     status: Status = "error"
     failure: HybondError | None = None
@@ -272,7 +254,6 @@ def _finish(
         failure = unsound_refusal(trace.unsound, float(reached))
     for warning in graph.warnings:
         trace.warn(warning)
-    trace.method = "; ".join(t for t in (chosen, trace.method) if t)
     result = Result(graph, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result

@@ -233,6 +233,24 @@ class Violation:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """From `t` on modes that are not linear are left to another solver: motion is stiff, or no more.
+
+    Parameters
+    ----------
+    t : float
+        s.
+    solver : {"radau", "rk45"}
+    """
+
+    t: float
+    solver: str
+
+    def __str__(self) -> str:
+        return f"{self.solver} from t = {self.t:.6g} s on"
+
+
 @dataclass(slots=True)
 class Trace:
     """Everything a run wrote down, in order."""
@@ -241,6 +259,7 @@ class Trace:
     events: Chronicle[Event] = field(default_factory=lambda: Chronicle(_instant))
     accumulations: list[Accumulation] = field(default_factory=list)
     slidings: list[Sliding] = field(default_factory=list)
+    turns: list[Turn] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     engine: str = ""
     """What made the run."""

@@ -194,7 +194,6 @@ class _Making:
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))
-        model.experiment["solver"] = "auto"
         return model, woven.lines
 
     def _steps(self) -> int:

@@ -312,7 +312,7 @@ def _parser() -> Parser:
     _settings(export)
     export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
     export.add_argument(
-        "--solver", metavar="NAME", help="rk45, radau, exact, rk4, euler, moreau-jean"
+        "--solver", metavar="NAME", help="auto, rk45, radau, exact, rk4, euler, moreau-jean"
     )
     export.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
     export.add_argument("--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1")

@@ -78,6 +78,7 @@ def run_record(
             }
             for s in run.sliding
         ],
+        "turns": [{"t": turn.t, "solver": turn.solver} for turn in run.turns],
         "warnings": notes,
         "stats": {k: int(v) if float(v).is_integer() else v for k, v in run.stats.items()},
         "engine": run.engine,
@@ -103,6 +104,7 @@ def failure_record(file: str, error: HybondError | None) -> dict[str, Any]:
         "events": [],
         "samples": {"t": []},
         "final": {},
+        "turns": [],
         "warnings": [],
         "stats": {},
         "engine": "",

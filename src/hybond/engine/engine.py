@@ -12,9 +12,9 @@ from hybond.engine.contacts.landing_records import Landings, make_landings
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
-from hybond.engine.methods.flow_records import Exact, make_exact
+from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
 from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
-from hybond.engine.methods.radau_room import Radau, make_radau
+from hybond.engine.methods.radau_room import RADAU, Radau, make_radau
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.mode.mode_records import KEPT, Leakage, Mode, Ways, make_leakage, make_ways
 from hybond.engine.model import Model
@@ -209,6 +209,19 @@ class Step:
     grid_next: float
     rated: bool
     """Whether `f` is known there; fixed steps find it out when they need it."""
+    implicit: bool
+    """Of what chooses by itself: whether modes that are not linear are left to ``radau``."""
+    turns: bool
+    """Whether that changes with the next step."""
+    roomy: bool
+    """Whether there is room for it."""
+    bound: int
+    """Steps in a row that stability, not accuracy, has bound, or that did not need ``radau``; ..."""
+    free: int
+    """... and since the last such one."""
+    long_bound: int
+    """Likewise of steps beyond a bound that a motion which is followed may keep to as well."""
+    long_free: int
     k: Floats
     weight: Floats
     """Of each stage in a sum of them."""
@@ -497,9 +510,9 @@ def make_engine(m: Model) -> Engine:
         e.stepping = make_stepping(m)
     e.landings = make_landings(m)
     e.planar = make_planar(m)
-    if m.method == 1:
+    if m.method == RADAU:
         e.radau = make_radau(e.states)
-    if m.method == 2 or m.method >= QSS1:
+    if m.method == EXACT or m.method == AUTO or m.method >= QSS1:
         e.exact = make_exact(m)
     if m.method >= QSS1:
         e.quantised = make_quantised(m)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from hybond.engine.compiled.sources import ENGINE, portable_paths
-from hybond.engine.outcome.fitting import fitted
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.slotted import slotted_tables
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
@@ -146,7 +145,6 @@ def exported(
 
     `prepared` is done to its flat graph first.
     """
-    options = fitted(prepared(model.flatten()), options)
     found = slotted_tables(model, prepared, options)
     graph, tables = found.graph, found.tables
     names = Names(found)

@@ -21,7 +21,7 @@ from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import AUTO, STEPPING, end_of
+from hybond.run_options import STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
@@ -288,7 +288,7 @@ def _asked(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
     """Return what runs of the library are asked for; None and why if it is no such runs."""
     options = {k: v for k, v in task.options.items() if k not in _RUN}
     settings, band = settings_of(task.model.experiment, task.until, **options)
-    if settings.solver in (AUTO, *STEPPING):
+    if settings.solver in STEPPING:
         return None, f"solver {settings.solver!r}"
     if task.options.get("keep") is not None:
         return None, "keep"

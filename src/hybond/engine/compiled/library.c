@@ -40,11 +40,11 @@ typedef struct HybondRun {
 /* The log of a run: how many there are of what, and columns of numbers; as in rows.py. */
 #define COUNTS(X) \
     X(steps) X(instants) X(visits) X(fireds) X(hits) X(reads) X(overs) X(opens) X(slids) X(slides) \
-    X(rejected) X(bond_rows)
+    X(rejected) X(bond_rows) X(turns)
 #define FLOATS(X) \
     X(step_time) X(step_until) X(step_state) X(step_dense) X(step_bonds) X(step_energy) \
     X(instant_time) X(instant_state) X(instant_since) X(visit_energy) X(hit_area) X(read) \
-    X(slide_time)
+    X(slide_time) X(turn_time)
 #define INTS(X) \
     X(step_place) X(step_bond) X(instant_place) X(visit) X(fired) X(hit) X(over) X(open) X(slid)
 
@@ -290,16 +290,6 @@ SHOWN int hybond_look_into(HybondRun *look, double t, const int *state, const in
 SHOWN int hybond_look_modes(HybondRun *look, int *state)
 {
     return state == NULL ? look->e->slide->parts : parts_of(look->e, state);
-}
-
-/* Why the mode is not linear: as `why_not_linear` in look.py. */
-SHOWN int hybond_look_linear(HybondRun *look, int *why)
-{
-    if (setjmp(look->arena.spent) != 0) {
-        return ended(look);
-    }
-    *why = why_not_linear(look->e);
-    return OK;
 }
 
 /* Look at points: the numbers of ASKED in native_look.py. */

@@ -72,10 +72,6 @@ class Look(ABC):
         """Return the states of machines in each of these modes."""
 
     @abstractmethod
-    def _why_not_linear(self) -> int:
-        """Return why the mode is not linear."""
-
-    @abstractmethod
     def _ask(
         self,
         what: str,
@@ -188,19 +184,6 @@ class Look(ABC):
         self._ready()
         with self._lock:
             return self._modes()
-
-    def why_not_linear(self) -> int:
-        """Return why the mode is not linear: a reason by its number; -1: it is; -2: no motion.
-
-        The tables are those for solver ``"exact"``.
-
-        Raises
-        ------
-        MemoryError
-        """
-        self._ready()
-        with self._lock:
-            return self._why_not_linear()
 
     def values(self, points: Points | Within, slots: ArrayLike) -> Vector:
         """Return values at points, shape (points, slots).

@@ -35,7 +35,6 @@ def _looking() -> ctypes.CDLL:
             *(number, number, handle, ctypes.c_double),
         ],
         "modes": [handle, handle],
-        "linear": [handle, ctypes.POINTER(number)],
         "at": [handle, number, points, number, handle, handle, handle, handle],
         "along": [
             *(handle, points, number, handle, number, handle, handle, handle, handle),
@@ -102,11 +101,6 @@ class NativeLook(Look):
         found = np.zeros((self._parts, self.model.record.machines), dtype=np.intc)
         self._library.hybond_look_modes(self._handle, address(found))
         return found
-
-    def _why_not_linear(self) -> int:
-        why = ctypes.c_int()
-        self._check(self._library.hybond_look_linear(self._handle, ctypes.byref(why)))
-        return why.value
 
     def _ask(
         self,

@@ -15,13 +15,13 @@ MACHINES_OF_STEP = 2
 MACHINES_OF_INSTANT = 3
 COUNTS = (
     *("steps", "instants", "visits", "fireds", "hits", "reads", "overs", "opens", "slids"),
-    *("slides", "rejected", "bond_rows"),
+    *("slides", "rejected", "bond_rows", "turns"),
 )
 """Numbers of the log; those of its warnings are beside them."""
 FLOATS = (
     *("step_time", "step_until", "step_state", "step_dense", "step_bonds", "step_energy"),
     *("instant_time", "instant_state", "instant_since", "visit_energy", "hit_area", "read"),
-    "slide_time",
+    *("slide_time", "turn_time"),
 )
 INTS = (
     *("step_place", "step_bond", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
@@ -102,6 +102,8 @@ class Rows:
     located."""
     step_bond: NDArray[np.intc]
     """Shape (steps or 0,)."""
+    turn_time: NDArray[np.float64]
+    """Shape (turns,). When ``auto`` went over to ``radau``, or back."""
 
 
 def rows_of(
@@ -152,6 +154,7 @@ def rows_of(
         "step_energy": (powered, 3),
         "instant_since": (instants,),
         "step_bond": (powered,),
+        "turn_time": (many["turns"],),
     }
     whole = {*INTS, "warn", "warn_first"}
     return Rows(

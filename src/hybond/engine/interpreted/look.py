@@ -23,7 +23,6 @@ from hybond.engine.looking.look import (
     parts_of,
     points_at,
     points_within,
-    why_not_linear,
 )
 from hybond.errors import NumericsError
 
@@ -63,9 +62,6 @@ class PythonLook(Look):
         found = [0] * (self._parts * machines)
         parts_of(self._engine, found)
         return np.array(found, dtype=np.intc).reshape(self._parts, machines)
-
-    def _why_not_linear(self) -> int:
-        return why_not_linear(self._engine)
 
     def _ask(
         self,

@@ -9,8 +9,6 @@ linear mode only what is asked for is evaluated, and of the state only what that
 
 from __future__ import annotations
 
-from typing import Final
-
 from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
@@ -18,7 +16,6 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
-from hybond.engine.methods.flow import why_not
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.values import evaluate, set_motion
@@ -30,9 +27,6 @@ from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, floats, ints, record
-
-LINEAR: Final = -1
-PINNACLE: Final = -2
 
 
 @record
@@ -161,17 +155,6 @@ def look_into(
             if e.mode.prior_acts[k] != 0:
                 l.vanishing[m.prior_slot[i]] = 1
     return OK
-
-
-def why_not_linear(e: Engine) -> int:
-    """Return why the mode that is looked into is not linear, by the number of the reason.
-
-    LINEAR if it is, PINNACLE if time does not pass in it. For a model with forms.
-    """
-    for k in range(e.model.priors):
-        if e.mode.prior_acts[k] != 0:
-            return PINNACLE
-    return why_not(e, e.mode)
 
 
 def set_flags(m: Model, mode: Mode, v: Floats) -> None:

@@ -28,13 +28,14 @@ from hybond.engine.methods.exact import (
 )
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow import take_flow
+from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import controlled, tolerance
+from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
 
-EXACT: Final = 2
 BETA: Final = 0.04
 EXPONENT: Final = 0.2 - 0.75 * 0.04
 SAFETY: Final = 0.9
@@ -44,7 +45,7 @@ GROW: Final = 10.0
 
 def is_propagated(e: Engine) -> bool:
     """Whether the present mode is propagated exactly."""
-    return e.model.method == EXACT and e.exact.on
+    return (e.model.method == EXACT or e.model.method == AUTO) and e.exact.on
 
 
 def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
@@ -71,8 +72,10 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
 def choose_first(e: Engine, limit: float) -> None:
     """Choose the method in the mode that begins, and the size of the first step."""
     s = e.step
-    if e.model.method == EXACT:
-        take_flow(e)
+    if e.model.method == EXACT or e.model.method == AUTO:
+        e.exact.on = False
+        if e.model.method == EXACT or e.states <= LARGE:
+            take_flow(e)
         e.exact.on = e.exact.on and begin_exact(e)
         if e.exact.on:
             s.h = first_exact(e, limit)
@@ -141,6 +144,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
     accept(e, t1)
+    if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:
+        watch_explicit(e, h, grown)
     return OK
 
 

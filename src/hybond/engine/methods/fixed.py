@@ -16,8 +16,8 @@ from hybond.engine.methods.dopri import begin_step, goes_elsewhere, not_finite
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
 
-RK4: Final = 3
-EULER: Final = 4
+RK4: Final = 4
+EULER: Final = 5
 SLACK: Final = 1e-9
 """Part of a step within which a time counts as a point of the grid."""
 

@@ -22,8 +22,8 @@ from hybond.engine.algebra.blocks import (
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
-QSS1: Final = 6
-LIQSS1: Final = 9
+QSS1: Final = 7
+LIQSS1: Final = 10
 X: Final = 4
 """Coefficients that there is room for of each state, ..."""
 Q: Final = 3

@@ -5,6 +5,8 @@ from typing import Final
 from hybond.engine.algebra.lu_pair import Complex
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
+RADAU: Final = 1
+"""The method."""
 PIECES: Final = 128
 """Steps that the repetition of one may fall apart into."""
 RATE_BLAMED: Final = 0

@@ -2,27 +2,45 @@
 
 from __future__ import annotations
 
-from typing import Final
-
-from hybond.engine.engine import Engine
+from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.control import (
     controlled_retry,
     controlled_start,
     controlled_step,
 )
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
+from hybond.engine.methods.flow_records import AUTO
 from hybond.engine.methods.qss import qss_retry, qss_step
 from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.qss_start import qss_start
-from hybond.engine.methods.radau import radau_between
+from hybond.engine.methods.radau import begin_radau, radau_between
 from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
+from hybond.engine.methods.radau_room import RADAU
+from hybond.engine.methods.stiffness import turn
 from hybond.engine.words import Floats
 
-RADAU: Final = 1
+
+def by_radau(e: Engine) -> bool:
+    """Whether steps in the present mode are those of ``radau``."""
+    if e.model.method == AUTO:
+        return e.step.implicit and not e.exact.on
+    return e.model.method == RADAU
+
+
+def start_fitting(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
+    """Begin, or go on after an event, by the method that fits the mode and what was seen of it."""
+    if by_radau(e) and not jumped:
+        return radau_start(e, t, y, t_bound, False)
+    found = controlled_start(e, t, y, t_bound, jumped)
+    if found == OK and jumped and by_radau(e):
+        begin_radau(e.radau, True)
+    return found
 
 
 def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
+    if e.model.method == AUTO:
+        return start_fitting(e, t, y, t_bound, jumped)
     if e.model.method == RADAU:
         return radau_start(e, t, y, t_bound, jumped)
     if e.model.method >= QSS1:
@@ -36,7 +54,9 @@ def step(e: Engine, t_end: float) -> int:
     """Make one step that satisfies the tolerance, not beyond `t_end`."""
     e.refusal = False
     e.curved = False
-    if e.model.method == RADAU:
+    if e.model.method == AUTO and e.step.turns and not e.exact.on:
+        turn(e)
+    if by_radau(e):
         return radau_step(e, t_end)
     if e.model.method >= QSS1:
         return qss_step(e, t_end)
@@ -49,7 +69,7 @@ def retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     e.refusal = False
     e.curved = False
-    if e.model.method == RADAU:
+    if by_radau(e):
         return radau_retry(e, t_end)
     if e.model.method >= QSS1:
         return qss_retry(e, t_end)
@@ -61,7 +81,7 @@ def retry(e: Engine, t_end: float) -> int:
 def reach(e: Engine, t: float) -> None:
     """Let the last step end at `t`, which is one instant with where it ends, and what is there."""
     e.step.t1 = t
-    if e.model.method == RADAU and not e.curved:
+    if by_radau(e) and not e.curved:
         e.radau.piece_t1[e.radau.pieces - 1] = t
 
 
@@ -69,7 +89,7 @@ def between(e: Engine, t: float, y: Floats) -> None:
     """Put the state at a time within the last step into `y`, at its ends bit for bit."""
     s = e.step
     n = e.states
-    if e.model.method == RADAU and not e.curved:
+    if by_radau(e) and not e.curved:
         radau_between(e.radau, t, y)
         return
     if t == s.t0 or t == s.t1:

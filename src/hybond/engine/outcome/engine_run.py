@@ -22,7 +22,7 @@ from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError
-from hybond.trace import Accumulation, Trace
+from hybond.trace import Accumulation, Trace, Turn
 
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
@@ -30,6 +30,8 @@ FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
 MOST = 1_000_000
+TOLD = 4
+"""Changes of method that are told one by one."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
 
@@ -157,7 +159,10 @@ class EngineRun:
         found = run.propagated
         if found:
             self.trace.stats["propagated"] = float(found[0])
-            self.trace.method = _method([*zip(self._why, found[1:], strict=True)], found[0])
+            left = [*zip(self._why, found[1:], strict=True)]
+            self.trace.method = _method(left, found[0], self.trace.turns)
+        if self.trace.turns:
+            self.trace.stats["turns"] = float(len(self.trace.turns))
 
     @property
     def _why(self) -> list[str]:
@@ -191,14 +196,19 @@ class EngineRun:
     def _refused(self, refusal: Refusal) -> HybondError:
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
-        fault = Fault(refusal, self._run.mode, limits)
+        fault = Fault(refusal, self._run.mode, limits, int(numbers["method"]))
         return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
 
 
-def _method(left: list[tuple[str, int]], many: int) -> str:
-    """Return how many modes were propagated exactly, and why not more."""
+def _method(left: list[tuple[str, int]], many: int, turns: Sequence[Turn]) -> str:
+    """Return how many modes were propagated exactly, why not more, and who had the others."""
     texts = [f"{_modes(many)} propagated exactly"]
-    return "; ".join(texts + [f"{_modes(n)} left to rk45: {why}" for why, n in sorted(left) if n])
+    texts += [f"{_modes(n)} left to rk45: {why}" for why, n in sorted(left) if n]
+    if turns:
+        texts.append(f"stiff: {', '.join(map(str, turns[:TOLD]))}")
+        if len(turns) > TOLD:
+            texts[-1] += f" and {len(turns) - TOLD} more changes"
+    return "; ".join(texts)
 
 
 def _modes(n: int) -> str:

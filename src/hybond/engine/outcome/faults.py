@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.methods.flow_records import AUTO, LARGE
+from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of
@@ -44,7 +46,7 @@ HINTS = {
     "HB-J204": "use poisson, or a restitution of 0 instead of a very small one",
     "HB-J206": "an impact law takes masses as constant: give them linear laws",
     "HB-N201": "look for a state that grows without bound or a law with a jump inside; loosen the "
-    "tolerances, or use solver 'radau' if the model is stiff",
+    "tolerances",
     "HB-N202": "look for a division by zero, a root or logarithm of a negative number, or an "
     "overflow in the laws that feed this state",
     "HB-N301": "look whether these laws can give what is asked of them; check them for jumps",
@@ -65,8 +67,9 @@ HINTS = {
     "HB-N408": "tighten rtol, or take solver = 'rk45'",
     "HB-N410": "where sign(), or if/else, should hold what it switches: a junction with "
     "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides",
-    "HB-N409": "a model as stiff as that wants solver = 'auto' or 'radau'; else raise max_steps",
+    "HB-N409": "leave out what is so fast, or raise max_steps",
 }
+SMALL_STEPS = ("HB-N201", "HB-N409")
 KINDS: dict[str, type[HybondError]] = {
     "HB-C": CausalityError,
     "HB-J": ModelError,
@@ -97,11 +100,14 @@ class Fault:
         That was tried, or in which time passed.
     limits : dict
         Numbers of the run that it may have come up against, by the name of their option.
+    method : int
+        Of the run, as `hybond.engine.tables.options.METHODS` has it.
     """
 
     refusal: Refusal
     mode: Mode
     limits: dict[str, float]
+    method: int
 
 
 def error_of(
@@ -141,7 +147,19 @@ def error_of(
             said = Said(why, here)
         case _:
             said = said_of(refusal, graph, explain, fault.mode) or said
-    return kind(said.why, code=code, where=said.where, hint=said.hint or HINTS.get(code, ""))
+    hint = said.hint or HINTS.get(code, "")
+    if code in SMALL_STEPS:
+        hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
+    return kind(said.why, code=code, where=said.where, hint=hint)
+
+
+def _for_stiff(method: int, states: int) -> str:
+    """Return what else to try against small steps, if another solver may help."""
+    if method == AUTO and states > LARGE:
+        return f"; solver = 'radau' if the model is stiff: 'auto' leaves {states} states to rk45"
+    if method in (AUTO, RADAU):
+        return ""
+    return "; solver = 'auto' if the model is stiff"
 
 
 def _struck(graph: FlatGraph, mode: Mode) -> str:

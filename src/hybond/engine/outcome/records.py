@@ -29,7 +29,7 @@ from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
-from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace
+from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace, Turn
 
 Vector = NDArray[np.float64]
 
@@ -221,6 +221,9 @@ class Records:
             self._add_instants(found)
         for text in self.warnings.texts(rows):
             self.trace.warn(text)
+        for t in rows.turn_time.tolist():
+            back = len(self.trace.turns) % 2 == 1
+            self.trace.turns.append(Turn(t, "rk45" if back else "radau"))
         if len(rows.step_time):
             self.t = float(rows.step_time[-1, 2])
             self.steps += len(rows.step_time)

@@ -20,7 +20,8 @@ from hybond.engine.algebra.blocks import (
 )
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
-from hybond.engine.methods.stepping import RADAU
+from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.stepping import by_radau
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.timestepping.step_records import MOREAU
@@ -94,6 +95,10 @@ class Report:
     step_bonds: Block
     step_bond: Places
     step_energy: Block
+    turns: int
+    """Of the method that chooses by itself: times at which it went over to ``radau``, or back."""
+    turn_time: Block
+    implicit: bool
     slides: int
     slide_time: Block
     slids: int
@@ -139,6 +144,7 @@ def make_report(e: Engine) -> Report:
     r.over = make_places(16)
     r.open = make_places(16)
     r.slide_time = make_block(16)
+    r.turn_time = make_block(4)
     r.slid = make_places(16)
     r.slide_row = make_places(16)
     r.slide_next = make_places(16)
@@ -167,6 +173,7 @@ def forget_rows(r: Report) -> None:
     r.opens = 0
     r.slids = 0
     r.slides = 0
+    r.turns = 0
     forget_warned(r.warned)
 
 
@@ -221,7 +228,12 @@ def report_step(e: Engine, r: Report) -> None:
     r.rejected += s.rejected
     if e.model.method == MOREAU:
         write_bonds_of_step(e, r)
-    if e.model.method != RADAU or e.curved:
+    if e.model.method == AUTO and not e.exact.on and s.implicit != r.implicit:
+        r.implicit = s.implicit
+        grow_block(r.turn_time, r.turns + 1)
+        r.turn_time.at[r.turns] = s.t0
+        r.turns += 1
+    if not by_radau(e) or e.curved:
         write_step(e, r, s.t0, s.t1, e.t)
         at = (r.steps - 1) * n
         for k in range(n):

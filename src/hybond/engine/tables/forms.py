@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
 
 STORAGE = "nonlinear storage"
-LINEAR = [METHODS[name] for name in ("exact", *QUANTISED)]
+LINEAR = [METHODS[name] for name in ("exact", "auto", *QUANTISED)]
 """Methods that read forms."""
 LAWS = "laws that are not linear"
 _STORED = ("x:", "s:", "e:", "f:")

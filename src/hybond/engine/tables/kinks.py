@@ -18,7 +18,7 @@ from hybond.run_options import QUANTISED
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
 
-FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", *QUANTISED))
+FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", "auto", *QUANTISED))
 """Methods that end a step at a kink."""
 MOST = 64
 """Most kinks of one expression; a longer table is a curve."""

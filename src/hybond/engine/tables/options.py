@@ -14,6 +14,7 @@ from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
 from hybond.run_options import (
     ALIASES,
+    DEFAULT,
     FIXED,
     STEPPING,
     STEPPING_IMPACT,
@@ -33,9 +34,8 @@ from hybond.run_options import (
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
 METHODS = {
-    **{"rk45": 0, "radau": 1, "exact": 2, "rk4": 3, "euler": 4},
-    **{"qss1": 6, "qss2": 7, "qss3": 8, "liqss1": 9, "liqss2": 10, "liqss3": 11},
-    "moreau-jean": 5,
+    **{"rk45": 0, "radau": 1, "exact": 2, "auto": 3, "rk4": 4, "euler": 5, "moreau-jean": 6},
+    **{"qss1": 7, "qss2": 8, "qss3": 9, "liqss1": 10, "liqss2": 11, "liqss3": 12},
 }
 IMPACTS = {
     "newton": NEWTON,
@@ -185,7 +185,7 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         `settings_of`.
     """
     experiment = graph.experiment
-    name = str(given.get("solver") or experiment.get("solver", "rk45"))
+    name = str(given.get("solver") or experiment.get("solver", DEFAULT))
     if ALIASES.get(name, name) not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",

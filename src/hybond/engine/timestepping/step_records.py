@@ -9,7 +9,7 @@ from hybond.engine.complementarity.lcp import Lcp, make_lcp
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
 
-MOREAU: Final = 5
+MOREAU: Final = 6
 """The method of a model that is run so."""
 COUPLED_KEPT: Final = 8
 """Configurations and lengths of steps whose matrices are kept."""

@@ -288,8 +288,7 @@ def _input(given: InputPart) -> str:
 def _results(model: Model, run: Result | None, error: str) -> Iterator[str]:
     if run is None:
         return
-    solver = model.experiment.get("solver", "rk45")
-    until = f"From 0 to {run.t_end:.9g} s, solver {solver}, status {run.status}."
+    until = f"From 0 to {run.t_end:.9g} s, solver {run.solver}, status {run.status}."
     yield escape(until) + r"\par"
     if error:
         yield escape(f"The run stopped: {error}") + r"\par"
