@@ -20,7 +20,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
-from hybond.trace import Accumulation, Segment, Sliding, Turn, Trace
+from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -235,7 +235,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """From `t` on modes that are not linear are left to another solver: motion is stiff, or no more.
+    """From `t` on modes that are not linear are left to another solver: stiff, or no more.
 
     Parameters
     ----------

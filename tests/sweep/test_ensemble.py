@@ -195,9 +195,10 @@ def test_an_input_from_python_makes_ordinary_runs() -> None:
 
 def test_another_solver_makes_ordinary_runs() -> None:
     sets = {"r": [500.0, 1000.0]}
-    many = hb.ensemble(capacitor(), 1.0, sets=sets, outputs=["c1.e"], solver="auto")
+    options = {"solver": "moreau-jean", "step": "1 ms"}
+    many = hb.ensemble(capacitor(), 1.0, sets=sets, outputs=["c1.e"], **options)
     np.testing.assert_allclose(many.final["c1.e"], 10.0 * np.exp([-2.0, -1.0]), rtol=1e-6)
-    assert many.how == "2 members one after the other: solver 'auto'"
+    assert many.how == "2 members one after the other: solver 'moreau-jean'"
 
 
 @pytest.mark.slow

@@ -216,7 +216,7 @@ class Step:
     roomy: bool
     """Whether there is room for it."""
     bound: int
-    """Steps in a row that stability, not accuracy, has bound, or that did not need ``radau``; ..."""
+    """Steps in a row that stability has bound, or that did not need ``radau``; ..."""
     free: int
     """... and since the last such one."""
     long_bound: int
