@@ -21,8 +21,9 @@ def test_a_run_prints_title_events_final_values_and_statistics(shell: Any) -> No
     assert done.out.startswith("A ball that loses speed at each bounce\n")
     assert "impact  away -> hits" in done.out
     assert "1.25 m" in done.out
-    *_, work, kernel = done.out.splitlines()
-    assert work.startswith("rk45, ") and kernel.startswith("made by the ")
+    *_, work, method, kernel = done.out.splitlines()
+    assert work.startswith("auto, ") and kernel.startswith("made by the ")
+    assert method == "1 mode propagated exactly"
 
 
 def test_samples_follow_the_exact_solution_of_the_spring(shell: Any) -> None:

@@ -164,9 +164,9 @@ def test_a_run_keeps_the_last_of_its_events() -> None:
 )
 def test_limits_stop_a_run_with_what_there_is(limit: dict[str, int], code: str) -> None:
     with pytest.raises(hb.NumericsError) as caught:
-        as_python(example("half_bridge"), **limit)
+        as_python(example("half_bridge"), solver="rk45", **limit)
     assert caught.value.code == code
-    partial = as_python(example("half_bridge"), on_error="return", **limit)
+    partial = as_python(example("half_bridge"), solver="rk45", on_error="return", **limit)
     assert partial.error is not None and partial.error.code == code
     assert partial.segments and partial.t_end < 1e-3
 

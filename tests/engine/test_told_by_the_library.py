@@ -18,6 +18,7 @@ from hybond.engine.outcome.warned import NO_SIGN, NO_SOLUTION, NO_WAY_ON, OPEN, 
 from hybond.engine.run import motion, run_records
 from hybond.engine.run.log import make_report
 from hybond.engine.tables import answered, tables_of
+from hybond.engine.tables.options import METHODS
 
 Run = Callable[..., hb.Result]
 LIMITS = {"max_writes": 1000.0, "max_events": 1e6, "max_steps": 4e6}
@@ -350,7 +351,8 @@ def test_guards_that_ask_in_vain_are_named(monkeypatch: pytest.MonkeyPatch) -> N
     refusal = Refusal(
         fault.code, fault.why, fault.place, fault.t, tuple(fault.about.at[: fault.many])
     )
-    error = error_of(Fault(refusal, tuple(engine.state), LIMITS), graph, Explaining(tables), None)
+    fault_seen = Fault(refusal, tuple(engine.state), LIMITS, METHODS["auto"])
+    error = error_of(fault_seen, graph, Explaining(tables), None)
     assert error.code == "HB-N406"
     assert "a guard holds 100 times in a row" in error.why
     assert "c.f > 0" in (error.where or "")
