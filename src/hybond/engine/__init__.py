@@ -37,6 +37,7 @@ room to work in. Data flows so::
     sampling, calls           signals set at instants; inputs and blocks that are asked for
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps
+    stiffness                 when ``auto`` goes over to them, and back
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
     gaps                      whether the gap of a contact is the distance that its bonds close
     law_instant, law_friction what laws may do at an instant, dry friction among them
