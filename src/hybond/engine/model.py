@@ -427,6 +427,9 @@ class Model:
     """What is to be ON for anything to feel it, -1: nothing."""
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
+    edges: int
+    """What is nowhere negative: beyond, a root in a law has no value."""
+    edge_value: Ints
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

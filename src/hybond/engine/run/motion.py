@@ -32,6 +32,7 @@ from hybond.engine.planar.descent import (
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, watch
@@ -175,6 +176,8 @@ def flow(e: Engine, r: Run) -> int:
             return PAUSED
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
         if step(e, end) != OK:
+            if begin_at_edge(e, r) == OK:
+                continue
             stuck_at_kink(e, r)
             return -1
         if m.disks > 0 and follow(e) != OK:
@@ -186,15 +189,19 @@ def flow(e: Engine, r: Run) -> int:
                 add_fact(e.fault, (e.t - r.began) / float(r.taken))
             return -1
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
-        if e.refusal and r.beyond > BEYOND:
+        if e.refusal and r.beyond > BEYOND and m.edges == 0:
             return -1
-        if locate(e, g) != OK:
+        if locate(e, g) != OK and find_within(e, g) != OK:
+            if begin_at_edge(e, r) == OK:
+                continue
             return -1
         at = g.at
         if at < math.inf:
             if m.kinks > 0:
                 see_jump(e, r, at)
             if land(e, g, instant, end) != OK:
+                if begin_at_edge(e, r) == OK:
+                    continue
                 stuck_at_kink(e, r)
                 return -1
             at = g.at
@@ -271,6 +278,24 @@ def follow(e: Engine) -> int:
         if retry(e, e.step.t0 + h) != OK:
             return REFUSED
     return OK
+
+
+def begin_at_edge(e: Engine, r: Run) -> int:
+    """Begin anew where a root in a law comes to nothing, if that is now."""
+    if not reach_edges(e, r):
+        return REFUSED
+    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+
+
+def find_within(e: Engine, g: Locator) -> int:
+    """Repeat a step shorter until there are values all over it, where a law has an edge."""
+    for _ in range(SHORTER if e.model.edges > 0 else 0):
+        h = 0.25 * (e.step.t1 - e.step.t0)
+        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+        if locate(e, g) == OK:
+            return OK
+    return REFUSED
 
 
 def lead_to_rest(e: Engine, r: Run, end: float) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Expr, turning, uses_pre
+from hybond.model.expressions import Expr, ending, turning, uses_pre
 from hybond.model.graph import FlatGraph
 from hybond.run_options import QUANTISED
 
@@ -42,6 +42,11 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(magnitude(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
+    edges = dict.fromkeys(
+        a for e, _ in _asked(t) for a in ending(e) if moves(a) and not uses_pre(a)
+    )
+    t.numbers["edges"] = len(edges)
+    t.ints["edge_value"] = [t.values.number(a) for a in edges]
 
 
 def _switch_of(graph: FlatGraph, node: int) -> int:

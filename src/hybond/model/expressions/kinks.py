@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations
 
+from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
 
 
@@ -33,6 +34,46 @@ def turning(e: Expr) -> list[Expr]:
             case Table():
                 found += [Binary("-", part.arg, Number(x)) for x in part.x[1:-1]]
     return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def ending(e: Expr) -> list[Expr]:
+    """Return what an expression has no value below zero of: what it takes roots of.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in ending(parse("sqrt(q - 1) + q^1.5 + q^2 + sqrt(abs(q))"))]
+    ['q - 1', 'q']
+    """
+    found: list[Expr] = []
+    for part, _ in walk(e):
+        match part:
+            case Call(function="sqrt"):
+                found.append(part.args[0])
+            case Binary("^", left, Number(value)) if _may_be_a_root(value):
+                found.append(left)
+    return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
+
+
+def _may_be_a_root(power: float) -> bool:
+    """Whether a power of what is below zero has no value; of a parameter nobody knows."""
+    return is_slotted(power) or (power > 0.0 and power % 1.0 != 0.0)
+
+
+def _is_magnitude(e: Expr) -> bool:
+    """Whether an expression is never negative by its form."""
+    match e:
+        case Number(value):
+            return not is_slotted(value) and value >= 0.0
+        case Call(function="abs") | Binary("^", _, Number(2.0)):
+            return True
+        case Call(function="max"):
+            return any(_is_magnitude(a) for a in e.args)
+        case Binary("*", left, right):
+            return left == right
+        case Binary("+", left, right):
+            return _is_magnitude(left) and _is_magnitude(right)
+    return False
 
 
 def _whole(e: Expr) -> Expr:

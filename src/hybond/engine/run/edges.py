@@ -1,0 +1,100 @@
+"""Edges of where laws have values: a root comes to nothing in a finite time, and stays there.
+
+A tank drains by the root of its level. No step reaches the edge: the steps become shorter as it
+comes nearer, and one beyond it has no value. What is an instant away from it is put there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.mode.values import evaluate, field
+from hybond.engine.model import value
+from hybond.engine.run.run_records import Run
+from hybond.engine.words import Floats
+
+NEARLY: Final = 1.0 - 1e-10
+"""Part of the way that is gone where all of it leads beyond by rounding."""
+TICKS: Final = 64.0
+"""Units in the last place of the time within which no step is short enough."""
+PASSES: Final = 64
+"""Times that it is gone: what is left is 1e-10 of what was, down to nothing."""
+
+
+def reach_edges(e: Engine, r: Run) -> bool:
+    """Put the state on the edges that it reaches within the present instant; whether it is there.
+
+    Only where no step is short enough.
+    """
+    n = e.states
+    refusal = e.refusal
+    room = max(room_of_instant(e, e.t), TICKS * spacing(e.t))
+    if e.model.edges == 0 or e.slide.k > 0 or field(e, e.mode, e.t, e.y, r.rate) != OK:
+        return False
+    for i in range(n):
+        r.beside[n + i] = 1.0 if math.fabs(e.y[i]) > room * math.fabs(r.rate[i]) else 0.0
+    reached = False
+    for k in range(e.model.edges):
+        reached = reach_edge(e, r, k, room) or reached
+    reached = vanish(e, r) or reached
+    e.refusal = refusal and not reached
+    return reached
+
+
+def vanish(e: Engine, r: Run) -> bool:
+    """Let nothing be left of what comes to nothing within the instant, if laws have values then.
+
+    Two tanks run empty together: of the upper one no rounding is left to be filled from below.
+    """
+    n = e.states
+    changed = False
+    for i in range(n):
+        r.beside[i] = e.y[i] if r.beside[n + i] != 0.0 else 0.0
+        changed = changed or r.beside[i] != e.y[i]
+    for k in range(e.model.edges):
+        changed = changed and way_to(e, k, r.beside) >= 0.0
+    for i in range(n if changed else 0):
+        e.y[i] = r.beside[i]
+    return changed
+
+
+def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:
+    """Put the state on an edge; False where it is too far, or would not rest there."""
+    moved = False
+    for _ in range(PASSES):
+        left = way_to(e, k, e.y)
+        if not left > 0.0 or field(e, e.mode, e.t, e.y, r.rate) != OK:
+            return moved and left == 0.0
+        # seen from where the motion comes from: there it has values
+        for i in range(e.states):
+            r.beside[i] = e.y[i] - room * r.rate[i]
+        speed = (way_to(e, k, r.beside) - left) / room
+        if not (speed > 0.0 and left <= speed * room):
+            return False
+        whole = left / speed
+        moved = go(e, r, k, whole) or go(e, r, k, NEARLY * whole)
+        if not moved:
+            return False
+    return False
+
+
+def go(e: Engine, r: Run, k: int, h: float) -> bool:
+    """Go on by the rates for a time, if laws have values there."""
+    for i in range(e.states):
+        r.beside[i] = e.y[i] + h * r.rate[i]
+    if not way_to(e, k, r.beside) >= 0.0:
+        return False
+    for i in range(e.states):
+        e.y[i] = r.beside[i]
+    return True
+
+
+def way_to(e: Engine, k: int, y: Floats) -> float:
+    """Return how far a state is from an edge; below zero beyond it, where there is no value."""
+    if evaluate(e, e.mode, e.v, e.t, y) != OK:
+        return -1.0
+    return value(e.model, e.model.edge_value[k], e.v)
