@@ -1,7 +1,7 @@
 """Edges of where laws have values: a root comes to nothing in a finite time, and stays there.
 
 A tank drains by the root of its level. No step reaches the edge: the steps become shorter as it
-comes nearer, and one beyond it has no value. What is an instant away from it is put there.
+comes nearer, and one beyond it has no value. What is no time away from it is put there.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import value
@@ -19,20 +18,20 @@ from hybond.engine.words import Floats
 
 NEARLY: Final = 1.0 - 1e-10
 """Part of the way that is gone where all of it leads beyond by rounding."""
-TICKS: Final = 64.0
-"""Units in the last place of the time within which no step is short enough."""
+AT_ONCE: Final = 1e-9
+"""Part of the run within which an edge is reached at once, where no step is short enough."""
 PASSES: Final = 64
 """Times that it is gone: what is left is 1e-10 of what was, down to nothing."""
 
 
 def reach_edges(e: Engine, r: Run) -> bool:
-    """Put the state on the edges that it reaches within the present instant; whether it is there.
+    """Put the state on the edges that it reaches within no time; whether it is there.
 
     Only where no step is short enough.
     """
     n = e.states
     refusal = e.refusal
-    room = max(room_of_instant(e, e.t), TICKS * spacing(e.t))
+    room = max(room_of_instant(e, e.t), AT_ONCE * e.until)
     if e.model.edges == 0 or e.slide.k > 0 or field(e, e.mode, e.t, e.y, r.rate) != OK:
         return False
     for i in range(n):
@@ -46,7 +45,7 @@ def reach_edges(e: Engine, r: Run) -> bool:
 
 
 def vanish(e: Engine, r: Run) -> bool:
-    """Let nothing be left of what comes to nothing within the instant, if laws have values then.
+    """Let nothing be left of what comes to nothing within no time, if laws have values then.
 
     Two tanks run empty together: of the upper one no rounding is left to be filled from below.
     """

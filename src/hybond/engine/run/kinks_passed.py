@@ -15,8 +15,8 @@ from hybond.engine.methods.stepping import between, reach, retry
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.model import node_name, value
-from hybond.engine.run.guard_values import show
-from hybond.engine.run.locator import ALL_PARTS, Locator
+from hybond.engine.run.guard_values import has_crossed, holds_at, show
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.run.run_records import IDLE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
@@ -40,27 +40,51 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     What is behind the kink must not show before it. Where the two are one instant, the step ends
     before the kink, and is carried over by the rates there: the next one begins behind it.
     """
-    kink = kink_there(e, r.locator)
+    g = r.locator
+    kink = kink_there(e, g)
     r.kink = kink if kink >= 0 else r.kink
-    before = before_kink(e, r.locator, at)
+    before = before_kink(e, g, at)
     behind = at + LAST_PLACES * spacing(at)
     apart = before <= e.step.t0 or behind - before > room_of_instant(e, at)
+    for k in range(g.guards):
+        g.done[k] = 1 if g.side[k] != NO_KINK and holds_at(e, g, k, at) else 0
     if retry(e, at if apart else before) != OK:
         return stuck_at_kink(e, r)
     if not apart:
-        carry_over_kink(e, r, behind)
+        carry_over_kink(e, r, behind - before)
     return OK
 
 
-def carry_over_kink(e: Engine, r: Run, behind: float) -> None:
-    """Carry the end of the last step over to `behind`, the same instant."""
+def carry_over_kink(e: Engine, r: Run, h: float) -> None:
+    """Carry the end of the last step over for a time, longer where rounding swallows that."""
+    g = r.locator
     refusal = e.refusal
-    if field(e, e.mode, e.step.t1, e.step.y1, r.rate) == OK:
+    room = room_of_instant(e, e.step.t1)
+    known = field(e, e.mode, e.step.t1, e.step.y1, r.rate) == OK
+    passed = False
+    h = 0.5 * h
+    while known and not passed and h < room:
+        h = 2.0 * h
         for i in range(e.states):
-            e.step.y1[i] += (behind - e.step.t1) * r.rate[i]
+            g.y[i] = e.step.y1[i] + h * r.rate[i]
+        show(e, g, ALL_PARTS)
+        set_motion(e, e.v, e.step.t1 + h, g.y)
+        known = solve_read(e, e.mode, g.reads, e.v) == OK
+        passed = known and has_passed(e, g)
+    for i in range(e.states if known else 0):
+        e.step.y1[i] = g.y[i]
     e.refusal = refusal
-    r.locator.looked = math.nan
-    reach(e, behind)
+    g.looked = math.nan
+    if known:
+        reach(e, e.step.t1 + h)
+
+
+def has_passed(e: Engine, g: Locator) -> bool:
+    """Whether a kink that has ended the step is behind, at the values of the motion."""
+    passed = False
+    for k in range(g.guards):
+        passed = passed or (g.done[k] != 0 and has_crossed(e, g, k))
+    return passed
 
 
 def count_kink(e: Engine, r: Run) -> int:

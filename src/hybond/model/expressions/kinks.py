@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations
 
+from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
 
 
@@ -49,16 +50,21 @@ def ending(e: Expr) -> list[Expr]:
         match part:
             case Call(function="sqrt"):
                 found.append(part.args[0])
-            case Binary("^", left, Number(value)) if value > 0.0 and value % 1.0 != 0.0:
+            case Binary("^", left, Number(value)) if _may_be_a_root(value):
                 found.append(left)
     return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
+
+
+def _may_be_a_root(power: float) -> bool:
+    """Whether a power of what is below zero has no value; of a parameter nobody knows."""
+    return is_slotted(power) or (power > 0.0 and power % 1.0 != 0.0)
 
 
 def _is_magnitude(e: Expr) -> bool:
     """Whether an expression is never negative by its form."""
     match e:
         case Number(value):
-            return value >= 0.0
+            return not is_slotted(value) and value >= 0.0
         case Call(function="abs") | Binary("^", _, Number(2.0)):
             return True
         case Call(function="max"):
