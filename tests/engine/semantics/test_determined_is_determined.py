@@ -206,3 +206,32 @@ def test_random_monotone_laws_in_parallel(seed: int) -> None:
         high *= 2
     root = brentq(lambda x: max(min(rest(x), 1e30), -1e30), 0, high, xtol=1e-300, rtol=1e-14)
     assert last(m, "n.e") == pytest.approx(root, rel=1e-8)
+
+
+# -- laws near their limit: small residuals are no solutions ---------------------------------------
+
+
+LIMITED = {
+    "1 [V]*tanh(f/(1 [A]))": math.atanh,
+    "2/pi*1 [V]*atan(f/(1 [A]))": lambda v: math.tan(0.5 * math.pi * v),
+    "1 [V]*(f/(1 [A]))/sqrt(1 + (f/(1 [A]))^2)": lambda v: v / math.sqrt((1.0 - v) * (1.0 + v)),
+    "1 [V]*(1 - exp(-f/(1 [A])))": lambda v: -math.log1p(-v),
+}
+"""Laws that give less than 1 V, and the current at a part of it."""
+
+
+@pytest.mark.parametrize("law", LIMITED)
+@pytest.mark.parametrize("below", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_law_is_followed_close_to_its_limit(law: str, below: float) -> None:
+    volts = 1.0 - below
+    m = one_loop(hb.Se(volts), "electrical", e=law)
+    # rounding of the law, by what is left to its limit
+    assert last(m, "D.f") == pytest.approx(LIMITED[law](volts), rel=1e-8 + 4e-15 / below)
+
+
+@pytest.mark.parametrize("law", LIMITED)
+@pytest.mark.parametrize("above", [1e-12, 1e-10, 1e-7, 1e-3, 1.0])
+def test_a_law_is_not_solved_beyond_its_limit(law: str, above: float) -> None:
+    m = one_loop(hb.Se(1.0 + above), "electrical", e=law)
+    with pytest.raises(hb.NumericsError, match="HB-N301"):
+        hb.simulate(m, until=1.0)

@@ -25,6 +25,8 @@ HOLDS: Final = 1e-10
 UNIT: Final = 2.0**-52
 ROUNDINGS: Final = 16.0
 """Units of rounding, of all that a law is made of, by which its residual may be off."""
+NEAR: Final = 1e-6
+"""Part of the largest variable of its kind by which another step may still move one."""
 ANSWERS: Final = 1e-3
 """Part of what its slopes promise by which a law has to answer, on either side: at a corner it does
 so by less than there."""
@@ -49,7 +51,7 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
     if all_hold(e, rows):
-        return True
+        return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
 
 
@@ -64,6 +66,53 @@ def all_hold(e: Engine, rows: int) -> bool:
         if not math.fabs(e.work.residual.at[i]) <= allowed:
             return False
     return True
+
+
+def is_near(e: Engine, mode: Mode, v: Floats, w: Floats, rows: int) -> bool:
+    """Whether residuals that are small parts of their terms also leave the solution near.
+
+    Where a law has all but ended in its limit they are small far away from a solution, and where
+    there is none.
+    """
+    if is_exact(e, mode, v, rows):
+        return True
+    work = e.work
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    rows = measured_system(e, mode, v, w)
+    newton_step(e, rows, frees)
+    for i in range(rows):
+        rest = work.residual.at[i]
+        for j in range(frees):
+            rest -= work.jacobian.at[i * frees + j] * work.step.at[j]
+        # slopes that are zero, or rounding, promise nothing
+        if math.fabs(rest) > 0.5 * math.fabs(work.residual.at[i]) and not is_lost(e, mode, v, i):
+            return False
+    for k in range(n):
+        moved = 0.0
+        for j in range(frees):
+            moved += mode.finite_free.at[k * frees + j] * work.step.at[j]
+        if not math.fabs(moved) <= NEAR * work.w_reach[k]:
+            return False
+    return True
+
+
+def is_exact(e: Engine, mode: Mode, v: Floats, rows: int) -> bool:
+    """Whether all residuals are rounding."""
+    for i in range(rows):
+        if not is_lost(e, mode, v, i):
+            return False
+    return True
+
+
+def is_lost(e: Engine, mode: Mode, v: Floats, i: int) -> bool:
+    """Whether a residual is rounding of its terms, or of all that its law is made of."""
+    m = e.model
+    terms = e.work.residual_size.at[i] + e.work.residual_reach.at[i]
+    d = mode.dynamic[i] if mode.rank == mode.structures else -1
+    if d >= 0:
+        terms = max(terms, value(m, m.dynamic_rounding[d], v))
+    return math.fabs(e.work.residual.at[i]) <= ROUNDINGS * UNIT * terms
 
 
 def is_rounding(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
