@@ -26,7 +26,7 @@ LAYERS = [
     ["engine"],
     ["report"],
     ["simulation", "result"],
-    ["analysis", "circuits", "sweep", "export", "draw"],
+    ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

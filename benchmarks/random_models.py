@@ -1,0 +1,51 @@
+"""Random hybrid bond graphs, each run in several ways that must agree.
+
+``python benchmarks/random_models.py 2000 --first 0 --processes 2`` says how runs ended, by status
+or code of refusal, and for what must not be the seeds. ``--show 17`` prints one model and what is
+said of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+from collections import Counter, defaultdict
+
+from hybond.files.save import dumps
+from hybond.testing import Check, check_recipe, random_recipe
+
+
+def checked(seed: int) -> tuple[int, Check]:
+    """Check one model."""
+    return seed, check_recipe(random_recipe(seed), seed=seed)
+
+
+def main() -> None:
+    """Check as many as asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", type=int, nargs="?", default=1000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--show", type=int)
+    given = parser.parse_args()
+    if given.show is not None:
+        print(dumps(random_recipe(given.show).model()))
+        _, check = checked(given.show)
+        print(check.outcome, *(f"{f.kind}: {f.said}" for f in check.findings), sep="\n")
+        return
+    outcomes: Counter[str] = Counter()
+    found: defaultdict[str, list[str]] = defaultdict(list)
+    with multiprocessing.Pool(given.processes) as pool:
+        seeds = range(given.first, given.first + given.count)
+        for seed, check in pool.imap_unordered(checked, seeds, chunksize=8):
+            outcomes[check.outcome] += 1
+            for finding in check.findings:
+                found[finding.kind].append(f"{seed} ({check.outcome}): {finding.said}")
+    for word, count in outcomes.most_common():
+        print(f"{count:6d}  {word}")
+    for kind, lines in sorted(found.items()):
+        print(f"\n{kind}: {len(lines)}", *sorted(lines), sep="\n  ")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""A random hybrid bond graph from a seed."""
+
+from __future__ import annotations
+
+import random
+
+from hybond.testing.curves import RESISTIVE, STORED, Curve
+from hybond.testing.recipe import Bond, Part, Recipe, Switch
+
+
+def random_recipe(seed: int, *, size: int = 6) -> Recipe:
+    """Return a random hybrid bond graph; a seed always gives the same.
+
+    Junctions stand in one or two trees with rings, double bonds and two-ports; elements of all
+    kinds hang on them, linear or not, over up to six powers of ten. Nothing keeps storages
+    independent or sources apart: dependent storage, parts that float and causal conflicts are
+    wanted.
+
+    Parameters
+    ----------
+    seed : int
+        Which one.
+    size : int
+        Junctions at most.
+
+    Examples
+    --------
+    >>> random_recipe(7) == random_recipe(7)
+    True
+    """
+    return _Drawing(seed, size).recipe()
+
+
+class _Drawing:
+    """What has been drawn so far."""
+
+    def __init__(self, seed: int, size: int) -> None:
+        self.draw = random.Random(seed)
+        self.spread = self.draw.choice((0.3, 0.3, 1.0, 3.0))
+        self.bent = self.draw.choice((0.0, 0.0, 0.3, 0.7))
+        self.hybrid = self.draw.choice((0.0, 0.3, 0.6))
+        self.size = self.draw.randint(1, size)
+        self.parts: list[Part] = []
+        self.bonds: list[Bond] = []
+        self.stored: dict[str, float] = {}
+
+    def recipe(self) -> Recipe:
+        """Return what is drawn."""
+        kinds = {f"j{k}": self.draw.choice("01") for k in range(self.size)}
+        names = list(kinds)
+        free = self._junctions(kinds)
+        islands = 2 if self.size > 3 and self.draw.random() < 0.15 else 1
+        for k in range(1, self.size):
+            if k == self.size - 1 and islands == 2:
+                continue
+            self._join(f"t{k}", self.draw.choice(names[:k]), names[k])
+        for k in range(self.draw.randint(0, self.size // 2)):
+            a, b = self.draw.choice(names), self.draw.choice(names)
+            if a != b:
+                self._join(f"u{k}", a, b)
+        for k in range(self.draw.randint(2, self.size + 3)):
+            self._element(k, names)
+        for k in range(self.draw.choice((0, 1, 1, 2))):
+            self._source(k, names)
+        switches = self._switches(free)
+        integrals = ()
+        if self.stored and self.draw.random() < 0.3:
+            name = self.draw.choice(list(self.stored))
+            integrals = ((f"w{0}", "{" + name + "}", 0.0),)
+        bonds = tuple(self.draw.sample(self.bonds, len(self.bonds)))
+        used = {end for b in bonds for end in (b.tail, b.head)}
+        parts = tuple(p for p in self.parts if p.name in used or p.name in free)
+        until = 10.0 ** self.draw.uniform(-min(self.spread, 2.0), 0.3)
+        return Recipe(parts, bonds, switches, integrals, float(f"{until:.3g}"))
+
+    def _number(self, around: float = 1.0) -> float:
+        return float(f"{around * 10.0 ** self.draw.uniform(-self.spread, self.spread):.3g}")
+
+    def _junctions(self, kinds: dict[str, str]) -> list[str]:
+        """Add the junctions; return those that are left to machines."""
+        free = []
+        for name, kind in kinds.items():
+            options: tuple[tuple[str, object], ...] = ()
+            if self.draw.random() < 0.6 * self.hybrid:
+                law = self.draw.choice(("diode", "unilateral", "coulomb", "relay", "", ""))
+                if not law:
+                    free.append(name)
+                elif law == "diode":
+                    options = (("law", law),)
+                elif law == "unilateral":
+                    restitution = self.draw.choice((None, 0.0, 0.5))
+                    options = (("law", law),)
+                    if restitution is not None:
+                        options = (*options, ("restitution", restitution))
+                else:
+                    limit = self._number()
+                    options = (("law", law), ("limit", limit))
+                    if law == "coulomb" and self.draw.random() < 0.3:
+                        options = (*options, ("breakaway", 1.5 * limit))
+            self.parts.append(Part(name, kind, options))
+        return free
+
+    def _bond(self, a: str, b: str, a_port: str = "", b_port: str = "") -> None:
+        if self.draw.random() < 0.5:
+            self.bonds.append(Bond(a, b, a_port, b_port))
+        else:
+            self.bonds.append(Bond(b, a, b_port, a_port))
+
+    def _join(self, name: str, a: str, b: str) -> None:
+        if self.draw.random() < 0.7:
+            self._bond(a, b)
+            return
+        modulus = repr(self.draw.choice((1, -1)) * self._number())
+        if self.stored and self.draw.random() < self.bent:
+            what, measure = self.draw.choice(list(self.stored.items()))
+            modulus += f"*(1 + 0.3*sin({{{what}}}/{measure!r}))"
+        self.parts.append(Part(name, self.draw.choice(("TF", "GY")), modulus))
+        self._bond(a, name, "", "1")
+        self._bond(name, b, "2", "")
+
+    def _element(self, k: int, junctions: list[str]) -> None:
+        kind = self.draw.choice("CCIIRRG")
+        name = f"{kind.lower()}{k}"
+        where = self.draw.choice(junctions)
+        if kind != "G" and self.draw.random() < 0.08:
+            a, c = self._number(), self._number()
+            b = float(f"{self.draw.uniform(-0.8, 0.8) * (a * c) ** 0.5:.3g}")
+            start = (self.draw.uniform(-a, a), self.draw.uniform(-c, c)) if kind != "R" else ()
+            part = Part(name, kind, ((a, b), (b, c)), start)
+            self._bond(where, name, "", "1")
+            self._bond(self.draw.choice(junctions), name, "", "2")
+        else:
+            curves = STORED if kind in "CI" else RESISTIVE
+            form = self.draw.choice(curves) if self.draw.random() < self.bent else "linear"
+            curve = Curve(form, self._number(), self._number())
+            start = ()
+            if kind in "CI":
+                way = self.draw.choice((0.0, 1.0, 1.0)) * self.draw.uniform(-1.0, 1.0)
+                start = (float(f"{way * curve.width:.3g}"),)
+            part = Part(name, kind, curve, start)
+            self._bond(where, name)
+        self.parts.append(part)
+        for stored, x in zip(part.stored, start, strict=True):
+            self.stored[stored] = abs(x) or 1.0
+
+    def _source(self, k: int, junctions: list[str]) -> None:
+        kind = self.draw.choice(("Se", "Sf"))
+        size = self.draw.choice((1, -1)) * self._number()
+        text = repr(size)
+        match self.draw.choice(("constant", "sine", "step", "fed back")):
+            case "sine":
+                text += f"*sin({self._number(3.0)!r}*time)"
+            case "step":
+                text += f"*(if time >= {self.draw.uniform(0.05, 0.9):.3g} then 1 else 0.2)"
+            case "fed back" if self.stored:
+                what, measure = self.draw.choice(list(self.stored.items()))
+                text += f"*(1 - 0.5*tanh({{{what}}}/{measure!r}))"
+        self.parts.append(Part(f"s{k}", kind, text))
+        self._bond(f"s{k}", self.draw.choice(junctions))
+
+    def _switches(self, free: list[str]) -> tuple[Switch, ...]:
+        found = []
+        for k, name in enumerate(free):
+            closes, opens = "time >= 0.2 and time < 0.7", "time < 0.2 or time >= 0.7"
+            if self.stored and self.draw.random() < 0.6:
+                what, measure = self.draw.choice(list(self.stored.items()))
+                low, high = sorted(self.draw.uniform(-1.0, 1.0) * measure for _ in range(2))
+                closes, opens = f"{{{what}}} > {high:.4g}", f"{{{what}}} < {low:.4g}"
+            start = self.draw.choice(("on", "off"))
+            found.append(Switch(f"m{k}", (name,), (), start, closes, opens))
+        return tuple(found)
