@@ -127,6 +127,7 @@ class Work:
     gap: Block
     gap_size: Block
     gap_first: Block
+    tried: Block
     base_gap: Block
     scaled: Block
     row_size: Block
@@ -137,6 +138,7 @@ class Work:
     combined: Block
     kept: Floats
     reach: Floats
+    reach_before: Floats
     known_size: Floats
     here: Floats
     ahead: Floats
@@ -432,6 +434,7 @@ def make_work(m: Model) -> Work:
     w.gap = make_block(1)
     w.gap_size = make_block(1)
     w.gap_first = make_block(1)
+    w.tried = make_block(1)
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)
@@ -442,6 +445,7 @@ def make_work(m: Model) -> Work:
     w.combined = make_block(1)
     w.kept = floats(n)
     w.reach = floats(m.storages)
+    w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)
     w.here = floats(m.storages)
     w.ahead = floats(m.storages)

@@ -234,12 +234,11 @@ def _differ(
     names = list(same)
     mine = one.run.sample(times, names)
     other = two.run.sample(times, [same[name][0] for name in names])
-    energy = _energy(one.run)
     for name in names:
         a = np.asarray(mine[name])
         b = same[name][1] * np.asarray(other[same[name][0]])
-        size = max(float(np.abs(a).max()), float(np.abs(b).max()))
-        size = max(size, 0.01 * energy.get(name, 0.0))
+        held = max(_holds(one.run, name), _holds(two.run, same[name][0]))
+        size = max(float(np.abs(a).max()), float(np.abs(b).max()), 0.01 * held)
         apart = np.abs(a - b)
         if float(apart.max()) > most * size:
             k = int(apart.argmax())
@@ -248,18 +247,11 @@ def _differ(
     return []
 
 
-def _energy(run: Result) -> dict[str, float]:
-    """Return for each stored quantity what would hold about the largest energy of the run."""
-    names = _stored(run)
-    values = run.sample(np.linspace(0.0, run.t_end, POINTS), run.names)
-    power: dict[str, tuple[float, float]] = {}
-    for name in names:
-        base, letter = name.rsplit(".", 1)
-        x = float(np.abs(values[name]).max())
-        z = float(np.abs(values[base + (".e" if letter == "q" else ".f")]).max())
-        power[name] = (x, z)
-    total = sum(x * z for x, z in power.values())
-    return {
-        name: (total * x / z) ** 0.5 if x > 0.0 and z > 0.0 else 0.0
-        for name, (x, z) in power.items()
-    }
+def _holds(run: Result, name: str) -> float:
+    """Return what of a stored quantity would hold about the largest energy of the run."""
+    base, letter = name.rsplit(".", 1)
+    both = run.sample(
+        np.linspace(0.0, run.t_end, POINTS), [name, base + (".e" if letter == "q" else ".f")]
+    )
+    x, z = (float(np.abs(y).max()) for y in both.values())
+    return float((2.0 * run.trace.energy * x / z) ** 0.5) if x > 0.0 and z > 0.0 else 0.0

@@ -98,18 +98,8 @@ class Recipe:
 
     @property
     def stored(self) -> tuple[str, ...]:
-        """Names of all that is stored, and of integrals."""
-        stored = [name for part in self.parts for name in part.stored]
-        return (*stored, *(name for name, _, _ in self.integrals))
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether its elements are linear and unmodulated, its sources functions of time."""
-        return not any(
-            (isinstance(p.value, Curve) and not p.value.is_linear)
-            or (isinstance(p.value, str) and "{" in p.value)
-            for p in self.parts
-        )
+        """Names of all that is stored."""
+        return tuple(name for part in self.parts for name in part.stored)
 
     def model(self) -> Model:
         """Return the model."""

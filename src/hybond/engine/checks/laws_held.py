@@ -18,7 +18,7 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
 from hybond.engine.mode.tableau import part_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import value
@@ -79,6 +79,8 @@ def hold_laws(e: Engine, mode: Mode) -> None:
     """Hold the values in `e.checks.v` against all laws of a mode."""
     m = e.model
     measure_bonds(e, mode)
+    # what a jump leaves is as exact as what was stored before it was large
+    reach_of(e, e.y, e.energy, e.work.reach)
     for element in range(m.elements):
         hold_element(e, mode, element)
     for k in range(m.storages):
@@ -179,7 +181,9 @@ def hold_storage(e: Engine, k: int) -> None:
     shown = c.v[m.bond_slot + at]
     if m.storage_kind[k] == 1:
         shown *= float(m.storage_sign[k])
-    judge(e, STORAGE, k, shown - own, math.fabs(own), PART * math.fabs(own) + c.tolerance[at])
+    held = SOLVED * e.work.reach[k] * math.fabs(own_stiffness(m, k, c.v))
+    may = PART * math.fabs(own) + c.tolerance[at] + (held if math.isfinite(held) else 0.0)
+    judge(e, STORAGE, k, shown - own, math.fabs(own), may)
 
 
 def hold_junction(e: Engine, j: int) -> None:

@@ -32,8 +32,9 @@ CONSISTENT: Final = 1e-12
 """A constraint is met if its residual is below this part of its terms."""
 BEST: Final = 1e-14
 STEPS: Final = 60
+HALVES: Final = 40
 CANCELLED: Final = 1e-15
-"""A sum of two terms below this part of their sizes is zero."""
+"""A sum of terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
 """A stored quantity that a constraint moves is zero below this part of what it may be."""
 STAYS: Final = 0
@@ -113,11 +114,12 @@ def put_impulses(e: Engine, mode: Mode, ways: Ways) -> None:
 def moved_by(n: int, x: Floats, ways: Ways, nu: Floats, after: Floats) -> None:
     """Put ``x + d nu`` into `after`, what cancels to rounding being zero."""
     for k in range(n):
-        change = 0.0
+        total = x[k]
+        size = math.fabs(x[k])
         for a in range(ways.areas):
-            change += ways.d.at[k * ways.areas + a] * nu[a]
-        total = x[k] + change
-        size = math.fabs(x[k]) + math.fabs(change)
+            change = ways.d.at[k * ways.areas + a] * nu[a]
+            total += change
+            size += math.fabs(change)
         after[k] = 0.0 if math.fabs(total) <= CANCELLED * size else total
 
 
@@ -152,20 +154,21 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
     best = math.inf
     for a in range(areas):
         w.nu.at[a] = 0.0
-    # what ends at zero has no size of its own: its rounding is that of what it was
     fit(w.gap_first, count)
-    for i in range(count):
-        w.gap_first.at[i] = 0.0
-    for _ in range(STEPS):
-        put_here(m.storages, x, ways, w.nu.at, w.here)
-        count_moves(e, ways, w.nu.at)
+    for k in range(m.storages):
+        w.reach_before[k] = w.reach[k]
+    for turn in range(STEPS):
         rank = ways.rank
         if not ways.known:
+            put_here(m.storages, x, ways, w.nu.at, w.here)
             slope_of(e, mode, v, w.here, ways)
-        residual(e, mode, v, w.here)
+        gap_at(e, mode, v, x, ways, 0.0)
         for i in range(count):
-            w.gap_first.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
-            w.gap_size.at[i] = w.gap_first.at[i]
+            # what ends at zero has no size of its own: its rounding is that of what it was; what
+            # was large on the way there only is none
+            if turn == 0:
+                w.gap_first.at[i] = w.gap_size.at[i]
+            w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
         if ways.known:
             for a in range(areas):
                 total = 0.0
@@ -191,16 +194,51 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
                 return refuse_jump(e, mode, "HB-N303", why)
             return say_fault(e, "HB-N303", why, "")
         best = min(best, worst)
+        part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
         for a in range(areas):
-            w.nu.at[a] -= w.step.at[a]
-    put_here(m.storages, x, ways, w.nu.at, w.here)
-    residual(e, mode, v, w.here)
+            w.nu.at[a] -= part * w.step.at[a]
+    gap_at(e, mode, v, x, ways, 0.0)
     for i in range(count):
         if not math.fabs(w.gap.at[i]) <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]):
             if m.tells != 0:
                 return refuse_jump(e, mode, "HB-N304", "the jump into this mode does not converge")
             return say_fault(e, "HB-N304", "the jump into this mode does not converge", "")
     return OK
+
+
+def gap_at(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, part: float) -> None:
+    """Put the residuals after `part` of the step, and the sizes of their terms, into `e.work`."""
+    w = e.work
+    m = e.model
+    fit(w.tried, ways.areas)
+    for a in range(ways.areas):
+        w.tried.at[a] = w.nu.at[a] - (part * w.step.at[a] if part > 0.0 else 0.0)
+    put_here(m.storages, x, ways, w.tried.at, w.here)
+    count_moves(e, ways, w.tried.at)
+    residual(e, mode, v, w.here)
+
+
+def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
+    """Return the part of Newton's step that brings the constraints nearer; 1 if none is found."""
+    before = furthest(e)
+    part = 1.0
+    for _ in range(HALVES):
+        gap_at(e, mode, v, x, ways, part)
+        if furthest(e) < before:
+            return part
+        part *= 0.5
+    return 1.0
+
+
+def furthest(e: Engine) -> float:
+    """Return the largest residual, each a part of the size that its terms had at first."""
+    w = e.work
+    most = 0.0
+    for i in range(w.constraints):
+        size = w.gap_first.at[i]
+        part = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
+        most = max(most, part) if math.isfinite(part) else math.inf
+    return most
 
 
 def unreached(count: int, areas: int, gap: Floats, slope: Floats, step: Floats) -> float:
@@ -222,8 +260,8 @@ def count_moves(e: Engine, ways: Ways, nu: Floats) -> None:
         for a in range(ways.areas):
             moved += math.fabs(ways.d.at[k * ways.areas + a] * nu[a])
         if moved > 0.0:
-            own = math.fabs(own_stiffness(m, k, e.work.values))
-            e.work.reach[k] = max(e.work.reach[k], moved * own)
+            moved *= math.fabs(own_stiffness(m, k, e.work.values))
+        e.work.reach[k] = max(e.work.reach_before[k], moved)
 
 
 def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:

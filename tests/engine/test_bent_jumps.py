@@ -1,0 +1,65 @@
+"""Jumps onto constraints that bend: held against roots found by bisection."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from scipy.optimize import brentq
+
+import hybond as hb
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize(
+    ("height", "width", "level"), [(1.74, 1.55, -1.99), (0.2, 0.1, 40.0), (3.0, 0.5, 900.0)]
+)
+def test_two_coils_follow_a_source_that_one_of_them_feeds_back(
+    turn: bool, height: float, width: float, level: float
+) -> None:
+    m = hb.Model("coils")
+    m.add(v=hb.One(), i0=hb.I(0.965), i1=hb.I({"f": f"{height}*sinh(p/{width})"}))
+    m.add(s=hb.Sf(f"({level})*(1 - 0.5*tanh(i0.p))"))
+    m.bond("v -> i0", "v -> i1", "v -> s" if turn else "s -> v")
+    run = hb.simulate(m, until=0.1)
+    p0 = brentq(lambda p: p / 0.965 - level * (1 - 0.5 * math.tanh(p)), -2e3, 2e3, xtol=1e-15)
+    p1 = width * math.asinh(p0 / 0.965 / height)
+    assert run["i0.p"].at(0.0) == pytest.approx(p0, rel=1e-9)
+    assert run["i1.p"].at(0.0) == pytest.approx(p1, rel=1e-9)
+
+
+@pytest.mark.parametrize("charge", [1.0, 12.0, 30.0])
+def test_charge_is_shared_by_a_steep_and_a_flat_condenser(charge: float) -> None:
+    # all charge starts in the linear one; the steep one's first Newton step is far too long
+    m = hb.Model("share")
+    m.add(n=hb.Zero(), flat=hb.C(1.0, q=charge), steep=hb.C({"e": "0.01*sinh(q/0.1)"}))
+    m.bond("n -> flat", "n -> steep")
+    run = hb.simulate(m, until=0.1)
+    q = brentq(lambda x: 0.01 * math.sinh(x / 0.1) - (charge - x), 0.0, min(charge, 5.0), xtol=1e-15)
+    assert run["steep.q"].at(0.0) == pytest.approx(q, rel=1e-9)
+    assert run["steep.q"].at(0.0) + run["flat.q"].at(0.0) == pytest.approx(charge, rel=1e-12)
+
+
+@pytest.mark.parametrize("start", [0.014, -46.9])
+def test_a_source_that_is_zero_discharges_a_bent_condenser(start: float) -> None:
+    # what is left is rounding of what was there, and no law that does not hold
+    m = hb.Model("empty")
+    m.add(n=hb.Zero(), bent=hb.C({"e": "5.4*sinh(q/10)"}, q=start), c=hb.C(112.5, q=15.7))
+    m.add(load=hb.Sf("0.137*(1 - 0.5*tanh(c.q))"), short=hb.Se("-0.04*sin(46.5*time)"))
+    m.bond("bent -> n", "c -> n", "n -> load", "short -> n")
+    run = hb.simulate(m, until=0.1)
+    assert run.status == "ok"
+    scale = abs(5.4 * math.sinh(start / 10)) + 15.7 / 112.5
+    assert run["bent.e"].at(0.0) == pytest.approx(0.0, abs=1e-12 * scale)
+
+
+def test_coils_in_series_that_an_open_diode_stops_all_hold_nothing() -> None:
+    m = hb.Model("stopped")
+    m.add(loop=hb.One(law="diode"), v=hb.One(), g=hb.G(0.7))
+    m.bond("loop -> v", "v -> g")
+    for k, (size, p) in enumerate([(1.2222, -0.115), (2.4471, -0.931), (0.769, -0.0024)]):
+        m.add(**{f"i{k}": hb.I(size, p=p)})
+        m.bond(f"v -> i{k}")
+    run = hb.simulate(m, until=0.5)
+    assert run.status == "ok"
+    assert [run[f"i{k}.p"].at(0.2) for k in range(3)] == pytest.approx([0.0] * 3, abs=1e-15)
