@@ -63,3 +63,52 @@ def test_coils_in_series_that_an_open_diode_stops_all_hold_nothing() -> None:
     run = hb.simulate(m, until=0.5)
     assert run.status == "ok"
     assert [run[f"i{k}.p"].at(0.2) for k in range(3)] == pytest.approx([0.0] * 3, abs=1e-15)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize(
+    ("law", "left", "right"),
+    [
+        ("1.26*max(-1, min(1, f))", 5.0, -3.0),
+        ("2*tanh(f)", -9.0, 7.5),
+        ("if f > 0 then 3*tanh(f) else f", 40.0, -39.0),
+    ],
+)
+def test_laws_need_no_values_where_a_start_is_not_consistent(
+    law: str, left: float, right: float, swapped: bool
+) -> None:
+    # neither charge alone is one that the resistor can bear, what they share is
+    m = hb.Model("start")
+    m.add(n=hb.Zero(), v=hb.One(), r=hb.R({"e": law}))
+    m.add(a=hb.C(1.0, q=right if swapped else left), b=hb.C(1.0, q=left if swapped else right))
+    m.bond("n -> a", "n -> b", "n -> v -> r")
+    run = hb.simulate(m, until=0.1)
+    assert run["a.q"].at(0.0) == pytest.approx((left + right) / 2, rel=1e-12)
+    assert run.audit().holds()
+
+
+def test_power_at_rest_is_held_against_the_rounding_of_what_rests() -> None:
+    # no port has a power: each has no flow or no effort but for rounding
+    m = hb.loads(
+        """
+hybond = 1
+[elements]
+j0 = { junction = 0 }
+j1 = { junction = 1 }
+j3 = { junction = 0 }
+j4 = { junction = 0 }
+j5 = { junction = 0 }
+t1 = { GY = -0.971 }
+t3 = { TF = 1.04 }
+t4 = { TF = -0.627 }
+i2 = { I = 2.9983792544570504, p = -0.784 }
+c3 = { C = 0.8182989690721649, q = -0.331 }
+s0 = { Sf = "-0.594*(1 - 0.5*tanh(i2.p/0.784))" }
+[graph]
+bonds = [
+  "j3 -> j5", "s0 -> j1", "t3.1 -> j0", "j3 -> t3.2", "j4 -> j3", "t4.1 -> j1", "j5 -> c3",
+  "j4 -> t4.2", "t1.2 -> j1", "i2 -> j1", "t1.1 -> j0",
+]
+"""
+    )
+    assert hb.simulate(m, until=1.84).audit().power <= 1e-12

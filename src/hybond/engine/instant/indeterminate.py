@@ -29,6 +29,12 @@ FAR: Final = 1e3
 
 def keep_open_before(e: Engine) -> None:
     """Keep in which directions the values a priori are free, which stand in `e.v`."""
+    m = e.model
+    for k in range(2 * m.bonds):
+        if math.isnan(e.v[m.bond_slot + k]):
+            # a start where they have no values: what reads them is refused
+            keep_as_before(e, 0, e.work.freedom.at)
+            return
     many = freedom_here(e, e.mode, e.v)
     keep_as_before(e, many, e.work.freedom.at)
 

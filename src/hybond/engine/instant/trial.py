@@ -28,7 +28,7 @@ from hybond.engine.expressions.pairs import (
 from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
-from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of, reach_of
@@ -48,7 +48,9 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     for k in range(m.slots):
         e.v[m.slots + k] = 0.0
     set_values(e, e.mode, e.v, t, x, s)
-    if combine_here(e, state) != OK or solve_here(e, e.mode, e.v) != OK:
+    if combine_here(e, state) != OK:
+        return REFUSED
+    if solve_here(e, e.mode, e.v) != OK and not lose_bonds(e):
         return REFUSED
     # storages show what they store, even if the state is not consistent yet
     for k in range(m.storages):
@@ -58,6 +60,24 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     for k in range(m.slots):
         e.pre[k] = e.v[k]
     return OK
+
+
+def lose_bonds(e: Engine) -> bool:
+    """Let bond variables have no value; False if entering a mode asks for some.
+
+    What is stored at the start need not be what its mode allows: laws of resistors may have no
+    common solution there, and which of several storages they would see is nobody's to say. Only
+    moduli, laws of junctions and impulsive laws act a priori.
+    """
+    m = e.model
+    if e.mode.structures > 0 or m.laws > 0 or e.slide.k > 0 or is_fieldless(e, e.mode):
+        return False
+    for d in range(m.dynamics):
+        if m.dynamic_impulsive[d] != 0:
+            return False
+    for k in range(2 * m.bonds):
+        e.v[m.bond_slot + k] = math.nan
+    return True
 
 
 def begin_trial(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:

@@ -16,6 +16,7 @@ from hybond.model.graph import FlatGraph
 from hybond.trace import Segment, Trace, Violation
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 _QUIET = 1e-3
 """Part of a run's largest power below which a point's imbalance is measured against that part.
@@ -103,9 +104,15 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     same = np.array([[d == e for e in domains] for d in domains], dtype=bool).reshape(
         2 * [len(bond)]
     )
-    strongest, fastest = (
-        np.where(same, a, 0.0).max(axis=1, initial=0.0) for a in (strongest, fastest)
-    )
+
+    def rounding(e: Matrix, f: Matrix, most_e: Vector, most_f: Vector) -> Matrix:
+        # what rests under a load moves by the rounding of the fastest motion in its domain, and
+        # what flows without a load feels the rounding of the largest one
+        loads, speeds = (
+            np.where(same, a, 0.0).max(axis=1, initial=0.0)[:, None] for a in (most_e, most_f)
+        )
+        return np.asarray(0.1 * (e * speeds + loads * f))
+
     totals: list[Vector] = []
     sizes: list[Vector] = []
     for segment in trace.segments:
@@ -114,10 +121,7 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
             e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
             flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
             totals.append(np.abs(flows.sum(axis=0)))
-            # what rests under a load moves by the rounding of the fastest motion in its domain, and
-            # what flows without a load feels the rounding of the largest one
-            rounding = 0.1 * (e * fastest[:, None] + strongest[:, None] * f)
-            sizes.append((e * f + rounding).sum(axis=0))
+            sizes.append((e * f + rounding(e, f, strongest, fastest)).sum(axis=0))
             made, size_of = _created_by_steps(signals, segment)
             created += made
             largest = max(largest, size_of)
@@ -125,8 +129,10 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
         w = signals.bonds(segment)
         flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
+        e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
+        lost = rounding(e, f, e.max(axis=1, initial=0.0), f.max(axis=1, initial=0.0))
         totals.append(total)
-        sizes.append(size)
+        sizes.append(size + lost.sum(axis=0))
         # of a motion along a surface, the mode through which most passes
         flux = size.reshape(len(segment.t), -1).max(axis=1)
         passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
