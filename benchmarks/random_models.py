@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
-from collections import Counter, defaultdict
+from collections import defaultdict
 
 from hybond.files.save import dumps
 from hybond.testing import Check, check_recipe, random_recipe
@@ -33,16 +33,17 @@ def main() -> None:
         _, check = checked(given.show)
         print(check.outcome, *(f"{f.kind}: {f.said}" for f in check.findings), sep="\n")
         return
-    outcomes: Counter[str] = Counter()
+    outcomes: defaultdict[str, list[int]] = defaultdict(list)
     found: defaultdict[str, list[str]] = defaultdict(list)
     with multiprocessing.Pool(given.processes) as pool:
         seeds = range(given.first, given.first + given.count)
         for seed, check in pool.imap_unordered(checked, seeds, chunksize=8):
-            outcomes[check.outcome] += 1
+            outcomes[check.outcome].append(seed)
             for finding in check.findings:
                 found[finding.kind].append(f"{seed} ({check.outcome}): {finding.said}")
-    for word, count in outcomes.most_common():
-        print(f"{count:6d}  {word}")
+    for word, which in sorted(outcomes.items(), key=lambda item: -len(item[1])):
+        seeds = "" if word == "ok" else " ".join(str(s) for s in sorted(which)[:40])
+        print(f"{len(which):6d}  {word}  {seeds}".rstrip())
     for kind, lines in sorted(found.items()):
         print(f"\n{kind}: {len(lines)}", *sorted(lines), sep="\n  ")
 

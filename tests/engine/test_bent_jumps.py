@@ -35,7 +35,9 @@ def test_charge_is_shared_by_a_steep_and_a_flat_condenser(charge: float) -> None
     m.add(n=hb.Zero(), flat=hb.C(1.0, q=charge), steep=hb.C({"e": "0.01*sinh(q/0.1)"}))
     m.bond("n -> flat", "n -> steep")
     run = hb.simulate(m, until=0.1)
-    q = brentq(lambda x: 0.01 * math.sinh(x / 0.1) - (charge - x), 0.0, min(charge, 5.0), xtol=1e-15)
+    q = brentq(
+        lambda x: 0.01 * math.sinh(x / 0.1) - (charge - x), 0.0, min(charge, 5.0), xtol=1e-15
+    )
     assert run["steep.q"].at(0.0) == pytest.approx(q, rel=1e-9)
     assert run["steep.q"].at(0.0) + run["flat.q"].at(0.0) == pytest.approx(charge, rel=1e-12)
 

@@ -136,9 +136,7 @@ def check_recipe(recipe: Recipe, *, seed: int = 0, patience: float = 5.0) -> Che
     for kind, variant in variants.items():
         other = _outcome(variant.recipe.model(), recipe.until, patience)
         findings += _differ(kind, first, other, variant.same, SAME)
-    return Check(
-        first.word, tuple([*findings, *_methods(model, first, recipe.until, patience)])
-    )
+    return Check(first.word, tuple([*findings, *_methods(model, first, recipe.until, patience)]))
 
 
 def _outcome(model: Model, until: float, patience: float, **options: Any) -> Outcome:
@@ -164,7 +162,9 @@ def _outcome(model: Model, until: float, patience: float, **options: Any) -> Out
 
 
 def _unique(run: Result | None) -> bool:
-    return run is None or not any(" answers: " in note or "is not unique: " in note for note in run.warnings)
+    return run is None or not any(
+        " answers: " in note or "is not unique: " in note for note in run.warnings
+    )
 
 
 def _by_itself(first: Outcome) -> list[Finding]:
@@ -179,7 +179,7 @@ def _by_itself(first: Outcome) -> list[Finding]:
         return []
     run = first.run
     bonds = [f'"{b.name}".{letter}' for b in run.graph.bonds for letter in "ef"]
-    times = np.linspace(0.0, run.t_end, POINTS)
+    times = np.linspace(0.0, run.t_end, POINTS).tolist()
     values = run.sample(times, [*run.names, *bonds])
     found = [
         Finding("not finite", name)
@@ -248,10 +248,16 @@ def _differ(
 
 
 def _holds(run: Result, name: str) -> float:
-    """Return what of a stored quantity would hold about the largest energy of the run."""
+    """Return what of a stored quantity would hold about the largest energy of the run.
+
+    At the least what it starts from: where that is lost at once, its rounding is left.
+    """
+    start = next(s.start for s in run.graph.storages if s.path == name)
     base, letter = name.rsplit(".", 1)
     both = run.sample(
-        np.linspace(0.0, run.t_end, POINTS), [name, base + (".e" if letter == "q" else ".f")]
+        np.linspace(0.0, run.t_end, POINTS).tolist(),
+        [name, base + (".e" if letter == "q" else ".f")],
     )
     x, z = (float(np.abs(y).max()) for y in both.values())
-    return float((2.0 * run.trace.energy * x / z) ** 0.5) if x > 0.0 and z > 0.0 else 0.0
+    most = float((2.0 * run.trace.energy * x / z) ** 0.5) if x > 0.0 and z > 0.0 else 0.0
+    return max(most, abs(start))

@@ -63,10 +63,10 @@ class _Drawing:
         for k in range(self.draw.choice((0, 1, 1, 2))):
             self._source(k, names)
         switches = self._switches(free)
-        integrals = ()
+        integrals: tuple[tuple[str, str, float], ...] = ()
         if self.stored and self.draw.random() < 0.3:
             name = self.draw.choice(list(self.stored))
-            integrals = ((f"w{0}", "{" + name + "}", 0.0),)
+            integrals = (("w0", "{" + name + "}", 0.0),)
         bonds = tuple(self.draw.sample(self.bonds, len(self.bonds)))
         used = {end for b in bonds for end in (b.tail, b.head)}
         parts = tuple(p for p in self.parts if p.name in used or p.name in free)
@@ -122,10 +122,12 @@ class _Drawing:
         kind = self.draw.choice("CCIIRRG")
         name = f"{kind.lower()}{k}"
         where = self.draw.choice(junctions)
+        start: tuple[float, ...] = ()
         if kind != "G" and self.draw.random() < 0.08:
             a, c = self._number(), self._number()
             b = float(f"{self.draw.uniform(-0.8, 0.8) * (a * c) ** 0.5:.3g}")
-            start = (self.draw.uniform(-a, a), self.draw.uniform(-c, c)) if kind != "R" else ()
+            if kind != "R":
+                start = (self.draw.uniform(-a, a), self.draw.uniform(-c, c))
             part = Part(name, kind, ((a, b), (b, c)), start)
             self._bond(where, name, "", "1")
             self._bond(self.draw.choice(junctions), name, "", "2")
@@ -133,7 +135,6 @@ class _Drawing:
             curves = STORED if kind in "CI" else RESISTIVE
             form = self.draw.choice(curves) if self.draw.random() < self.bent else "linear"
             curve = Curve(form, self._number(), self._number())
-            start = ()
             if kind in "CI":
                 way = self.draw.choice((0.0, 1.0, 1.0)) * self.draw.uniform(-1.0, 1.0)
                 start = (float(f"{way * curve.width:.3g}"),)

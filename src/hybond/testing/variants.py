@@ -106,7 +106,9 @@ def turned(recipe: Recipe, seed: int) -> Variant:
             bonds.append(bond)
 
     def again(text: str) -> str:
-        return written(text, lambda name: "(-{" + name + "})" if name in signs else "{" + name + "}")
+        return written(
+            text, lambda name: "(-{" + name + "})" if name in signs else "{" + name + "}"
+        )
 
     other = replace(recipe, parts=tuple(parts[p.name] for p in recipe.parts), bonds=tuple(bonds))
     return Variant(

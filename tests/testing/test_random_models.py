@@ -1,0 +1,94 @@
+"""Random models: what must hold of every run, and that the checks see what they are for."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+
+import hybond as hb
+from hybond.testing import (
+    Bond,
+    Curve,
+    Part,
+    Recipe,
+    check_model,
+    check_recipe,
+    random_recipe,
+    recipes,
+    turned,
+)
+from hybond.testing.check import SAME, _differ, _outcome
+
+SEEDS = range(150)
+
+
+@pytest.mark.parametrize("first", range(0, len(SEEDS), 25))
+def test_nothing_is_found(first: int) -> None:
+    checks = {s: check_recipe(random_recipe(s), seed=s) for s in SEEDS[first : first + 25]}
+    assert not {seed: check for seed, check in checks.items() if not check.holds}
+
+
+def test_all_kinds_are_drawn() -> None:
+    parts = [p for seed in SEEDS for p in random_recipe(seed).parts]
+    assert {p.kind for p in parts} == {*"CIRG01", "Se", "Sf", "TF", "GY"}
+    laws = {dict(p.value).get("law") for p in parts if p.kind in "01"}
+    assert laws == {None, "diode", "unilateral", "coulomb", "relay"}
+    assert any(p.is_field for p in parts)
+    assert sum(bool(random_recipe(seed).switches) for seed in SEEDS) > 15
+    recipes_of_some = [random_recipe(seed) for seed in range(40)]
+    words = [_outcome(r.model(), r.until, 5.0).word for r in recipes_of_some]
+    assert words.count("ok") > 20 and len(set(words)) > 1
+
+
+@given(recipes(size=3))
+@settings(max_examples=15, deadline=None, derandomize=True, database=None)
+def test_turning_twice_is_the_same_graph(recipe: Recipe) -> None:
+    again = turned(turned(recipe, 5).recipe, 5).recipe
+    assert again.bonds == recipe.bonds
+    assert [p.start for p in again.parts] == [p.start for p in recipe.parts]
+
+
+RING = Recipe(
+    parts=(
+        Part("v", "1"),
+        Part("i", "I", Curve("linear", 1.0, 1.0), (1.0,)),
+        Part("c", "C", Curve("cubic", 1.0, 1.0), (0.2,)),
+        Part("r", "R", Curve("knee", 1.0, 0.5)),
+    ),
+    bonds=(Bond("v", "i"), Bond("v", "c"), Bond("v", "r")),
+)
+
+
+def test_a_law_that_is_not_mirrored_with_its_bond_is_found() -> None:
+    assert check_recipe(RING).holds
+    other = replace(RING, bonds=(Bond("v", "i"), Bond("v", "c"), Bond("r", "v")))
+    runs = [_outcome(r.model(), 1.0, 5.0) for r in (RING, other)]
+    same = {name: (name, 1.0) for name in RING.stored}
+    (found,) = _differ("turned", *runs, same, SAME)
+    assert found.kind == "turned"
+
+
+def test_energy_from_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    audit = replace(hb.simulate(RING.model(), 1.0).audit(), created=0.1)
+    monkeypatch.setattr(hb.Result, "audit", lambda _: audit)
+    assert [f.kind for f in check_model(RING.model(), 1.0).findings] == ["audit"]
+
+
+def test_another_exception_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def breaks(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("hybond.testing.check.simulate", breaks)
+    check = check_model(RING.model(), 1.0)
+    assert (check.outcome, check.findings[0].kind) == ("ZeroDivisionError", "traceback")
+
+
+def test_without_hypothesis_only_the_strategy_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "hypothesis", None)
+    assert random_recipe(3).parts
+    with pytest.raises(hb.UsageError) as caught:
+        recipes()
+    assert caught.value.code == "HB-S121"
