@@ -133,6 +133,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         report_event(e, r.report, i)
     if settled or cause != GUARD:
         r.idle = 0
+        begin_count(e, r)
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
@@ -263,7 +264,6 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
-    begin_count(e, r)
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 
