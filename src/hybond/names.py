@@ -26,6 +26,17 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     return f"known names: {shown}" + (", ..." if len(choices) > 12 else "")
 
 
+def port_number(text: str) -> int:
+    """Return the number of a port as it is written, 0 if it is none.
+
+    Examples
+    --------
+    >>> port_number("2"), port_number("²"), port_number("9" * 5000)
+    (2, 0, 0)
+    """
+    return int(text) if len(text) < 10 and text.isascii() and text.isdigit() else 0
+
+
 def join(*parts: str) -> str:
     """Join the parts of a dotted path, leaving out empty ones."""
     return ".".join(p for p in parts if p)

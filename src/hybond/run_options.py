@@ -79,7 +79,9 @@ def solver_of(solver: str | None, experiment: Mapping[str, Any]) -> str:
     name = ALIASES.get(name, name)
     known = (*SOLVERS, *STEPPING)
     if name not in known:
-        raise UsageError(f"no solver {name!r}", code="HB-S101", hint=did_you_mean(name, known))
+        raise UsageError(
+            f"no solver {name!r}", code="HB-S101", where="solver", hint=did_you_mean(name, known)
+        )
     return name
 
 

@@ -220,15 +220,7 @@ def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
             where="journal",
             hint='name a CSV file, such as journal="events.csv"',
         )
-    try:
-        return Journal(Path(journal), graph)
-    except OSError as error:
-        raise UsageError(
-            f"the journal cannot be written: {error.strerror}",
-            code="HB-S113",
-            where=str(journal),
-            hint="name a file in a folder that is there",
-        ) from None
+    return Journal(Path(journal), graph)
 
 
 def _finish(

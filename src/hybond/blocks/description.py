@@ -6,6 +6,7 @@ An FMU is a ZIP file with a ``modelDescription.xml`` (FMI 2.0.4, section 2.2; FM
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import zipfile
@@ -24,6 +25,10 @@ UNPACKED_BYTES = 2**30
 """How large an FMU may be when it is unpacked."""
 FILES = 10_000
 """Files that an FMU may have."""
+REFERENCES = 2**32
+"""References to values are smaller."""
+POWER = 12
+"""The highest power of a base unit, as in model files."""
 _NUMBERS = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean"} | {
     name: name
     for name in ("Float64", "Float32", "Boolean")
@@ -91,8 +96,12 @@ def read_description(path: str | os.PathLike[str], where: str = "") -> Descripti
             size = sum(m.file_size for m in members)
             if len(members) > FILES or size > UNPACKED_BYTES:
                 raise _refused("it is too large", where)
-            if archive.getinfo("modelDescription.xml").file_size > XML_BYTES:
+            about = archive.getinfo("modelDescription.xml")
+            if about.file_size > XML_BYTES:
                 raise _refused("its description is too large", where)
+            if about.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                # others may ask for gigabytes to unpack a line
+                raise _refused(f"it is packed by method {about.compress_type}, not deflate", where)
             text = archive.read("modelDescription.xml")
         if b"<!ENTITY" in text or b"<!DOCTYPE" in text:
             raise _refused("its description declares entities", where)
@@ -108,8 +117,10 @@ def read_description(path: str | os.PathLike[str], where: str = "") -> Descripti
         raise _refused(error.strerror or str(error), where) from None
     except KeyError:
         raise _refused("it has no modelDescription.xml", where) from None
-    except (zipfile.BadZipFile, ElementTree.ParseError, RuntimeError, ValueError) as error:
-        raise _refused(str(error), where) from None
+    except MemoryError:
+        raise
+    except Exception as error:  # ways of packing and encodings have errors of their own
+        raise _refused(str(error) or type(error).__name__, where) from None
     return _description(root, file.resolve(), where)
 
 
@@ -130,7 +141,10 @@ def _description(root: ElementTree.Element, file: Path, where: str) -> Descripti
             where=where,
             hint="export it again for co-simulation, with its own solver inside",
         )
-    units = {u.name: u for e in root.iterfind("UnitDefinitions/Unit") if (u := _unit(e))}
+    try:
+        units = {u.name: u for e in root.iterfind("UnitDefinitions/Unit") if (u := _unit(e))}
+    except ValueError as error:
+        raise _refused(f"a unit of it is not one: {error}", where) from None
     types = {
         t.get("name", ""): next(iter(t), t).get("unit") or t.get("unit")
         for t in root.iterfind("TypeDefinitions/*")
@@ -142,8 +156,10 @@ def _description(root: ElementTree.Element, file: Path, where: str) -> Descripti
         raise _refused(f"its modelIdentifier is {identifier[:40]!r}, no C name", where)
     try:
         found = [v for e in root.iterfind("ModelVariables/*") if (v := read(e, units, types))]
-    except (KeyError, ValueError) as error:
+    except KeyError as error:
         raise _refused(f"a variable has no {error}", where) from None
+    except ValueError as error:
+        raise _refused(f"a variable of it is not one: {error}", where) from None
     return Description(
         file,
         version[0] + ".0",
@@ -178,9 +194,12 @@ def _variable(
     types: Mapping[str, str | None],
 ) -> Variable:
     unit = kind.get("unit") or types.get(kind.get("declaredType", ""))
+    reference = int(e.attrib["valueReference"])
+    if not 0 <= reference < REFERENCES:
+        raise ValueError("a valueReference beyond 32 bits")
     return Variable(
         e.attrib["name"],
-        int(e.attrib["valueReference"]),
+        reference,
         kind.tag,
         e.get("causality", "local"),
         units.get(unit or ""),
@@ -192,7 +211,14 @@ def _number(text: str | None) -> float | None:
     if text is None:
         return None
     value = {"true": 1.0, "false": 0.0}.get(text)
-    return float(text) if value is None else value
+    return _finite(text) if value is None else value
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text[:40]!r} is not finite")
+    return value
 
 
 def _unit(e: ElementTree.Element) -> Unit | None:
@@ -201,7 +227,11 @@ def _unit(e: ElementTree.Element) -> Unit | None:
     if base is None:
         return None
     powers = tuple(Fraction(int(base.get(s, "0"))) for s in _EXPONENTS)
-    factor, offset = float(base.get("factor", "1")), float(base.get("offset", "0"))
+    if max(map(abs, powers)) > POWER:
+        raise ValueError(f"a power beyond {POWER}")
+    factor, offset = _finite(base.get("factor", "1")), _finite(base.get("offset", "0"))
+    if factor == 0.0:
+        raise ValueError("its factor is 0")
     return Unit(e.get("name", ""), Dimension(powers), factor, offset)
 
 

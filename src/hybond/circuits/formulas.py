@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from hybond.circuits.notices import Line
 from hybond.circuits.numerals import NUMERAL, is_ambiguous, numeral, scaled
 from hybond.errors import FileError
+from hybond.files.place import shortened
 from hybond.model.expressions import (
     And,
     Binary,
@@ -24,7 +25,8 @@ from hybond.model.expressions import (
     compile_expression,
     transform,
 )
-from hybond.model.expressions.tree import FUNCTIONS, children, walk, with_children
+from hybond.model.expressions.parse import MAX_DEPTH
+from hybond.model.expressions.tree import FUNCTIONS, children, depth, walk, with_children
 
 DEEPEST = 60
 """Brackets and operators inside one another."""
@@ -117,6 +119,8 @@ class _Parser:
         if not self.tokens:
             raise self.refuse("a number or an expression is missing")
         formula = as_value(self.choice())
+        if depth(formula) > MAX_DEPTH:
+            raise self.refuse(f"more than {MAX_DEPTH} operators follow one another")
         if self.at < len(self.tokens):
             point = _FOR_POINT.fullmatch(self.text.strip())
             hint = f"write {point[1]}.{point[3]}{point[2]}" if point else ""
@@ -177,7 +181,7 @@ class _Parser:
                 )
             value = scaled(match)
             if not math.isfinite(value):
-                raise self.refuse(f"the number {word} is too large")
+                raise self.refuse(f"the number {shortened(word, 40)} is too large")
             return Number(value)
         if kind != "name":
             raise self.refuse(f"{word!r} stands where a value is needed in {self.text!r}")

@@ -24,7 +24,12 @@ def refusal_of(error: BaseException) -> HybondError:
             hint="check that the place is there and yours to write",
         )
     if isinstance(error, OSError):
-        return UsageError(error.strerror or str(error) or type(error).__name__, code="HB-X002")
+        return UsageError(
+            error.strerror or str(error) or type(error).__name__,
+            code="HB-X002",
+            where="what is printed",
+            hint="check that there is room where it goes",
+        )
     if isinstance(error, MemoryError):
         return NumericsError(
             "there is not enough memory",

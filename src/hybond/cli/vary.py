@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Sequence
 
@@ -12,7 +13,10 @@ from hybond.cli.lists import split
 from hybond.errors import UsageError
 from hybond.units import parse_unit, try_quantity
 
+MEMBERS = 1_000_000
+"""Members that one sweep may have."""
 _NUMBER = re.compile(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?")
+_COUNT = re.compile(r"0*([0-9]{1,18})")
 Values = tuple[str, list[str | float]]
 
 
@@ -42,7 +46,8 @@ def values_of(text: str) -> Values:
     span, _, count = (word.strip() for word in given.rpartition(":"))
     low, _, high = (word.strip() for word in span.partition(".."))
     ends = [try_quantity(low), try_quantity(high)]
-    if not path or not count.isdecimal() or int(count) < 2 or None in ends:
+    number = int(match[1]) if (match := _COUNT.fullmatch(count)) else 0
+    if not path or number < 2 or None in ends:
         raise _refusal(f"{text!r} is not PATH=LOW..HIGH:NUMBER")
     a, b = (end for end in ends if end is not None)
     none = parse_unit("1")[1]
@@ -54,7 +59,8 @@ def values_of(text: str) -> Values:
         b = try_quantity(f"{high} {unit}") or b
     if a.dimension != b.dimension:
         raise _refusal(f"{low!r} and {high!r} are not of one kind")
-    values = np.linspace(a.value, b.value, int(count)).tolist()
+    _check_members(number)
+    values = np.linspace(a.value, b.value, number).tolist()
     name = "" if a.dimension == none else f" {a.dimension}"
     return path, [f"{value!r}{name}" if name else value for value in values]
 
@@ -82,8 +88,14 @@ def columns(vary: Sequence[str], *, together: bool) -> dict[str, list[str | floa
         raise _refusal("one parameter is varied twice")
     if together:
         return dict(found)
+    _check_members(math.prod(len(values) for _, values in found))
     rows = list(itertools.product(*(values for _, values in found)))
     return {path: [row[k] for row in rows] for k, path in enumerate(paths)}
+
+
+def _check_members(number: int) -> None:
+    if number > MEMBERS:
+        raise _refusal(f"more than {MEMBERS} members")
 
 
 def _unit(text: str) -> str:

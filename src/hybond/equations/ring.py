@@ -6,6 +6,7 @@ symbolic equations of one that a person reads, by the same steps.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Protocol, TypeVar
 
@@ -191,7 +192,10 @@ class Symbols:
             self._all = self.atoms.values(self.values)
         if any(a not in self._all for a in c.atoms()):
             return 1.0
-        return abs(c.evaluate(self._all))
+        try:
+            return abs(c.evaluate(self._all))
+        except OverflowError:  # a number beyond what a float can be
+            return math.inf
 
     def there(self, c: Rational) -> bool:
         """Whether it is not zero at the model's values; remember its names if it is."""

@@ -79,31 +79,26 @@ def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
     >>> [s.text for s in surfaces_of(m.flatten())]
     ['c.q = 0']
     """
-    found: dict[tuple[int, frozenset[int]], Surface] = {}
+    found: list[Surface] = []
     for machine in graph.machines:
         if machine.law is not None:
             continue
-        for up in machine.rules:
-            for down in machine.rules:
-                if (down.source, down.target) != (up.target, up.source) or up is down:
-                    continue
-                key = (machine.index, frozenset((up.source, up.target)))
-                # each surface is met from both of its sides
-                if key not in found:
-                    count = sum(frozenset((r.source, r.target)) == key[1] for r in machine.rules)
-                    found.update((key, s) for s in _between(machine.index, up, down, count))
-    return tuple(found.values())
+        joining: dict[frozenset[int], list[Rule]] = {}
+        for rule in machine.rules:
+            joining.setdefault(frozenset((rule.source, rule.target)), []).append(rule)
+        for up, *others in joining.values():
+            # a third rule between two states: which of them decides is not for us to say
+            if len(others) == 1 and (others[0].source, others[0].target) == (up.target, up.source):
+                found += _between(machine.index, up, others[0])
+    return tuple(found)
 
 
 @lru_cache(1024)
-def _between(machine: int, up: Rule, down: Rule, count: int) -> tuple[Surface, ...]:
-    """Return the surface of two rules, if they have one; `count` rules join their states.
+def _between(machine: int, up: Rule, down: Rule) -> tuple[Surface, ...]:
+    """Return the surface of two rules, if they have one.
 
     What was found is kept: most rules are the same in runs with other parameters.
     """
-    if count != 2:
-        # a second rule between the same states: which of them decides is not for us to say
-        return ()
     whole = _whole(machine, up, down)
     if whole is not None:
         return (whole,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -53,8 +54,12 @@ def whole(path: str | Path) -> Iterator[Path]:
         if target.exists():
             os.chmod(new, target.stat().st_mode)
         os.replace(new, target)
-    except BaseException:
-        new.unlink(missing_ok=True)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            new.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno and error.filename in (None, str(new)):
+            # a full disk names no file, and a folder that is not ours one that nobody asked for
+            error.filename = str(path)
         raise
 
 

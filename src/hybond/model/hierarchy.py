@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -39,6 +39,10 @@ from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
 _DEPTH = 64
+OPENED = 200_000
+"""Elements of a model whose submodels are opened."""
+TOLD = 8
+"""Parameters in a circle that a refusal names."""
 _BOND = re.compile(r"\s*(?:(?P<label>[A-Za-z_]\w*)\s*:)?(?P<chain>.+)\Z", re.DOTALL)
 
 
@@ -108,6 +112,8 @@ class Opened:
     layout: dict[str, tuple[float, float]] = field(default_factory=dict)
     pins: list[WrittenPin] = field(default_factory=list)
     reference: dict[str, str] = field(default_factory=dict)
+    count: int = 0
+    """Elements so far, submodels among them."""
 
 
 def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None = None) -> Opened:
@@ -154,6 +160,14 @@ def _open(
             code="HB-M106",
             where=prefix,
             hint="a model cannot contain itself",
+        )
+    opened.count += len(model.elements) if prefix else 0  # a loop in Python may write more
+    if opened.count > OPENED:
+        raise ModelError(
+            f"more than {OPENED} elements when all submodels are opened",
+            code="HB-F103",
+            where=prefix,
+            hint="simulate a part of the model",
         )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
@@ -280,27 +294,45 @@ def _parameters(
                 values[name] = Number(values[name].value, own[name].dimension)
     if slots is not None:
         values = {name: slots.follow(join(prefix, name), v) for name, v in values.items()}
-    pending = list(written)
-    while pending:
-        waiting = []
-        for name in pending:
-            value = written[name]
-            tree = None if not isinstance(value, str) or try_quantity(value) else parse(value)
-            if tree is not None and names(tree) & set(pending) - {name}:
-                waiting.append(name)
-                continue
-            path = join(prefix, name)
-            found = constant(value, values, path)
-            values[name] = found if slots is None else slots.follow(path, found)
-        if len(waiting) == len(pending):
-            raise ModelError(
-                f"the parameters {', '.join(waiting)} depend on each other",
-                code="HB-M108",
-                where=join(prefix, waiting[0]),
-                hint="give one of them a value",
-            )
-        pending = waiting
+    for name in _in_order(written, prefix):
+        path = join(prefix, name)
+        found = constant(written[name], values, path)
+        values[name] = found if slots is None else slots.follow(path, found)
     return values
+
+
+def _in_order(written: Mapping[str, Value], prefix: str) -> Iterator[str]:
+    """Yield the names of parameters, each after those that its value is made of."""
+    waits: dict[str, int] = {}
+    users: dict[str, list[str]] = {}
+    for name, value in written.items():
+        plain = not isinstance(value, str) or try_quantity(value) is not None
+        used = set() if plain else names(parse(str(value), where=join(prefix, name)))
+        needs = [other for other in used if other in written and other != name]
+        waits[name] = len(needs)
+        for other in needs:
+            users.setdefault(other, []).append(name)
+    place = {name: k for k, name in enumerate(written)}
+    ready = [name for name, count in waits.items() if not count]
+    while ready:
+        for name in ready:
+            del waits[name]
+        yield from ready
+        freed = []
+        for user in (u for name in ready for u in users.get(name, ())):
+            waits[user] -= 1
+            if not waits[user]:
+                freed.append(user)
+        ready = sorted(freed, key=place.__getitem__)
+    if waits:
+        waiting = list(waits)
+        others = f" and {len(waiting) - TOLD} more" if len(waiting) > TOLD else ""
+        raise ModelError(
+            f"the parameters {', '.join(waiting[:TOLD])}{others} depend on each other",
+            code="HB-M108",
+            where=join(prefix, waiting[0]),
+            hint="give one of them a value",
+        )
 
 
 def _is_bare(value: Value) -> bool:

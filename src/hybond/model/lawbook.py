@@ -120,6 +120,13 @@ class _Reader:
         if kind in TWO_PORTS:
             tree = self.read(value, self._modulus())
             return Law("e", (tree,), ((tree.value,),) if isinstance(tree, Number) else None)
+        if self.count > 1:
+            raise ModelError(
+                f"the element has {self.count} bonds; one value is the law of one bond",
+                code="HB-M161",
+                where=self.where,
+                hint="give a matrix with a row per bond, or an element to each bond",
+            )
         coefficient = self.read(value, self._coefficient())
         if kind in STORAGES:
             stored = self.locals[self.node.about.energy or ""]

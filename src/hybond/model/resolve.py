@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from hybond.errors import ModelError
+from hybond.errors import ExpressionError, ModelError
 from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
     And,
@@ -33,12 +33,16 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
-from hybond.model.expressions.tree import with_children
+from hybond.model.expressions.parse import MAX_NESTING
+from hybond.model.expressions.tree import extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
-from hybond.names import did_you_mean, join
+from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
 
+MAX_LEVELS = 500
+MAX_NODES = 20_000
+"""Levels and nodes of an expression in which signals have been put for their names."""
 _QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
 
 
@@ -98,7 +102,12 @@ class Resolver:
                 )
             return with_children(e, tuple(visit(c) for c in children(e)))
 
-        return transform(transform(visit(tree), _decided), self._watch)
+        whole = visit(tree)
+        levels, nodes = extent(whole)
+        if levels > MAX_LEVELS or nodes > MAX_NODES:
+            why = f"more than {MAX_NODES} values and operators, or {MAX_LEVELS} in one another"
+            raise _too_long(f"with all that it reads the expression has {why}", where)
+        return transform(transform(whole, _decided), self._watch)
 
     def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:
         """``machine.state == "open"`` is a Boolean; any other ``==`` is an error."""
@@ -182,14 +191,20 @@ class Resolver:
                 hint="break the cycle, or use an integral",
             )
         if path not in self._signals:
+            if len(self._open) == MAX_NESTING:
+                raise _too_long(
+                    f"more than {MAX_NESTING} signals are made of one another", f"signals.{path}"
+                )
             self._open.append(path)
             scope, text = self.opened.signals[path]
             where = f"signals.{path}"
-            tree = self.resolve(
-                parse(text, where=where) if isinstance(text, str) else Number(float(text)),
-                scope,
-                where,
-            )
+            written = parse(text, where=where) if isinstance(text, str) else Number(float(text))
+            try:
+                tree = self.resolve(written, scope, where)
+            except RecursionError:
+                raise _too_long(
+                    "too much stands in one another in the signals read", where
+                ) from None
             if path in self.opened.given and is_condition(tree):
                 tree = If(tree, Number(1.0), Number(0.0))
             self._signals[path] = tree
@@ -231,7 +246,7 @@ class Resolver:
     def _effort_or_flow(self, node: Node, port: str, variable: str, where: str) -> Expr:
         if port:
             for end in node.ends:
-                if end.port + 1 == int(port):
+                if end.port + 1 == port_number(port):
                     return Name(f"{variable}:{end.bond}")
             raise ModelError(
                 f"{node.path!r} has no port {port}",
@@ -369,6 +384,12 @@ def balance(node: Node, variable: str, *, without: int | None = None) -> Expr:
         else:
             total = Binary("+" if end.inward else "-", total, term)
     return total
+
+
+def _too_long(why: str, where: str) -> ExpressionError:
+    return ExpressionError(
+        why, code="HB-E107", where=where, hint="let fewer signals be made of one another"
+    )
 
 
 def is_condition(e: Expr) -> bool:

@@ -9,7 +9,7 @@ from hybond.errors import ModelError
 from hybond.model.graph import End
 from hybond.model.hierarchy import Opened, Written
 from hybond.model.kinds import KINDS, TWO_PORTS
-from hybond.names import did_you_mean, join
+from hybond.names import did_you_mean, join, port_number
 from hybond.units import DOMAINS, Domain
 
 
@@ -132,7 +132,7 @@ def _numbered(
 ) -> tuple[End, ...]:
     taken: dict[int, End] = {}
     for bond, inward, port in found:
-        number = int(port) if port.isdigit() else 0
+        number = port_number(port)
         if not 1 <= number <= count or number - 1 in taken:
             why = "is used twice" if number - 1 in taken else "does not exist"
             raise ModelError(

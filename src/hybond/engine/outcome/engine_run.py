@@ -79,8 +79,8 @@ class EngineRun:
                 self._go(answer)
         finally:
             self.records.close()
-            self._tidy()
             self._count()
+            self._tidy()
             if self.journal is not None:
                 self.journal.close()
         if self._run.status == REFUSED:

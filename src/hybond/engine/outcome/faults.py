@@ -10,6 +10,7 @@ from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.errors import (
     CausalityError,
     DivergenceOfTime,
@@ -159,6 +160,8 @@ def _for_stiff(method: int, states: int) -> str:
         return f"; solver = 'radau' if the model is stiff: 'auto' leaves {states} states to rk45"
     if method in (AUTO, RADAU):
         return ""
+    if method == MOREAU:
+        return "; a longer step takes fewer"
     return "; solver = 'auto' if the model is stiff"
 
 

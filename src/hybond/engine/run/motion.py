@@ -31,7 +31,6 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
-from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
@@ -43,7 +42,16 @@ from hybond.engine.run.log import (
     report_slide,
     report_step,
 )
-from hybond.engine.run.run_records import IDLE, PAUSED, STOPPED, Run, begin, timed_cause
+from hybond.engine.run.run_records import (
+    IDLE,
+    PAUSED,
+    STOPPED,
+    Run,
+    begin,
+    begin_count,
+    count_step,
+    timed_cause,
+)
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.run.together import (
     is_kink_alone,
@@ -125,6 +133,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         report_event(e, r.report, i)
     if settled or cause != GUARD:
         r.idle = 0
+        begin_count(e, r)
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
@@ -182,11 +191,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if m.disks > 0 and follow(e) != OK:
             return -1
-        r.taken += 1
-        if r.taken > m.max_steps:
-            say_fault(e, "HB-N409", "too many steps without an event", "")
-            if m.tells != 0:
-                add_fact(e.fault, (e.t - r.began) / float(r.taken))
+        if count_step(e, r) != OK:
             return -1
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND and m.edges == 0:
@@ -259,9 +264,6 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
-    r.taken = 0
-    if m.tells != 0:
-        r.began = e.t
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 

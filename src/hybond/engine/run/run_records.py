@@ -1,13 +1,14 @@
-"""The parts of a run, its beginning, and why a motion ends."""
+"""The parts of a run, its beginning, how many steps it may take, and why a motion ends."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import Engine
+from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settle import Settling, make_settling
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import Locator, make_locator
 from hybond.engine.run.log import Report
 from hybond.engine.words import Floats, floats, record
@@ -87,6 +88,25 @@ def begin(e: Engine) -> None:
         e.y[m.storages + k] = m.integral_start[k]
     for k in range(m.machines):
         e.state[k] = m.start[k]
+
+
+def begin_count(e: Engine, r: Run) -> None:
+    """Count steps anew from the present instant on."""
+    r.taken = 0
+    if e.model.tells != 0:
+        r.began = e.t
+
+
+def count_step(e: Engine, r: Run) -> int:
+    """Count a step, and refuse one too many without an event."""
+    m = e.model
+    r.taken += 1
+    if r.taken <= m.max_steps:
+        return OK
+    refused = say_fault(e, "HB-N409", "too many steps without an event", "")
+    if m.tells != 0:
+        add_fact(e.fault, (e.t - r.began) / float(r.taken))
+    return refused
 
 
 def timed_cause(e: Engine) -> int:

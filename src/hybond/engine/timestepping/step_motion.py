@@ -37,7 +37,14 @@ from hybond.engine.reasons.warned import (
     begin_warning,
 )
 from hybond.engine.run.log import keep_left, report_event, report_step
-from hybond.engine.run.run_records import PAUSED, STOPPED, Run, timed_cause
+from hybond.engine.run.run_records import (
+    PAUSED,
+    STOPPED,
+    Run,
+    begin_count,
+    count_step,
+    timed_cause,
+)
 from hybond.engine.timestepping.step_event import note_event
 from hybond.engine.timestepping.step_records import Stepping
 from hybond.engine.timestepping.theta_step import steady_bonds, theta_step, write_point
@@ -95,6 +102,8 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
             write_point(e, e.shown, t1, e.y, s.w)
             check_limits(e, t1, e.shown)
         return REFUSED
+    if count_step(e, r) != OK:
+        return REFUSED
     s.steps += 1
     put_step(e, s)
     report_step(e, r.report)
@@ -108,6 +117,7 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
     if note_event(e, s, r.instant, h):
         r.events += 1
         report_event(e, r.report, r.instant)
+        begin_count(e, r)
         if r.events > m.max_events:
             return say_fault(e, "HB-N404", "too many events", "")
     return OK
@@ -177,6 +187,8 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, e.t, cause)
     if cause == GUARD:
         i.since = s.t0
+    else:
+        begin_count(e, r)
     if cause != START:
         keep_left(e, r.report)
     if m.laws > 0:
@@ -203,6 +215,7 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
     if i.steps > 0:
         r.events += 1
         report_event(e, r.report, i)
+        begin_count(e, r)
         if r.events > m.max_events:
             return say_fault(e, "HB-N404", "too many events", "")
     if cause == START and limits_vary(m):

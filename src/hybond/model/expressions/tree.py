@@ -299,6 +299,37 @@ def depth(e: Expr) -> int:
     return fold(e, deeper)
 
 
+def extent(e: Expr) -> tuple[int, int]:
+    """Return the number of levels and of nodes of a tree, also of one too large to walk.
+
+    What stands in it several times as one object is looked at once.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> e = parse("a + 1")
+    >>> for _ in range(100):
+    ...     e = Binary("*", e, e)
+    >>> levels, nodes = extent(e)
+    >>> levels, nodes == 2**102 - 1
+    (102, True)
+    """
+    found: dict[int, tuple[int, int]] = {}
+    stack = [e]
+    while stack:
+        node = stack[-1]
+        below = children(node)
+        waiting = [child for child in below if id(child) not in found]
+        if waiting:
+            stack.extend(waiting)
+            continue
+        stack.pop()
+        each = [found[id(child)] for child in below]
+        levels = 1 + max((k for k, _ in each), default=0)
+        found[id(node)] = (levels, 1 + sum(k for _, k in each))
+    return found[id(e)]
+
+
 def transform(e: Expr, fn: Callable[[Expr], Expr]) -> Expr:
     """Rebuild `e` bottom-up: `fn` gets each node with its subexpressions already rebuilt.
 
