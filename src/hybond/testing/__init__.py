@@ -8,7 +8,7 @@ agree, `recipes` is the same as a strategy of hypothesis.
 'ok'
 """
 
-from hybond.testing.check import Check, Finding, check_model, check_recipe
+from hybond.testing.check import WAYS, Check, Finding, check_model, check_recipe
 from hybond.testing.curves import Curve
 from hybond.testing.drawing import random_recipe
 from hybond.testing.recipe import Bond, Part, Recipe, Switch
@@ -16,6 +16,7 @@ from hybond.testing.strategy import recipes
 from hybond.testing.variants import Variant, renamed, reordered, turned
 
 __all__ = [
+    "WAYS",
     "Bond",
     "Check",
     "Curve",
