@@ -69,8 +69,9 @@ class Finding:
     ----------
     kind : str
         ``"traceback"``, ``"refusal"`` (one without place or remedy), ``"unsound"``,
-        ``"not finite"``, ``"audit"``, or the variant that differs: ``"names"``, ``"order"``,
-        ``"turned"``, ``"rk45"``, ``"radau"``, ``"tight"``.
+        ``"not finite"``, ``"audit"``, ``"unread"`` (values of a run that is there are refused),
+        or the variant that differs: ``"names"``, ``"order"``, ``"turned"``, ``"rk45"``,
+        ``"radau"``, ``"tight"``.
     said : str
         What was seen.
     """
@@ -194,7 +195,10 @@ def _by_itself(first: Outcome) -> list[Finding]:
     run = first.run
     bonds = [f'"{b.name}".{letter}' for b in run.graph.bonds for letter in "ef"]
     times = np.linspace(0.0, run.t_end, POINTS).tolist()
-    values = run.sample(times, [*run.names, *bonds])
+    try:
+        values = run.sample(times, [*run.names, *bonds])
+    except HybondError as error:
+        return [Finding("unread", f"{error}")]
     found = [
         Finding("not finite", name)
         for name, y in values.items()
