@@ -320,8 +320,6 @@ class Model:
     port_force_sign: Ints
     port_bounce: Ints
     """The state in which its machine strikes, or -1."""
-    law_rebounds: Ints
-    """Of each machine: whether it is a law with restitution."""
     port_limit: Ints
     """Options of laws: an expression, -1 if it is constant, -2 if there is none."""
     port_limit_constant: Floats

@@ -127,9 +127,10 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
         if is_stored(m, r, k) and r.now.given[k] == NET and r.y[k] != 0.0:
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
-    # a contact that still approaches is for the next jump
-    state_like = math.fabs(r.response.d[k * m.ports + k]) == 0.0
-    comes = m.port_restitution[k] != NO_LAW_VALUE and state_like and r.y[k] < 0.0
+    # a contact that still approaches is for the next jump; where its motion follows from what other
+    # laws give, whether it approaches is what is asked
+    comes = m.port_restitution[k] != NO_LAW_VALUE and r.y[k] < 0.0 and is_stored(m, r, k)
+    r.comes[m.port_machine[k]] = 1 if comes else 0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
 
 

@@ -122,6 +122,8 @@ class Laws:
     rounding: Floats
     """What rounding of each `y` is measured by."""
     able: Ints
+    comes: Ints
+    """Machines of contacts that approach by what is stored: they strike in the next jump."""
     role: Ints
     start: Ints
     resting: Ints
@@ -254,6 +256,7 @@ def make_laws(m: Model) -> Laws:
     r.q = floats(n)
     r.rounding = floats(n)
     r.able = ints(n)
+    r.comes = ints(m.machines)
     r.role = ints(n)
     r.start = ints(n)
     r.resting = ints(n)

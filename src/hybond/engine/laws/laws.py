@@ -285,7 +285,7 @@ def find_broken(e: Engine, r: Laws) -> int:
         if m.is_law[k] == 0:
             continue
         state = e.trial.state[k]
-        if state == 0 and m.law_rebounds[k] != 0:
+        if state == 0 and r.comes[k] != 0:
             continue  # what still approaches strikes in the next jump of this instant
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:

@@ -50,9 +50,6 @@ def put_laws(t: ModelTables) -> None:
     t.ints["port_two_sided"] = [int(law.two_sided) for _, law in laws]
     t.ints["port_planar"] = [int(law.planar) for _, law in laws]
     t.ints["port_impulsive"] = [int(law.impulsive) for _, law in laws]
-    t.ints["law_rebounds"] = [
-        int(m.law is not None and m.law.restitution is not None) for m in g.machines
-    ]
     for option in OPTIONS:
         _put_option(t, option, [law for _, law in laws])
     _put_gaps(t, [law for _, law in laws])
