@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 
@@ -20,7 +21,7 @@ from hybond.testing import (
     recipes,
     turned,
 )
-from hybond.testing.check import SAME, _differ, _outcome
+from hybond.testing.check import POINTS, SAME, _differ, _moves, _outcome, _sizes
 
 SEEDS = range(150)
 
@@ -92,3 +93,40 @@ def test_without_hypothesis_only_the_strategy_is_missing(monkeypatch: pytest.Mon
     with pytest.raises(hb.UsageError) as caught:
         recipes()
     assert caught.value.code == "HB-S121"
+
+
+def test_rounding_in_what_a_mode_holds_at_zero_is_no_difference() -> None:
+    """What would hold the energy is known of a store by its law, not by what it happens to hold."""
+    run = hb.simulate(RING.model(), 1.0)
+    held = dict(zip(RING.stored, _sizes(run, RING.stored), strict=True))
+    # 0.5 p²/1 and 0.5 q² + 0.25 q⁴ hold what the run begins with, or what the start is
+    assert held["i.p"] == pytest.approx((2.0 * run.trace.energy) ** 0.5, rel=1e-12)
+    steepest = 1.0 + 3.0 * max(abs(run["c.q"].at(t)) for t in np.linspace(0, 1, POINTS)) ** 2
+    assert held["c.q"] == pytest.approx((2.0 * run.trace.energy / steepest) ** 0.5, rel=1e-6)
+
+
+def test_a_motion_that_forgets_its_start_is_not_held_against_another_run() -> None:
+    """A mass that a source throws against a hard spring: numbers moved by 1e-7 move it by all.
+
+    And a ring, whose motion does not, is.
+    """
+    wall = Recipe(
+        parts=(
+            Part("v", "1"),
+            Part("u", "0"),
+            Part("mass", "I", Curve("linear", 1.0, 1.0), (1.0,)),
+            Part("soft", "C", Curve("linear", 1.0, 10.0), (0.5,)),
+            Part("hard", "C", Curve("sinh", 0.00176, 0.00704), (0.005,)),
+            Part("drive", "Sf", "-50.0*sin(46.0*time)"),
+        ),
+        bonds=(
+            Bond("v", "mass"),
+            Bond("u", "v"),
+            Bond("v", "soft"),
+            Bond("u", "hard"),
+            Bond("drive", "u"),
+        ),
+        until=6.0,
+    )
+    assert _moves(wall, 1, 5.0) > 1e-2
+    assert 0.0 < _moves(RING, 1, 5.0) < 1e-6

@@ -1,4 +1,7 @@
-"""The same graph said in another way: other names, another order, bonds turned round."""
+"""The same graph said in another way: other names, another order, bonds turned round.
+
+And, to know what a difference is worth, the same graph with its numbers moved a little.
+"""
 
 from __future__ import annotations
 
@@ -114,6 +117,27 @@ def turned(recipe: Recipe, seed: int) -> Variant:
     return Variant(
         _texts(other, again), {name: (name, signs.get(name, 1.0)) for name in recipe.stored}
     )
+
+
+def nudged(recipe: Recipe, seed: int, most: float) -> Recipe:
+    """Return the recipe with what is stored at the start, and what laws give, moved a little.
+
+    Each number by a part of itself, `most` at most.
+    """
+    draw = random.Random(seed)
+
+    def moved(x: float) -> float:
+        return x * (1.0 + most * draw.uniform(-1.0, 1.0))
+
+    parts = []
+    for p in recipe.parts:
+        value = p.value
+        if isinstance(value, Curve):
+            value = replace(value, height=moved(value.height))
+        elif isinstance(value, str):
+            value = f"{moved(1.0)!r}*({value})"
+        parts.append(replace(p, value=value, start=tuple(moved(x) for x in p.start)))
+    return replace(recipe, parts=tuple(parts))
 
 
 def _reverse(bond: Bond) -> Bond:

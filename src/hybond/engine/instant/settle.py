@@ -34,7 +34,13 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, tell_trial
-from hybond.engine.instant.trial import a_priori, measure_trial, refuse_pair, show_trial
+from hybond.engine.instant.trial import (
+    a_priori,
+    measure_trial,
+    refuse_pair,
+    show_stored,
+    show_trial,
+)
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.model import machine_name, rule_text
 from hybond.engine.reasons.facts import add_fact
@@ -56,6 +62,7 @@ class Settling:
     turn: int
     marked: bool
     mark_state: Ints
+    mark_written: Ints
     mark: Floats
     mark_jumps: bool
 
@@ -70,6 +77,7 @@ def make_settling(e: Engine) -> Settling:
     g.target = ints(m.machines)
     g.entered = ints(m.machines)
     g.mark_state = ints(m.machines)
+    g.mark_written = ints(m.machines)
     g.mark = floats(2 * e.states + m.slots)
     return g
 
@@ -98,6 +106,8 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     interval_after(e, t)
     choose_at(e, g.x, g.s)
     know_around(e, g.state)
+    if i.cause == START and m.laws > 0:
+        stand_before(e, g, t)
     if enter(e, t, g.x, g.s, g.state, True, False) != OK:
         return REFUSED
     drop_fired(i)
@@ -167,6 +177,20 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     for k in range(m.machines):
         e.state[k] = e.trial.state[k]
     return OK
+
+
+def stand_before(e: Engine, g: Settling, t: float) -> None:
+    """Let what is a priori at the start be of branches of laws that stand there, if any do.
+
+    Those that laws are declared with are nobody's choice: friction at rest beside what moves would
+    make of an impact one that is faster than anything stored.
+    """
+    if enter(e, t, g.x, g.s, g.state, False, False) != OK:
+        return
+    show_stored(e)
+    for k in range(e.model.slots):
+        e.pre[k] = e.v[k]
+    keep_as_before(e, e.trial.loose, e.trial.freedom.at)
 
 
 def write(e: Engine, g: Settling, i: Instant) -> int:
@@ -329,6 +353,7 @@ def put_mark(e: Engine, g: Settling) -> None:
     g.mark_jumps = e.trial.jumps
     for k in range(m.machines):
         g.mark_state[k] = e.trial.state[k]
+        g.mark_written[k] = g.state[k]
     at = 0
     for k in range(m.storages):
         g.mark[at] = g.x[k]
@@ -348,6 +373,7 @@ def is_marked(e: Engine, g: Settling) -> bool:
     same = g.mark_jumps == e.trial.jumps
     for k in range(m.machines):
         same = same and g.mark_state[k] == e.trial.state[k]
+        same = same and g.mark_written[k] == g.state[k]
     at = 0
     for k in range(m.storages):
         same = same and g.mark[at] == g.x[k] and g.mark[at + 1] == e.trial.x[k]

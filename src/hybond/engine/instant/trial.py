@@ -52,14 +52,19 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
         return REFUSED
     if solve_here(e, e.mode, e.v) != OK and not lose_bonds(e):
         return REFUSED
-    # storages show what they store, even if the state is not consistent yet
+    show_stored(e)
+    for k in range(m.slots):
+        e.pre[k] = e.v[k]
+    return OK
+
+
+def show_stored(e: Engine) -> None:
+    """Let storages show what they store, even if the state is not consistent yet."""
+    m = e.model
     for k in range(m.storages):
         at = m.storage_bond[k] + (0 if m.storage_kind[k] == 0 else m.bonds)
         sign = 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k])
         e.v[m.bond_slot + at] = sign * e.work.xi[k]
-    for k in range(m.slots):
-        e.pre[k] = e.v[k]
-    return OK
 
 
 def lose_bonds(e: Engine) -> bool:
