@@ -147,6 +147,8 @@ class Laws:
 
     undecided: bool
     """Whether no branches were found, or none that stand."""
+    unanswered: bool
+    """Whether the graph with its laws open had no values."""
     proved: bool
     """Whether it is proved of all that was asked in vain that there is no answer."""
 
