@@ -186,6 +186,7 @@ def solve_trial(e: Engine) -> int:
     for k in range(m.integrals):
         e.v[m.signal_slot + k] = trial.s[k]
     if solve_here(e, e.mode, e.v) != OK:
+        trial.valueless = True
         return REFUSED
     if not all_finite(2 * m.bonds, e.work.w):
         return blame_source(e)

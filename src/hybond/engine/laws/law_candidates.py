@@ -39,7 +39,7 @@ DUST_OF_STATE: Final = 1e-9
 STANDS: Final = 0
 BROKEN: Final = 1
 NO_ENTRY: Final = 2
-"""A mode that would need an impulse, or whose sources contradict each other."""
+"""A mode that would need an impulse, whose sources contradict each other, or without values."""
 STOPS: Final = 3
 
 
@@ -140,8 +140,10 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
             e.trial.x[k] = x[k]
     e.trial.struck = False
     e.trial.dusted = False
+    e.trial.valueless = False
     if finish_trial(e, r.t, x, signals) != OK:
-        return STOPS
+        r.some_valueless = r.some_valueless or e.trial.valueless
+        return NO_ENTRY if e.trial.valueless else STOPS
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)

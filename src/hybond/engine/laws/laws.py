@@ -54,6 +54,7 @@ def enter_with_laws(
     r.jumping = jump
     r.struck = False
     r.unanswered = False
+    r.some_valueless = False
     if m.tells != 0:
         r.rules_held = 0
     if jump and strike(e, r, x) != OK:
@@ -181,7 +182,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
         found = try_candidate(e, r, x, False)
         if found == STANDS or found == STOPS:
             return found
-    return BROKEN
+    return by_trial(e, r, x) if r.some_valueless else BROKEN
 
 
 def observe(e: Engine, v: Floats) -> None:
