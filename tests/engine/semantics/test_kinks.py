@@ -177,3 +177,56 @@ def test_the_recipe_slides() -> None:
     assert sliding.t0 == pytest.approx(begin, rel=1e-9)
     x = (1.0 - 0.5 * begin**2) * math.exp(begin - 5.0)
     assert run["x"].at(5.0) == pytest.approx(x, rel=1e-6)
+
+
+ROOTS = {
+    "effort": {"e": "2*sign(f)*sqrt(abs(f)/0.6)"},
+    "power": {"e": "1.5*sign(f)*abs(f)^0.5"},
+    "flow": {"f": "0.7*sign(e)*sqrt(abs(e))"},
+}
+
+
+@pytest.mark.parametrize("law", ROOTS)
+@pytest.mark.parametrize("solver", ["rk45", "exact", "auto"])
+def test_an_orifice_through_which_nothing_flows_does_not_end_steps(law: str, solver: str) -> None:
+    """In the diagonal of a balanced bridge its flow is rounding of the flows beside it."""
+    m = hb.Model("bridge")
+    m.add(u=hb.Se("sin(3*time)"), top=hb.Zero(), left=hb.Zero(), right=hb.Zero())
+    m.add(c1=hb.C(0.3), c2=hb.C(0.3), d=hb.R(ROOTS[law]))
+    m.bond("u -> top", "left -> c1", "right -> c2")
+    for a, b, name in (("top", "left", "r1"), ("top", "right", "r2"), ("left", "right", "d")):
+        m.add(**{f"j_{name}": hb.One()} | ({} if name == "d" else {name: hb.R(0.7)}))
+        m.bond(f"{a} -> j_{name} -> {b}", f"j_{name} -> {name}")
+    run = hb.simulate(m, until=5.0, solver=solver)
+    assert run.status == "ok"
+    assert abs(run["d.f"].at([0.3, 1.0, 4.0])).max() < 1e-12
+    w, tau = 3.0, 0.7 * 0.3
+    q = [
+        0.3
+        / (1 + (w * tau) ** 2)
+        * (math.sin(w * t) - w * tau * math.cos(w * t) + w * tau * math.exp(-t / tau))
+        for t in (0.3, 1.0, 4.0)
+    ]
+    assert run["c1.q"].at([0.3, 1.0, 4.0]) == pytest.approx(q, rel=1e-6)
+    assert run.stats["steps"] < 400
+
+
+@pytest.mark.parametrize("law", ["effort", "power"])
+@pytest.mark.parametrize("coupling", ["GY", "TF"])
+def test_a_root_held_at_rest_beside_flows_is_solved(law: str, coupling: str) -> None:
+    """What is behind a two-port leaves the resistor no effort: its flow is all rounding."""
+    m = hb.Model("held")
+    m.add(i=hb.I(1.0, p=0.4), c=hb.C(0.5), r=hb.R(ROOTS[law]), j=hb.Zero(), one=hb.One())
+    m.add(x=hb.Zero())
+    m.add(t=getattr(hb, coupling)(1.8))
+    m.bond("one -> i", "one -> c", "one -> j", "j -> r")
+    m.bond("j -> t.1", "t.2 -> x")
+    if coupling == "TF":
+        m.add(s=hb.Se(0.0))
+        m.bond("s -> x")  # an effort of zero behind a transformer; a gyrator's port is open
+    run = hb.simulate(m, until=4.0)
+    assert run.status == "ok"
+    w = math.sqrt(2.0)
+    assert run["i.p"].at(4.0) == pytest.approx(0.4 * math.cos(4.0 * w), rel=1e-6)
+    assert abs(run["r.f"].at([0.5, 2.2])).max() < 1e-12
+    assert run.stats["steps"] < 400

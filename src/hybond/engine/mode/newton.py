@@ -35,6 +35,10 @@ from hybond.engine.words import Floats, Text
 STEPS: Final = 40
 TOLERANCE: Final = 1e-13
 """Newton ends when an update is below this part of the bond variables' size."""
+BACK: Final = 1e-9
+"""Two steps that cancel to within this part of them lead back."""
+TO_AND_FRO: Final = 3
+"""So many in a row lead nowhere."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -124,7 +128,9 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     frees = mode.finite_frees
     w = work.w
     update = math.inf
-    for _ in range(STEPS):
+    turns = 0
+    fit(work.trial, frees)
+    for step in range(STEPS):
         with_free(mode, n, work.base, r, w)
         rows = system(e, mode, v, w)
         if not all_finite(rows, work.residual.at):
@@ -143,8 +149,13 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
+        back = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, update)
+        turns = turns + 1 if back else 0
+        if turns == TO_AND_FRO:
+            return False
         for j in range(frees):
             r[j] -= work.step.at[j]
+            work.trial.at[j] = work.step.at[j]
         exact = mode.affine and mode.rank == mode.structures
         # rounding keeps a step from vanishing: stop as well when it no longer shrinks
         ends = update <= TOLERANCE * scale or update >= 0.5 * previous
@@ -155,6 +166,17 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             if exact:
                 return False
     return False
+
+
+def is_taken_back(before: Floats, step: Floats, frees: int, size: float) -> bool:
+    """Whether a step leads back to where the one before came from: full steps may go on so for ever.
+
+    A law like a root does this at rest: ``e = sign(f)*sqrt(abs(f))`` steps from f to -f.
+    """
+    for j in range(frees):
+        if math.fabs(before[j] + step[j]) > BACK * size:
+            return False
+    return True
 
 
 def shorter_steps(e: Engine, mode: Mode, v: Floats, r: Floats, begin: Floats) -> bool:

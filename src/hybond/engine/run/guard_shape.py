@@ -9,12 +9,12 @@ from hybond.engine.engine import Engine
 from hybond.engine.run.guard_values import (
     atom_here,
     look,
-    measure_here,
     show,
     size_here,
+    terms_here,
     test_here,
 )
-from hybond.engine.run.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
+from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -141,22 +141,11 @@ def is_resolved(e: Engine, g: Locator) -> bool:
 
 def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:
     """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
-    m = e.model
-    if g.margin[k] >= 0 or g.side[k] != NO_KINK:
+    if g.margin[k] >= 0:
         return size_here(e, g, a) * ROUNDING >= g.rest[a]
-    # what a bond variable cancels from: its own value may be nothing but rounding
-    g.looked = math.nan
-    look(e, g, g.t[0])
-    measure_here(e, g, k)
-    rule = g.pair[k]
     largest = 0.0
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         show(e, g, g.part[k])
-        for p in range(m.read_first[rule], m.read_first[rule + 1]):
-            slot = m.read_slot[p]
-            if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
-                e.v[slot] = max(math.fabs(e.v[slot]), e.work.terms[slot])
-        largest = max(largest, size_here(e, g, a))
-        g.looked = math.nan
+        largest = max(largest, terms_here(e, g, k, a))
     return largest * ROUNDING >= g.rest[a]

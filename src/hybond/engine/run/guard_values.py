@@ -64,6 +64,30 @@ def size_here(e: Engine, g: Locator, a: int) -> float:
     return 1.0 if g.atom[a] < 0 else value(e.model, e.model.atom_size[g.atom[a]], e.v)
 
 
+def terms_here(e: Engine, g: Locator, k: int, a: int) -> float:
+    """Return the same with each bond variable as large as what it cancels from.
+
+    Its own value may be nothing but rounding of that.
+    """
+    measure_here(e, g, k)
+    swap_terms(e, g, k)
+    size = size_here(e, g, a)
+    swap_terms(e, g, k)
+    return size
+
+
+def swap_terms(e: Engine, g: Locator, k: int) -> None:
+    """Exchange the bond variables that guard k reads for what they are measured by."""
+    m = e.model
+    terms = e.work.terms
+    for p in range(m.read_first[g.pair[k]], m.read_first[g.pair[k] + 1]):
+        slot = m.read_slot[p]
+        if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
+            here = e.v[slot]
+            e.v[slot] = terms[slot]
+            terms[slot] = here
+
+
 def test_here(e: Engine, g: Locator, k: int) -> bool:
     """Return the truth of guard k at the values of the motion, rounding being counted."""
     if g.margin[k] >= 0:
@@ -77,7 +101,10 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
 def has_crossed(e: Engine, g: Locator, k: int) -> bool:
     """Whether a kink is beyond the zero that the step came towards, by more than rounding."""
     a = g.atom_first[k]
-    return float(g.side[k]) * atom_here(e, g, a) < -ROUNDING * size_here(e, g, a)
+    beyond = -float(g.side[k]) * atom_here(e, g, a)
+    if not beyond > ROUNDING * size_here(e, g, a):
+        return False
+    return beyond > ROUNDING * terms_here(e, g, k, a)
 
 
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:

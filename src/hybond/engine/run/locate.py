@@ -17,7 +17,7 @@ from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.run.guard_shape import find_shape, is_resolved, sample
-from hybond.engine.run.guard_values import atom_at, holds_at, show, size_here
+from hybond.engine.run.guard_values import atom_at, holds_at, show, terms_here
 from hybond.engine.run.locator import (
     ALL_PARTS,
     DEEPEST,
@@ -89,10 +89,12 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
-        if math.fabs(here) <= ROUNDING * size_here(e, g, a):
+        if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet
             here = atom_at(e, g, a, e.step.t0 + SOON * (e.step.t1 - e.step.t0))
+            if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
+                here = 0.0
         g.side[k] = 1 if here > 0.0 else -1 if here < 0.0 else 0
 
 

@@ -254,6 +254,7 @@ def watch_kinks(e: Engine, g: Locator) -> None:
             continue  # nothing feels it
         begin_guard(g, NONE, ALL_PARTS)
         g.side[g.guards] = 0
+        g.pair[g.guards] = m.kink_pair[k]
         end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)
         read_guard(m, e.mode, g.reads, m.kink_pair[k])
 
