@@ -14,7 +14,7 @@ BENT = {"tanh({})": math.tanh, "max(-1, min(1, {}))": lambda x: max(-1.0, min(1.
 
 
 def node(law: str, aside: str) -> hb.Model:
-    """Return 2 A into a resistor that takes 1 A at most, and the rest through a law of a junction."""
+    """Return 2 A into a resistor that takes 1 A at most, and a junction with a law beside it."""
     m = hb.Model("node")
     m.add(s=hb.Sf(2.0), n=hb.Zero(), flat=hb.R({"f": law.format("e")}))
     options = {"limit": 0.5} if aside in ("coulomb", "relay") else {}

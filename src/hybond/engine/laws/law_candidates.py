@@ -20,12 +20,13 @@ from hybond.engine.instant.trial import (
     measure_trial,
     write_entry,
 )
-from hybond.engine.laws.law_instant import NO_LAW_VALUE
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored
 from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.newton import no_values
 from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model, machine_name
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
@@ -204,8 +205,8 @@ def find_broken(e: Engine, r: Laws) -> int:
         if m.is_law[k] == 0:
             continue
         state = e.trial.state[k]
-        if state == 0 and m.law_rebounds[k] != 0 and not r.unanswered:
-            continue  # what still approaches strikes in the next jump of this instant
+        if state == 0 and m.law_rebounds[k] != 0 and strikes_next(m, r, k):
+            continue
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:
                 continue
@@ -223,6 +224,19 @@ def find_broken(e: Engine, r: Laws) -> int:
                 r.broken_target[r.broken] = m.rule_target[rule]
                 r.broken += 1
     return BROKEN if r.broken > 0 else STANDS
+
+
+def strikes_next(m: Model, r: Laws, machine: int) -> bool:
+    """Whether what still approaches a law strikes in the next jump of this instant.
+
+    Only what is stored can: an approach that the graph decides at once is a branch violated.
+    """
+    strikes = False
+    for k in range(m.ports):
+        if m.port_machine[k] == machine:
+            approach = r.now.given[k] == COMMON and is_stored(m, r, k)
+            strikes = approach and not r.unanswered
+    return strikes
 
 
 def note_held(r: Laws, rule: int) -> None:
