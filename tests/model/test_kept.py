@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import gc
+import weakref
 from collections.abc import Callable
 
 import numpy as np
@@ -128,3 +130,16 @@ def test_a_root_that_has_no_value_is_refused() -> None:
     assert final(m, parameters={"k": 1.0}) != final(m, parameters={"k": 2.0})
     with pytest.raises(hb.ModelError):
         final(m, parameters={"k": 0.25})
+
+
+def test_a_model_that_has_been_run_is_given_back() -> None:
+    """Its graph refers to it: what keeps graphs must not keep them for ever."""
+    m = hb.Model("rc", parameters={"R": 2.0})
+    m.add(c=hb.C(1.0, q=1.0), r=hb.R("R"), node=hb.Zero())
+    m.bond("node -> c", "node -> r")
+    hb.simulate(m, until=1.0)
+    hb.simulate(m, until=1.0, parameters={"R": 3.0})
+    ref = weakref.ref(m)
+    del m
+    gc.collect()
+    assert ref() is None

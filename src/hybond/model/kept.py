@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -26,6 +25,9 @@ Kind = Dimension | str | None
 """Of a value that is set: its dimension, None for a plain number; what is neither, as written."""
 MOST = 4
 """Graphs with slots that are kept of a model: each for parameters that make other parts of it."""
+OWN = "_known"
+"""Where a model holds what is known of it. A graph refers to its model, so that a table of models
+beside them would keep all of these for ever."""
 
 
 @dataclass(slots=True)
@@ -46,8 +48,11 @@ class _Known:
     graph: FlatGraph | None = None
     slotted: list[tuple[dict[str, Kind], FlatGraph, Writing]] = field(default_factory=list)
 
+    def __deepcopy__(self, memo: object) -> _Known:
+        return _Known(None)
 
-_KNOWN: WeakKeyDictionary[Model, _Known] = WeakKeyDictionary()
+    def __reduce__(self) -> tuple[type[_Known], tuple[None]]:
+        return _Known, (None,)
 
 
 def kept_graph(model: Model, parameters: Mapping[str, Value]) -> FlatGraph:
@@ -68,9 +73,9 @@ def kept_graph(model: Model, parameters: Mapping[str, Value]) -> FlatGraph:
     (3.0, 4.0)
     """
     content = _content(model)
-    known = _KNOWN.get(model)
+    known = vars(model).get(OWN)
     if known is None or known.content != content:
-        known = _KNOWN[model] = _Known(content)
+        known = vars(model)[OWN] = _Known(content)
     if parameters:
         return _written(model, known, parameters)
     graph = known.graph or flatten(model, {})
@@ -141,7 +146,8 @@ def kind_of(value: Value) -> tuple[Kind, float]:
 def _content(value: Any) -> Any:
     """Return all that a model consists of, to be compared with what it was."""
     if isinstance(value, Model):
-        return tuple((name, _content(part)) for name, part in vars(value).items())
+        own = vars(value).items()
+        return tuple((name, _content(part)) for name, part in own if name != OWN)
     if isinstance(value, Mapping):
         return dict, tuple((name, _content(part)) for name, part in value.items())
     if isinstance(value, list | tuple):

@@ -251,8 +251,11 @@ def _differ(
     if not len(times):
         return []
     names = list(same)
-    mine = one.run.sample(times, names)
-    other = two.run.sample(times, [same[name][0] for name in names])
+    try:
+        mine = one.run.sample(times, names)
+        other = two.run.sample(times, [same[name][0] for name in names])
+    except HybondError as error:
+        return [Finding("unread", f"{error}")]
     for name in names:
         a = np.asarray(mine[name])
         b = same[name][1] * np.asarray(other[same[name][0]])

@@ -169,7 +169,7 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
 
 
 def is_taken_back(before: Floats, step: Floats, frees: int, size: float) -> bool:
-    """Whether a step leads back to where the one before came from: so full steps may go on and on.
+    """Whether a step leads back to where the one before came from: they may do so for ever.
 
     A law like a root does this at rest: ``e = sign(f)*sqrt(abs(f))`` steps from f to -f.
     """
