@@ -21,6 +21,7 @@ from hybond.testing import (
     turned,
 )
 from hybond.testing.check import SAME, _differ, _outcome
+from hybond.testing.drawing import _Drawing, begins_in_conflict, with_resistances
 
 SEEDS = range(150)
 
@@ -92,3 +93,11 @@ def test_without_hypothesis_only_the_strategy_is_missing(monkeypatch: pytest.Mon
     with pytest.raises(hb.UsageError) as caught:
         recipes()
     assert caught.value.code == "HB-S121"
+
+
+def test_sources_with_a_resistance_of_their_own_do_not_conflict() -> None:
+    drawn = [_Drawing(seed, 6).recipe() for seed in range(80)]
+    bare = [r for r in drawn if begins_in_conflict(r)]
+    assert len(bare) > 10 and sum(random_recipe(s) in bare for s in range(80)) > 1
+    words = [_outcome(with_resistances(r).model(), r.until, 5.0).word for r in bare]
+    assert "HB-C101" not in words and words.count("ok") > 0.8 * len(words)
