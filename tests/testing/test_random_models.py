@@ -22,6 +22,7 @@ from hybond.testing import (
     turned,
 )
 from hybond.testing.check import POINTS, SAME, _differ, _moves, _outcome, _sizes
+from hybond.testing.drawing import _Drawing, begins_in_conflict, with_resistances
 
 SEEDS = range(150)
 
@@ -130,3 +131,11 @@ def test_a_motion_that_forgets_its_start_is_not_held_against_another_run() -> No
     )
     assert _moves(wall, 1, 5.0) > 1e-2
     assert 0.0 < _moves(RING, 1, 5.0) < 1e-6
+
+
+def test_sources_with_a_resistance_of_their_own_do_not_conflict() -> None:
+    drawn = [_Drawing(seed, 6).recipe() for seed in range(80)]
+    bare = [r for r in drawn if begins_in_conflict(r)]
+    assert len(bare) > 10 and sum(random_recipe(s) in bare for s in range(80)) > 1
+    words = [_outcome(with_resistances(r).model(), r.until, 5.0).word for r in bare]
+    assert "HB-C101" not in words and words.count("ok") > 0.8 * len(words)

@@ -43,6 +43,8 @@ room to work in. Data flows so::
     law_instant, law_friction what laws may do at an instant, dry friction among them
     law_rates                 how what is zero moves on: which idle diode conducts
     law_answers               one question to them, answered
+    law_candidates            whether a mode stands up to its laws; all branches, where that cannot
+                              be asked
     strike                    impacts by a law that sees all closed contacts at once: impact_laws
                               (Newton's for all, Poisson's), shares (of dependent contacts),
                               compliant and spring_steps (contacts as stiff springs)

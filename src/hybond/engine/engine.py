@@ -168,6 +168,8 @@ class Trial:
     """The impulse of each signal."""
     terms: Floats
     """The size of the terms that made each signal that a guard asked for."""
+    valueless: bool
+    """Whether its laws had no common solution."""
     loose: int
     """In how many directions bond variables are undetermined."""
     freedom: Block

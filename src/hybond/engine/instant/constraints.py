@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
-from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.newton_system import split, take_rank
@@ -41,8 +41,12 @@ def check_agreement(e: Engine, mode: Mode, v: Floats) -> int:
             continue
         why = "sources prescribe the same variable and differ"
         if m.tells != 0:
-            return disagree(e, mode, r, total, why)
-        return say_fault(e, "HB-C101", why, node_name(m, place) if place >= 0 else "")
+            disagree(e, mode, r, total, why)
+        else:
+            say_fault(e, "HB-C101", why, node_name(m, place) if place >= 0 else "")
+        # a step may have come to where they differ: what is said is so then
+        e.fault.t = v[0]
+        return REFUSED
     return OK
 
 

@@ -72,11 +72,15 @@ def lose_bonds(e: Engine) -> bool:
 
     What is stored at the start need not be what its mode allows: laws of resistors may have no
     common solution there, and which of several storages they would see is nobody's to say. Only
-    moduli, laws of junctions and impulsive laws act a priori.
+    moduli, options of junction laws and impulsive laws act a priori.
     """
     m = e.model
-    if e.mode.structures > 0 or m.laws > 0 or e.slide.k > 0 or is_fieldless(e, e.mode):
+    if e.mode.structures > 0 or e.slide.k > 0 or is_fieldless(e, e.mode):
         return False
+    for k in range(m.ports):
+        follows = m.port_limit[k] >= 0 or m.port_breakaway[k] >= 0 or m.port_gate[k] >= 0
+        if follows or m.port_gap[k] >= 0 or m.port_restitution[k] >= 0:
+            return False
     for d in range(m.dynamics):
         if m.dynamic_impulsive[d] != 0:
             return False
@@ -187,6 +191,7 @@ def solve_trial(e: Engine) -> int:
     for k in range(m.integrals):
         e.v[m.signal_slot + k] = trial.s[k]
     if solve_here(e, e.mode, e.v) != OK:
+        trial.valueless = True
         return REFUSED
     if not all_finite(2 * m.bonds, e.work.w):
         return blame_source(e)

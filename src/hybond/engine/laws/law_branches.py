@@ -55,7 +55,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
-from hybond.engine.mode.tableau import NET
+from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model, node_name
 from hybond.engine.planar.planar import find_disks
 from hybond.engine.reasons.facts import tell_ports
@@ -128,8 +128,9 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
     # a contact that still approaches is for the next jump; where its motion follows from what other
-    # laws give, whether it approaches is what is asked
-    comes = m.port_restitution[k] != NO_LAW_VALUE and r.y[k] < 0.0 and is_stored(m, r, k)
+    # laws give, whether it approaches is what is asked, and where its effort is stored none strikes
+    stored = is_stored(m, r, k) and r.now.given[k] == COMMON
+    comes = stored and m.port_restitution[k] != NO_LAW_VALUE and r.y[k] < 0.0
     r.comes[m.port_machine[k]] = 1 if comes else 0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
 

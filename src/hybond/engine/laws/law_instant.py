@@ -67,8 +67,8 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(m.storages):
         r.v[m.stored_slot + k] = r.x[k]
     if found == OK and not r.gaps_known:
-        r.gaps_known = True
         found = check_gaps(e, r)
+        r.gaps_known = found == OK
     return found
 
 

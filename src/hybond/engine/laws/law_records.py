@@ -149,6 +149,10 @@ class Laws:
 
     undecided: bool
     """Whether no branches were found, or none that stand."""
+    unanswered: bool
+    """Whether the graph with its laws open had no values."""
+    some_valueless: bool
+    """Whether the laws of some mode that was tried had no common solution."""
     proved: bool
     """Whether it is proved of all that was asked in vain that there is no answer."""
 

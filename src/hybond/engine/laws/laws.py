@@ -3,20 +3,14 @@
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.expressions.paired import holds
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
-from hybond.engine.instant.constraints import check_agreement
-from hybond.engine.instant.jump import JUMPS, STAYS
+from hybond.engine.instant.jump import JUMPS
 from hybond.engine.instant.trial import (
     begin_trial,
-    finish_trial,
     jump_into,
-    measure_trial,
     take_factors,
-    write_entry,
 )
 from hybond.engine.laws.law_branches import (
     begin_lasting,
@@ -26,25 +20,22 @@ from hybond.engine.laws.law_branches import (
     no_branches,
     sweep_dust,
 )
+from hybond.engine.laws.law_candidates import (
+    BROKEN,
+    STANDS,
+    STOPS,
+    by_trial,
+    try_candidate,
+)
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
-from hybond.engine.laws.law_rates import turns_at_once
-from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
-from hybond.engine.mode.storage import energy_of, reach_of
+from hybond.engine.laws.law_records import Laws
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.model import Model, machine_name, node_name
-from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact, tell_ports
 from hybond.engine.words import Floats, Ints
 
 LIMIT_ROUNDING: Final = 1e-6
 """Part of the largest limit so far up to which a limit below zero is one that ends there."""
-DUST_OF_STATE: Final = 1e-9
-"""A change of what is stored below this part of what it may be is no impulse."""
-
-STANDS: Final = 0
-BROKEN: Final = 1
-NO_ENTRY: Final = 2
-"""A mode that would need an impulse, or whose sources contradict each other."""
-STOPS: Final = 3
 
 
 def enter_with_laws(
@@ -62,10 +53,16 @@ def enter_with_laws(
     take_instant(e, r, t, s, state)
     r.jumping = jump
     r.struck = False
+    r.unanswered = False
+    r.some_valueless = False
     if m.tells != 0:
         r.rules_held = 0
     if jump and strike(e, r, x) != OK:
-        return REFUSED
+        if not r.unanswered:
+            return REFUSED
+        for k in range(m.storages):
+            r.here[k] = x[k]
+        return OK if by_trial(e, r, x) == STANDS else REFUSED
     if not r.struck:
         for k in range(m.storages):
             r.landed[k] = x[k]
@@ -166,7 +163,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
         if found == STANDS or found == STOPS:
             return found
     if begin_lasting(e, r, r.here) != OK:
-        return STOPS
+        return by_trial(e, r, x) if r.unanswered else STOPS
     while next_lasting(e, r):
         found = try_candidate(e, r, x, r.candidate_kept)
         if found == STANDS or found == STOPS:
@@ -185,167 +182,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
         found = try_candidate(e, r, x, False)
         if found == STANDS or found == STOPS:
             return found
-    return BROKEN
-
-
-def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
-    """Try the mode in r.candidate from the state in r.here; what follows is in `e.trial`."""
-    m = e.model
-    signals = e.planar.signals
-    put_headings(m, e.planar, r.s, r.candidate)
-    if begin_trial(e, r.t, x, signals, r.candidate) != OK:
-        return STOPS
-    e.trial.factors = 0
-    for k in range(m.storages):
-        r.swept[k] = r.here[k]
-    if r.jumping:
-        found = sweep_candidate(e, r)
-        if found != STANDS:
-            return found
-    write_entry(e, r.t, x, signals)
-    e.moved = STAYS
-    if r.struck:
-        e.trial.factors = r.factors
-        e.moved = r.struck_moved
-        for b in range(2 * m.bonds):
-            e.impulses[b] = r.struck_impulses[b]
-        for k in range(m.storages):
-            e.trial.x[k] = r.swept[k]
-    elif r.jumping:
-        if jump_into(e, x, e.trial.x) != OK:
-            return STOPS
-        if r.shifted:
-            # what an earlier answer swept up was dust, and stays swept
-            for k in range(m.storages):
-                e.trial.x[k] = r.swept[k]
-    else:
-        for k in range(m.storages):
-            e.trial.x[k] = x[k]
-    e.trial.struck = False
-    e.trial.dusted = False
-    if finish_trial(e, r.t, x, signals) != OK:
-        return STOPS
-    if kept and e.trial.loose > 0:
-        return BROKEN  # two that share a current at will: let one of them have it
-    found = find_broken(e, r)
-    if found == STANDS and r.problem.doubtful and r.looks_ahead and turns_at_once(e, r, r.t):
-        r.saw_ahead = True
-        found = BROKEN
-    if found != BROKEN:
-        e.trial.dusted = r.shifted
-        if found == STANDS and r.struck and e.trial.jumps:
-            for k in range(m.machines):
-                e.trial.through[k] = r.through[k]
-                e.trial.struck = e.trial.struck or r.through[k] != r.candidate[k]
-        return found
-    note_state(m, r)
-    note_turned(m, r)
-    return BROKEN
-
-
-def sweep_candidate(e: Engine, r: Laws) -> int:
-    """Put the state on the constraints of the mode tried, unless that takes more than dust.
-
-    Impulses of laws were decided before; what remains would be an impulse of dry friction. As
-    Trials._swept.
-    """
-    m = e.model
-    if e.mode.agreements.rows > 0:
-        for k in range(m.storages):
-            e.v[m.stored_slot + k] = r.here[k]
-        if check_agreement(e, e.mode, e.v) != OK:
-            return NO_ENTRY
-    if jump_into(e, r.here, r.swept) != OK:
-        return STOPS
-    if e.moved != JUMPS:
-        # no more than rounding of the constraint's own terms, however little is stored yet
-        return STANDS
-    reach_of(e, r.here, e.energy, e.work.reach)
-    for k in range(m.storages):
-        change = math.fabs(r.swept[k] - r.here[k])
-        if not change <= DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k]):
-            return NO_ENTRY
-    return STANDS
-
-
-def find_broken(e: Engine, r: Laws) -> int:
-    """Find the rules of laws that hold in their own branches, with finite values.
-
-    Rounding of what is stored is not a violation: it was counted as zero. As Trials._violated.
-    """
-    m = e.model
-    stack = e.work.stack
-    stack.now = e.v
-    stack.was = e.v
-    stack.was_first = 0
-    stack.jumps = False
-    stack.terms = e.trial.terms
-    r.broken = 0
-    for k in range(m.machines):
-        if m.is_law[k] == 0:
-            continue
-        state = e.trial.state[k]
-        if state == 0 and r.comes[k] != 0:
-            continue  # what still approaches strikes in the next jump of this instant
-        for rule in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[rule] != state:
-                continue
-            measure_trial(e, rule)
-            true = holds(m, rule, stack)
-            if stack.refused != 0:
-                say_fault(e, "HB-J101", "a value is not a number", machine_name(m, k))
-                if m.tells != 0:
-                    add_fact(e.fault, float(rule))
-                return STOPS
-            if true:
-                if m.tells != 0:
-                    note_held(r, rule)
-                r.broken_machine[r.broken] = k
-                r.broken_target[r.broken] = m.rule_target[rule]
-                r.broken += 1
-    return BROKEN if r.broken > 0 else STANDS
-
-
-def note_held(r: Laws, rule: int) -> None:
-    """Note a rule of a law that held, once."""
-    for k in range(r.rules_held):
-        if r.rule_held.at[k] == rule:
-            return
-    grow_places(r.rule_held, r.rules_held + 1)
-    r.rule_held.at[r.rules_held] = rule
-    r.rules_held += 1
-
-
-def note_state(m: Model, r: Laws) -> None:
-    """Note the state that these branches hold: rounding may have spoken, so ask again on it."""
-    if r.states == AGAIN:
-        return
-    for turn in range(r.states):
-        same = True
-        for k in range(m.storages):
-            same = same and r.state_at[turn * m.storages + k] == r.swept[k]
-        if same:
-            return
-    for k in range(m.storages):
-        r.state_at[r.states * m.storages + k] = r.swept[k]
-    r.states += 1
-
-
-def note_turned(m: Model, r: Laws) -> None:
-    """Note the mode with what is violated turned."""
-    if r.asked == TURNED:
-        return
-    for i in range(r.broken):
-        r.candidate[r.broken_machine[i]] = r.broken_target[i]
-    for turn in range(r.asked):
-        same = True
-        for k in range(m.machines):
-            same = same and r.asked_at[turn * m.machines + k] == r.candidate[k]
-        if same:
-            return
-    for k in range(m.machines):
-        r.asked_at[r.asked * m.machines + k] = r.candidate[k]
-    r.asked += 1
+    return by_trial(e, r, x) if r.some_valueless else BROKEN
 
 
 def observe(e: Engine, v: Floats) -> None:

@@ -185,7 +185,10 @@ def solve_with(e: Engine, p: Ports, v: Floats, given: Floats) -> int:
     found = solve(e, mode, v)
     for k in range(m.ports):
         mode.source_level[p.column[k]] = 0.0
-    return OK if found == OK else REFUSED
+    if found != OK:
+        e.laws.unanswered = True
+        return REFUSED
+    return OK
 
 
 def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:

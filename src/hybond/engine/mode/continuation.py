@@ -17,7 +17,7 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import Engine
 from hybond.engine.mode.damped import damped
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import with_free
+from hybond.engine.mode.newton_system import largest_of, with_free
 from hybond.engine.words import Floats
 
 STRONGEST: Final = 1e12
@@ -28,6 +28,8 @@ FIRST_PART: Final = 0.1
 LEAST_PART: Final = 1e-3
 NO_PART: Final = 0.99
 """The next resistance is this part of the last one: at first, at the least, at the most."""
+STILL: Final = 1e-3
+"""Part of the largest unknown by which one may move where the way is about to end."""
 TRIES: Final = 400
 
 
@@ -61,11 +63,12 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     frees = mode.finite_frees
     first = work.aid
     part = FIRST_PART
+    rests = False
     for _ in range(TRIES):
         for j in range(frees):
             work.begun.at[j] = r[j]
         aid = work.aid
-        if is_small(e, mode, r):
+        if rests or is_small(e, mode, r):
             work.aid = 0.0
             if damped(e, mode, v, r, tolerance):
                 return True
@@ -75,8 +78,10 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             return False
         work.aid = part * aid
         if damped(e, mode, v, r, tolerance):
+            rests = stays(frees, work.begun.at, r)
             part = max(part * part, LEAST_PART)
         else:
+            rests = False
             for j in range(frees):
                 r[j] = work.begun.at[j]
             work.aid = aid
@@ -84,6 +89,18 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             if part > NO_PART:
                 return False
     return False
+
+
+def stays(frees: int, before: Floats, after: Floats) -> bool:
+    """Whether a weaker resistance has moved no unknown by much of the largest.
+
+    A law that gives nothing has nothing beside which its resistance would be small: a valve that
+    is shut, beside one that has all but reached its limit.
+    """
+    moved = 0.0
+    for j in range(frees):
+        moved = max(moved, math.fabs(after[j] - before[j]))
+    return moved <= STILL * largest_of(frees, after)
 
 
 def is_small(e: Engine, mode: Mode, r: Floats) -> bool:

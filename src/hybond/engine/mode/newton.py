@@ -197,11 +197,16 @@ def no_solution(e: Engine, mode: Mode, v: Floats) -> int:
     rows = system(e, mode, v, work.w)
     if not all_finite(rows, work.residual.at):
         return blame(e, mode, v)
+    no_values(e, mode)
+    e.fault.t = v[0]
+    return NOT_FINITE
+
+
+def no_values(e: Engine, mode: Mode) -> None:
+    """Note the laws of a mode for which no common solution was found."""
     say_fault(e, "HB-N301", "no values were found at which all laws hold", first_place(e, mode))
     if e.model.tells != 0:
         tell_laws(e, mode)
-    e.fault.t = v[0]
-    return NOT_FINITE
 
 
 def keep_guess(mode: Mode, w: Floats) -> None:

@@ -92,11 +92,15 @@ def _sources(c: Case) -> Said:
     nodes = [c.graph.nodes[int(node)] for _, node in columns]
     names = " and ".join(f"{n.kind} {n.path}" for n in nodes)
     if len(nodes) == 1:
-        why = f"{names} is shorted or cut off by what holds zero, but its value is {difference:.6g}"
+        why = f"{names} is shorted or cut off by what holds zero, but gives {difference:.6g} there"
     else:
         why = f"{names} prescribe the same variable and differ by {difference:.6g}"
     chains = " ".join(_conflicts(c.graph, mode))
-    return Said(f"{why} {c.now}. {chains}", c.graph.mode_text(mode))
+    where = "in series with" if nodes[0].kind == "Se" else "beside"
+    hint = f"put a resistor {where} {nodes[0].path}" if len(nodes) == 1 else ""
+    if hint and "; switches: " in chains:
+        hint += ", or change what switches it so"
+    return Said(f"{why} {c.now}. {chains}", c.graph.mode_text(mode), hint)
 
 
 def _too_high(c: Case) -> Said:
