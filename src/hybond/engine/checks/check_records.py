@@ -23,6 +23,9 @@ class Checks:
     due: int
     """How many evaluations the run will have made when it is looked at again."""
     looks: int
+    first_look: bool
+    """Whether lost digits are not counted yet: what does not hold then is suspect, no more."""
+    suspects: int
     said: Ints
     """Of each law: whether it was found not to hold; elements, storages, junctions."""
     violated: int
