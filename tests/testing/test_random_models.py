@@ -139,3 +139,10 @@ def test_sources_with_a_resistance_of_their_own_do_not_conflict() -> None:
     assert len(bare) > 10 and sum(random_recipe(s) in bare for s in range(80)) > 1
     words = [_outcome(with_resistances(r).model(), r.until, 5.0).word for r in bare]
     assert "HB-C101" not in words and words.count("ok") > 0.8 * len(words)
+
+
+@pytest.mark.parametrize("seed", [142425, 142794])
+def test_a_valve_that_shares_what_is_open_stays_within_its_law(seed: int) -> None:
+    """Where least leakage ends at the corner of a law, it ended beyond by 1e-10: HB-N411."""
+    recipe = random_recipe(seed)
+    assert check_recipe(recipe, seed=seed).holds

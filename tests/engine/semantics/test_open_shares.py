@@ -159,3 +159,29 @@ def test_a_sum_of_open_impulses_that_is_given_is_decided_at_any_size(size: float
     assert hb.simulate(parallel("s1.f + s2.f < 0"), until=1.0).mode["m"] == "off"
     with pytest.raises(hb.HybondError, match=r"HB-J102.*reads s1\.f"):
         hb.simulate(parallel("s1.f > 0"), until=1.0)
+
+
+ONE_WAY = {
+    "flow": ({"e": "if f > 0 then 1.2*f else 0"}, "0"),
+    "limits": ({"e": "max(0, 0.7*f)"}, "0"),
+    "effort": ({"f": "if e > 0 then 0.5*e else 0"}, "1"),
+    "table": ({"e": {"table": [[-1.0, 0.0, 1.0], [0.0, 0.0, 2.0]], "extrapolate": "linear"}}, "0"),
+}
+
+
+@pytest.mark.parametrize("flow", [-0.4, 0.4])
+@pytest.mark.parametrize(("law", "kind"), ONE_WAY.values(), ids=ONE_WAY)
+def test_a_valve_that_nothing_drives_is_shut_and_holds(law: object, kind: str, flow: float) -> None:
+    """What it lets through is open up to where it begins to give: it ends there, not beyond."""
+    m = hb.Model("valve")
+    junction, free = (hb.Zero, hb.I) if kind == "0" else (hb.One, hb.C)
+    source = (hb.Se if kind == "0" else hb.Sf)("0.6*sin(1.9*time)")
+    start = {"p": flow} if kind == "0" else {"q": flow}
+    m.add(j=junction(), d=hb.R(law), s=source, a=free(1.0, **start), b=free(0.8))
+    # what the source holds from the start on is emptied there
+    m.add(h=hb.C(0.79, q=0.544) if kind == "0" else hb.I(0.79, p=0.544), n=junction())
+    m.bond("s -> j", "j -> d", "j -> a", "j -> b", "j -> n -> h")
+    run = hb.simulate(m, until=1.5)
+    assert run.status == "ok" and run.audit().holds()
+    letter = "f" if kind == "0" else "e"
+    assert run[f"d.{letter}"].at(0.0) <= 1e-12

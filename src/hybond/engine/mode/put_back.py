@@ -50,18 +50,18 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual.at[i] = f
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
-    if all_hold(e, rows):
+    if all_hold(e, rows, HOLDS):
         return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
 
 
-def all_hold(e: Engine, rows: int) -> bool:
-    """Whether all residuals are small parts of their terms, or rounding of what is solved beside.
+def all_hold(e: Engine, rows: int, part: float) -> bool:
+    """Whether residuals are no more than a part of their terms, or rounding of what is beside.
 
     Forces that cancel, as of a block at rest on two corners, leave a rate that is their rounding.
     """
     for i in range(rows):
-        allowed = HOLDS * e.work.residual_size.at[i]
+        allowed = part * e.work.residual_size.at[i]
         allowed += ROUNDINGS * UNIT * e.work.residual_reach.at[i]
         if not math.fabs(e.work.residual.at[i]) <= allowed:
             return False

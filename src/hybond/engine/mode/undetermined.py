@@ -17,12 +17,15 @@ from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import measured_system, newton_step, system, write_bonds
-from hybond.engine.mode.put_back import all_hold
+from hybond.engine.mode.put_back import HOLDS, all_hold
 from hybond.engine.words import Floats
 
 ASIDE: Final = 1e-4
 """The part of the values by which they are moved to see whether laws still hold."""
 HALVINGS: Final = 60
+ALONG: Final = 1e-12
+"""Part of its terms by which a law may be off that ends the way to least leakage, as where a valve
+begins to open: all the way, none is what it would be solved to."""
 
 
 def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
@@ -46,14 +49,17 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
         work.moved.at[k] = w[k]
     project(mode.leakage, n, work.moved.at)
     part = 1.0
-    if not mode.affine and not holds_at(e, mode, v, work.moved.at):
+    most = HOLDS
+    if not mode.affine and holds_at(e, mode, v, work.begun.at, ALONG):
+        most = ALONG
+    if not mode.affine and not holds_at(e, mode, v, work.moved.at, most):
         low = 0.0
         high = 1.0
         for _ in range(HALVINGS):
             part = 0.5 * (low + high)
             for k in range(n):
                 w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
-            if holds_at(e, mode, v, w):
+            if holds_at(e, mode, v, w, most):
                 low = part
             else:
                 high = part
@@ -148,11 +154,11 @@ def may_move(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> 
         for k in range(n):
             way = far if turn % 2 == 0 else -far
             work.moved.at[k] = w[k] + way * work.b.at[k * many + j]
-        if holds_at(e, mode, v, work.moved.at):
+        if holds_at(e, mode, v, work.moved.at, HOLDS):
             return True
     return False
 
 
-def holds_at(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
-    """Whether all laws hold at the bond variables `w`."""
-    return all_hold(e, measured_system(e, mode, v, w))
+def holds_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> bool:
+    """Whether all laws hold at the bond variables `w`, to such a part of their terms."""
+    return all_hold(e, measured_system(e, mode, v, w), part)
