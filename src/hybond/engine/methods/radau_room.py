@@ -31,6 +31,8 @@ class Radau:
     n: int
     matrix: int
     jacobian: Floats
+    made_for: Floats
+    """How large each state was taken to be when it was made."""
     served: float
     real: Floats
     real_row: Ints
@@ -112,6 +114,7 @@ def make_radau(n: int) -> Radau:
     r = Radau()
     r.n = n
     r.jacobian = floats(n * n)
+    r.made_for = floats(n)
     r.real = floats(n * n)
     r.real_row = ints(n)
     r.re = floats(n * n)
