@@ -93,21 +93,21 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
     largest = through = 0.0
-    strongest, fastest = np.zeros(len(bond)), np.zeros(len(bond))
+    many = len(graph.bonds)
+    strongest, fastest = np.zeros(many), np.zeros(many)
     for segment in trace.segments:
         if segment.bonds is not None:
-            pulled = np.abs(segment.bonds[:, bond])
-            moved = np.abs(segment.bonds[:, bond + len(graph.bonds)])
-            strongest = np.maximum(strongest, pulled.max(axis=0, initial=0.0))
-            fastest = np.maximum(fastest, moved.max(axis=0, initial=0.0))
-    domains = [graph.bonds[b].domain.name for b in bond]
-    same = np.array([[d == e for e in domains] for d in domains], dtype=bool).reshape(
-        2 * [len(bond)]
+            most = np.abs(segment.bonds).max(axis=0, initial=0.0)
+            strongest = np.maximum(strongest, most[:many])
+            fastest = np.maximum(fastest, most[many : 2 * many])
+    domains = [b.domain.name for b in graph.bonds]
+    same = np.array([[domains[k] == d for d in domains] for k in bond], dtype=bool).reshape(
+        len(bond), many
     )
 
     def rounding(e: Matrix, f: Matrix, most_e: Vector, most_f: Vector) -> Matrix:
         # what rests under a load moves by the rounding of the fastest motion in its domain, and
-        # what flows without a load feels the rounding of the largest one
+        # what flows without a load feels the rounding of the largest one, between two-ports too
         loads, speeds = (
             np.where(same, a, 0.0).max(axis=1, initial=0.0)[:, None] for a in (most_e, most_f)
         )
@@ -118,8 +118,8 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     for segment in trace.segments:
         if segment.bonds is not None:
             w = segment.bonds.T
-            e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
-            flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
+            e, f = np.abs(w[bond]), np.abs(w[bond + many])
+            flows = w[bond] * w[bond + many] * sign[:, None]
             totals.append(np.abs(flows.sum(axis=0)))
             sizes.append((e * f + rounding(e, f, strongest, fastest)).sum(axis=0))
             made, size_of = _created_by_steps(signals, segment)
@@ -127,10 +127,11 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
             largest = max(largest, size_of)
             continue
         w = signals.bonds(segment)
-        flows = w[bond] * w[bond + len(graph.bonds)] * sign[:, None]
+        flows = w[bond] * w[bond + many] * sign[:, None]
         total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
-        e, f = np.abs(w[bond]), np.abs(w[bond + len(graph.bonds)])
-        lost = rounding(e, f, e.max(axis=1, initial=0.0), f.max(axis=1, initial=0.0))
+        e, f = np.abs(w[bond]), np.abs(w[bond + many])
+        most = np.abs(w).max(axis=1, initial=0.0)
+        lost = rounding(e, f, most[:many], most[many : 2 * many])
         totals.append(total)
         sizes.append(size + lost.sum(axis=0))
         # of a motion along a surface, the mode through which most passes
