@@ -311,9 +311,8 @@ def test_first_order_is_no_imbalance(make, theta: float) -> None:
     audits = [stepped(make(), 5.0, h, theta=theta).audit() for h in (0.01, 0.0025)]
     for audit in audits:
         assert audit.power <= 1e-12 and audit.energy <= 1e-12 and audit.holds()
-    # what the steps that switch create is real, and goes away with the step
-    assert audits[1].created <= 0.5 * audits[0].created + 1e-14
-    assert (audits[0].created > 1e-9) == (theta < 1.0 and make is smoothed)
+        # a step that switches, and would create energy, is made again with theta 1
+        assert audit.created <= 1e-12
 
 
 def test_energy_from_nowhere_is_found() -> None:
