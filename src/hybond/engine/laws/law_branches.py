@@ -65,14 +65,16 @@ SHORT_STEP: Final = 1e-6
 """The vanishing step, as a part of the shortest time that feedthrough and storage make."""
 TRIES: Final = 8
 """Ways of asking for branches that last, the likeliest first; of each:"""
+NO_DUST: Final = 3
+"""The first ways, which rounding of what is stored has no say in."""
 AS_IT_IS: Final = 4
 """The first ways, with the vanishing step as it is: if none of these can have an answer, no other
 step is asked, which would only lose what is small."""
 TRY_FACTOR: Final = float_table(1.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e3, 1e-6)
 """What the vanishing step is multiplied by."""
-TRY_KEEP: Final = int_table(1, 0, 0, -1, 1, 0, 0, 0)
+TRY_KEEP: Final = int_table(1, 0, -1, 0, 1, 0, 0, 0)
 """Whether what is open is left as it was; -1: friction exactly at its limit breaks loose."""
-TRY_CLEAN: Final = int_table(1, 1, 0, 1, 1, 1, 1, 1)
+TRY_CLEAN: Final = int_table(1, 1, 1, 0, 1, 1, 1, 1)
 """Whether rounding of what is stored counts as zero."""
 ADRIFT: Final = 1e-6
 """Share of a unit of freedom from which a junction has part in it."""
@@ -148,10 +150,10 @@ def hold_disks(e: Engine, r: Laws) -> None:
             r.role[k] = SHUT if rests else FORWARD
 
 
-def next_lasting(e: Engine, r: Laws) -> bool:
+def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
     """Find the next mode whose branches may last, into `r.candidate`, the likeliest first.
 
-    As Complementarity.lasting.
+    Of the ways to ask for them the first so many are taken.
     """
     m = e.model
     n = m.ports
@@ -161,7 +163,7 @@ def next_lasting(e: Engine, r: Laws) -> bool:
         put_mode(m, r, r.answer, r.second_keep, False)
         r.candidate_kept = r.second_keep
         return True
-    while r.attempt < TRIES:
+    while r.attempt < ways:
         keep = TRY_KEEP[r.attempt]
         if TRY_CLEAN[r.attempt] != 0:
             clean(m, r, r.y)
@@ -275,7 +277,7 @@ def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
         return 0
     if begin_lasting(e, r, x) != OK:
         return -1
-    if not next_lasting(e, r):
+    if not next_lasting(e, r, TRIES):
         return 0
     found = 0
     for k in range(m.ports):

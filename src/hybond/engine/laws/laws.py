@@ -13,6 +13,8 @@ from hybond.engine.instant.trial import (
     take_factors,
 )
 from hybond.engine.laws.law_branches import (
+    NO_DUST,
+    TRIES,
     begin_lasting,
     find_breaking,
     find_jumping,
@@ -164,24 +166,26 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
             return found
     if begin_lasting(e, r, r.here) != OK:
         return by_trial(e, r, x) if r.unanswered else STOPS
-    while next_lasting(e, r):
-        found = try_candidate(e, r, x, r.candidate_kept)
-        if found == STANDS or found == STOPS:
-            return found
-    if not r.solved:
-        no_branches(e, r, 0)
-        if m.tells != 0:
-            tell_ports(e, r, False)
-        return STOPS
-    # last of all what is violated is turned, which is accepted only if it stands as well
     at = 0
-    while at < r.asked:
-        for k in range(m.machines):
-            r.candidate[k] = r.asked_at[at * m.machines + k]
-        at += 1
-        found = try_candidate(e, r, x, False)
-        if found == STANDS or found == STOPS:
-            return found
+    for part in range(2):
+        while next_lasting(e, r, NO_DUST if part == 0 else TRIES):
+            found = try_candidate(e, r, x, r.candidate_kept)
+            if found == STANDS or found == STOPS:
+                return found
+        if part == 1 and not r.solved:
+            no_branches(e, r, 0)
+            if m.tells != 0:
+                tell_ports(e, r, False)
+            return STOPS
+        # what is violated is turned, which is accepted only if it stands as well: a law at its end
+        # is known to rounding there, and to less where rates are differences. Dust comes after it
+        while at < r.asked:
+            for k in range(m.machines):
+                r.candidate[k] = r.asked_at[at * m.machines + k]
+            at += 1
+            found = try_candidate(e, r, x, False)
+            if found == STANDS or found == STOPS:
+                return found
     return by_trial(e, r, x) if r.some_valueless else BROKEN
 
 

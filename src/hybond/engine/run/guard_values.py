@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
-from hybond.engine.mode.values import set_motion
+from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import rule_text, value
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
+from hybond.engine.words import Floats
 
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""
@@ -27,6 +30,8 @@ def look(e: Engine, g: Locator, t: float) -> None:
         return
     show(e, g, ALL_PARTS)
     between(e, t, g.y)
+    if g.held and put_on_constraints(e, t, g.y) != OK:
+        g.failed = True
     set_motion(e, e.v, t, g.y)
     g.lost = False
     if e.slide.k == 0:
@@ -36,6 +41,15 @@ def look(e: Engine, g: Locator, t: float) -> None:
         g.lost = solve_here(e, e.mode, e.v) != OK
     g.looked = t
     g.sized = False
+
+
+def put_on_constraints(e: Engine, t: float, y: Floats) -> int:
+    """Put a state of the motion back on its mode's constraints, if there are any."""
+    if not is_constrained(e.mode):
+        return OK
+    if evaluate(e, e.mode, e.shown, t, y) != OK:
+        return REFUSED
+    return on_constraints(e, e.mode, e.shown, y)
 
 
 def show(e: Engine, g: Locator, part: int) -> None:

@@ -108,6 +108,9 @@ class Locator:
     """Whether terms of the motion as it is are known there."""
     lost: bool
     """Whether no combination holds the state on its surfaces there."""
+    held: bool
+    """Whether states are put on their constraints where guards are asked: an event begins there,
+    and what integration drifts off would say something else of it."""
     at: float
     bracket_low: float
     bracket_high: float

@@ -14,14 +14,12 @@ from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.instant import GUARD, START, begin_instant
-from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.values import begin_field, evaluate, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
@@ -32,6 +30,7 @@ from hybond.engine.planar.descent import (
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.edges import reach_edges
+from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, watch
@@ -193,6 +192,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if count_step(e, r) != OK:
             return -1
+        g.held = False
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND and m.edges == 0:
             return -1
@@ -204,6 +204,7 @@ def flow(e: Engine, r: Run) -> int:
         if at < math.inf:
             if m.kinks > 0:
                 see_jump(e, r, at)
+            g.held = True
             if land(e, g, instant, end) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
@@ -316,6 +317,7 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
             return REFUSED
         if found == IS_DOWN or e.step.t1 == e.step.t0:
             break
+        r.locator.held = False
         if locate(e, r.locator) != OK:
             return REFUSED
         if r.locator.at < math.inf:
@@ -390,11 +392,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         e.y[k] = e.step.y1[k]
     if shown != e.step.t1:
         between(e, shown, e.y)
-    if is_constrained(e.mode):
-        if evaluate(e, e.mode, e.shown, t, e.y) != OK:
-            return REFUSED
-        if on_constraints(e, e.mode, e.shown, e.y) != OK:
-            return REFUSED
+    if put_on_constraints(e, t, e.y) != OK:
+        return REFUSED
     if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
         return REFUSED
     keep_still(e, e.y)
