@@ -71,6 +71,7 @@ class Work:
     base_size: Floats
     guess: Block
     kept_guess: Block
+    had_guess: bool
     freedom: Block
     terms: Floats
     slopes: Block

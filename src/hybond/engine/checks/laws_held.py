@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
@@ -55,16 +55,9 @@ def look_at_laws(e: Engine) -> None:
         return
     mode = e.mode
     # where Newton begins next is not to depend on who looks
-    guessed = mode.guessed
-    if mode.dynamics > 0:
-        fit(e.work.kept_guess, mode.finite_frees + 1)
-        for k in range(mode.finite_frees):
-            e.work.kept_guess.at[k] = mode.guess.at[k]
+    hold_guess(e, mode)
     found = evaluate(e, mode, c.v, e.t, e.y)
-    if mode.dynamics > 0:
-        for k in range(mode.finite_frees):
-            mode.guess.at[k] = e.work.kept_guess.at[k]
-        mode.guessed = guessed
+    give_back_guess(e, mode)
     if found != OK:
         # nothing can be read here; a step that needs it is refused
         return

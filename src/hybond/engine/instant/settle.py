@@ -41,6 +41,7 @@ from hybond.engine.instant.trial import (
     show_stored,
     show_trial,
 )
+from hybond.engine.laws.law_instant import make_consistent, take_instant
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.model import machine_name, rule_text
 from hybond.engine.reasons.facts import add_fact
@@ -53,6 +54,8 @@ class Settling:
     """An instant under way: the state written last, and what a cycle is told by."""
 
     x: Floats
+    begin: Floats
+    """At the start: what is stored, put on what machines ask for without their laws."""
     s: Floats
     state: Ints
     target: Ints
@@ -72,6 +75,7 @@ def make_settling(e: Engine) -> Settling:
     m = e.model
     g = Settling()
     g.x = floats(m.storages)
+    g.begin = floats(m.storages)
     g.s = floats(m.integrals)
     g.state = ints(m.machines)
     g.target = ints(m.machines)
@@ -183,9 +187,15 @@ def stand_before(e: Engine, g: Settling, t: float) -> None:
     """Let what is a priori at the start be of branches of laws that stand there, if any do.
 
     Those that laws are declared with are nobody's choice: friction at rest beside what moves would
-    make of an impact one that is faster than anything stored.
+    make of an impact one that is faster than anything stored. Storages that one junction holds
+    together say different things of it before they share what they store, and none is more right.
     """
-    if enter(e, t, g.x, g.s, g.state, False, False) != OK:
+    take_instant(e, e.laws, t, g.s, g.state)
+    if make_consistent(e, e.laws, g.x) != OK:
+        return
+    for k in range(e.model.storages):
+        g.begin[k] = e.laws.x[k]
+    if enter(e, t, g.begin, g.s, g.state, False, False) != OK:
         return
     show_stored(e)
     for k in range(e.model.slots):

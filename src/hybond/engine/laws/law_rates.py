@@ -15,6 +15,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, rates_of_linear, rates_of_stored, solve_with
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import value
@@ -95,7 +96,11 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
         r.later_s[k] = e.trial.s[k]
     for i in range(2 * m.slots):
         r.later[i] = e.v[i]
+    hold_guess(e, mode)
+    found = OK
     for turn in range(2):
+        if found != OK:
+            continue
         if turn > 0:
             for a in range(m.atom_first[m.rule_first[m.machines]]):
                 r.atom[a] = value(m, m.atom_value[a], r.later)
@@ -107,8 +112,10 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
         for k in range(m.integrals):
             r.later_s[k] += step * value(m, m.integral_rate[k], r.later)
         set_values(e, mode, r.later, t + float(turn + 1) * step, r.moved, r.later_s)
-        if solve_here(e, mode, r.later) != OK:
-            return False
+        found = solve_here(e, mode, r.later)
+    give_back_guess(e, mode)
+    if found != OK:
+        return False
     for k in range(m.machines if m.laws > 0 else 0):
         if m.is_law[k] != 0:
             turn_ahead(e, r, k)

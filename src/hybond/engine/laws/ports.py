@@ -19,6 +19,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
 from hybond.engine.mode.equations import check_depth, make_equations
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.newton import solve
@@ -276,9 +277,13 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
         if find_gains(e, r, p, v, a.gain) != OK:
             return REFUSED
         couple(m, p, a)
-        if directional(e, r, v, x) != OK:
-            return REFUSED
-        return ahead_of(e, r, v, x) if timed else OK
+        mode = open_mode(e, p)
+        hold_guess(e, mode)
+        found = directional(e, r, v, x)
+        if found == OK and timed:
+            found = ahead_of(e, r, v, x)
+        give_back_guess(e, mode)
+        return found
     if not p.known and find_constant(e, r, v) != OK:
         return REFUSED
     rates_of_linear(e, r, v, a.bonds, a.rate, a.rate_size)

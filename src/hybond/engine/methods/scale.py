@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
@@ -36,7 +37,9 @@ def start_scale(e: Engine, mode: Mode) -> None:
         soon = SHORT * e.until
         if e.next_break < math.inf:
             soon = min(soon, 0.5 * (e.next_break - e.t))
+        hold_guess(e, mode)
         found_terms(e, mode, e.t + soon)
+        give_back_guess(e, mode)
         set_state(e, mode, e.v, e.t, e.y)
         solve(e, mode, e.v)
     if e.model.laws > 0:
