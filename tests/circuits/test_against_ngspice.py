@@ -11,6 +11,7 @@ import hybond as hb
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
+from converters import CONVERTERS, see  # noqa: E402
 from netlists import CASES, DECKS, compare  # noqa: E402
 from ngspice import run  # noqa: E402
 
@@ -93,3 +94,30 @@ def test_the_operating_point_is_that_of_ngspice(tmp_path, start):
         ours = np.asarray(found[signal].at(t.tolist()))
         size = np.abs(theirs).max()
         assert np.abs(ours - np.interp(t, waves.time, theirs)).max() < 2e-3 * size
+
+
+QUICK = (
+    "charge_pump",
+    "doubler",
+    "half_wave_freewheel",
+    "six_pulse_rectifier",
+    "twelve_pulse_rectifier",
+    "dimmer",
+    "thyristor_bridge",
+    "h_bridge_inverter",
+    "three_phase_inverter",
+    "npc_leg",
+    "chopper_motor",
+    "flyback",
+    "two_switch_forward",
+)
+"""All are in docs/circuits.md; these take ngspice less than a second each."""
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_converters_agree(tmp_path, name):
+    """Means and root mean squares; the tables of the documentation have the others."""
+    seen = see(next(c for c in CONVERTERS if c.name == name), tmp_path)
+    assert seen.status == "ok"
+    assert seen.worst < 1e-3
+    assert all(abs(value) > 1e-3 for _, value, *_ in seen.values.values())

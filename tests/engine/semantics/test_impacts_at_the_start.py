@@ -64,3 +64,25 @@ def test_a_body_with_a_diode_beside_it_rebounds_by_its_own_speed() -> None:
     run = hb.simulate(m, 1e-6)
     assert run["body.f"].at(0.0) == pytest.approx(0.4, rel=1e-12)
     assert run.audit().holds()
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2)])
+def test_what_shares_a_junction_comes_together_before_it_strikes(order: tuple[int, ...]) -> None:
+    """Three capacitors at voltages of their own: the contact meets what they have in common."""
+    given = [(0.33, 0.00878), (5.7, 0.0), (2.0, -0.9)]
+    for reach in (1.0, -1.0):
+        m = hb.Model("shared")
+        for k in order:
+            m.add(**{f"c{k}": hb.C(given[k][0], q=reach * given[k][1])})
+        m.add(node=hb.Zero(), hits=hb.One(law="unilateral", restitution=0.5), far=hb.Zero())
+        m.bond(*(f"node -> c{k}" for k in order), "node -> hits", "hits -> far")
+        m.add(ground=hb.Se(0.0))
+        m.bond("far -> ground")
+        run = hb.simulate(m, 1e-6)
+        common = reach * sum(q for _, q in given) / sum(c for c, _ in given)
+        # ON holds the effort at zero, and what comes towards it from above turns round
+        after = -0.5 * common if common > 0.0 else common
+        for k in range(3):
+            assert run[f"c{k}.e"].at(0.0) == pytest.approx(after, rel=1e-12)
+        assert run.status == "ok"
+        assert not run.warnings
