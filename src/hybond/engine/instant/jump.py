@@ -33,6 +33,8 @@ CONSISTENT: Final = 1e-12
 BEST: Final = 1e-14
 STEPS: Final = 60
 HALVES: Final = 40
+LAST_PLACES: Final = 2.220446049250313e-16
+"""Part of a constraint's own terms that is their rounding."""
 CANCELLED: Final = 1e-15
 """A sum of terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
@@ -88,8 +90,35 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
         e.moved = SWEPT
         return OK
     e.moved = JUMPS
+    sharpen(e, mode, v, ways, after)
     put_impulses(e, mode, ways)
     return OK
+
+
+def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None:
+    """Take out of the state after a jump what rounding of the state before it has left there.
+
+    A light mass that a heavy one brings to rest keeps the last digit of the heavy one's momentum,
+    which is many of its own.
+    """
+    m = e.model
+    w = e.work
+    residual(e, mode, v, after)
+    rounded = True
+    for i in range(mode.constraints.rows):
+        own = 0.0
+        for p in range(mode.constraints.first.at[i], mode.constraints.first.at[i + 1]):
+            own += math.fabs(mode.constraints.value.at[p] * w.xi[mode.constraints.column.at[p]])
+        rounded = rounded and math.fabs(w.gap.at[i]) <= LAST_PLACES * own
+    if not rounded:
+        jump_step(e, ways, w.constraints)
+        for k in range(m.storages):
+            change = 0.0
+            for a in range(ways.areas):
+                change += ways.d.at[k * ways.areas + a] * w.step.at[a]
+            # what the jump has brought to zero is there
+            after[k] -= change if after[k] != 0.0 else 0.0
+    restore_bonds(e, v)
 
 
 def put_impulses(e: Engine, mode: Mode, ways: Ways) -> None:
@@ -121,6 +150,19 @@ def moved_by(n: int, x: Floats, ways: Ways, nu: Floats, after: Floats) -> None:
             total += change
             size += math.fabs(change)
         after[k] = 0.0 if math.fabs(total) <= CANCELLED * size else total
+
+
+def jump_step(e: Engine, ways: Ways, count: int) -> int:
+    """Put Newton's step into `e.work.step`, by the inverse if it is known; return the rank."""
+    w = e.work
+    if not ways.known:
+        return find_step(e, ways, count)
+    for a in range(ways.areas):
+        total = 0.0
+        for i in range(count):
+            total += ways.inverse.at[a * count + i] * w.gap.at[i]
+        w.step.at[a] = total
+    return ways.rank
 
 
 def find_step(e: Engine, ways: Ways, count: int) -> int:
@@ -158,7 +200,6 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
     for k in range(m.storages):
         w.reach_before[k] = w.reach[k]
     for turn in range(STEPS):
-        rank = ways.rank
         if not ways.known:
             put_here(m.storages, x, ways, w.nu.at, w.here)
             slope_of(e, mode, v, w.here, ways)
@@ -169,14 +210,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
             if turn == 0:
                 w.gap_first.at[i] = w.gap_size.at[i]
             w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
-        if ways.known:
-            for a in range(areas):
-                total = 0.0
-                for i in range(count):
-                    total += ways.inverse.at[a * count + i] * w.gap.at[i]
-                w.step.at[a] = total
-        else:
-            rank = find_step(e, ways, count)
+        rank = jump_step(e, ways, count)
         worst = 0.0
         most = 0.0
         for i in range(count):
