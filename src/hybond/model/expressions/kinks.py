@@ -12,7 +12,9 @@ from hybond.model.expressions.tree import (
     Compare,
     Expr,
     If,
+    Name,
     Number,
+    Or,
     Table,
     names,
     transform,
@@ -66,10 +68,11 @@ def ending(e: Expr) -> list[Expr]:
     return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
 
 
-def rested(e: Expr) -> Expr:
+def rested(e: Expr, where: str = "") -> Expr:
     """Return an expression whose roots rest at zero beyond where they end.
 
-    For what looks beyond on its way and comes back, as trial points of a step do.
+    For what looks beyond on its way and comes back, as trial points of a step do. With `where`
+    only where the quantity of that name is not zero.
 
     Examples
     --------
@@ -77,21 +80,23 @@ def rested(e: Expr) -> Expr:
     >>> str(rested(parse("2*sqrt(q - 1) + sqrt(abs(q))")))
     '2*(if q - 1 > 0 then sqrt(q - 1) else 0) + sqrt(abs(q))'
     """
-    return transform(e, _rested)
+    return transform(e, lambda part: _rested(part, where))
 
 
-def _rested(e: Expr) -> Expr:
-    root = e
+def _rested(e: Expr, where: str) -> Expr:
     match e:
         case Call(function="sqrt"):
             inner = e.args[0]
-        case Binary("^", inner, Number(value)) if _may_be_a_root(value) and not is_slotted(value):
-            pass
+        case Binary("^", left, Number(value)) if _may_be_a_root(value) and not is_slotted(value):
+            inner = left
         case _:
             return e
     if not names(inner) or _is_magnitude(inner):
         return e
-    return If(Compare(">", inner, Number(0.0)), root, Number(0.0))
+    inside: Expr = Compare(">", inner, Number(0.0))
+    if where:
+        inside = Or((inside, Compare("==", Name(where), Number(0.0))))
+    return If(inside, e, Number(0.0))
 
 
 def _may_be_a_root(power: float) -> bool:
