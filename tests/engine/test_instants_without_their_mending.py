@@ -171,8 +171,7 @@ def test_dust_of_a_jump_in_a_part_that_it_does_not_reach(
         if not any(run.final[name] for name in stored):
             continue
         dusty += 1
-        text = said(run)
-        assert "no constraint of a jump reaches" in text and "t = 0.5 s" in text
+        assert "no constraint of a jump reaches" in said(run)
     assert dusty > 0
 
 
