@@ -7,21 +7,21 @@ from typing import Any
 import pytest
 
 import hybond as hb
-from hybond.engine.checks import laws_held
+from hybond.engine.checks import shown
 
 LAWS = [{"e": "1000 [ohm]*f"}, {"e": "1000 [ohm]*f + 1 [V]*tanh(f/(1 [mA]))"}]
 
 
 def wrong(monkeypatch: pytest.MonkeyPatch, bond: int, factor: float) -> None:
     """Let a bond variable be read wrong by a factor, whatever solved for it."""
-    true: Callable[..., int] = laws_held.evaluate
+    true: Callable[..., int] = shown.evaluate
 
     def evaluate(e: Any, mode: Any, v: Any, t: float, y: Any) -> int:
         found = true(e, mode, v, t, y)
         v[e.model.bond_slot + bond] *= factor
         return found
 
-    monkeypatch.setattr(laws_held, "evaluate", evaluate)
+    monkeypatch.setattr(shown, "evaluate", evaluate)
 
 
 def circuit(law: dict[str, str]) -> hb.Model:

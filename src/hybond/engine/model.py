@@ -178,6 +178,9 @@ class Model:
     """What the magnitudes of all its terms add up to, where it has kinks; -1: it has none."""
     source_timed: Ints
     """Whether the value depends on time and inputs only."""
+    look_first: Ints
+    """Of each source: the bonds that its value reads, by their variables or by what is stored."""
+    look_bond: Ints
     source_first: Ints
     """Of each source: the slopes of its rate by bond variables."""
     source_column: Ints

@@ -111,7 +111,7 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
     members = {m.name for m in printer.members(found.runs.program.records["Model"])}
     put = putting(printer, found.parameters, members)
     lines += ["", "/* What follows from the parameters. */", *put] if put else []
-    lines += ["", *tail.splitlines()]
+    lines += ["", *tail.rstrip("\n").split("\n")]
     return "\n".join(lines) + "\n"
 
 

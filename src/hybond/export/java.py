@@ -127,7 +127,7 @@ def _api(found: Exported) -> list[str]:
     text = text.replace("@OPTION@", SET_OPTION if options else "")
     text = text.replace("@HELP@", SET_HELP if options else "")
     text = text.replace("@TAKEN@", SET_TAKEN if own.settable else "")
-    return text.splitlines()
+    return text.rstrip("\n").split("\n")
 
 
 def _check_name(name: str) -> None:

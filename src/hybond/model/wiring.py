@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hybond.errors import ModelError
 from hybond.model.graph import End
-from hybond.model.hierarchy import Opened, Written
+from hybond.model.hierarchy import Opened, Scope, Written
 from hybond.model.kinds import KINDS, TWO_PORTS
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import DOMAINS, Domain
@@ -149,7 +149,8 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
     """Return the domain of each bond.
 
     A region of bonds joined by junctions and one-ports has one domain: the one that a node in it
-    declares, else that of the models that contain its nodes.
+    declares, else that of the models that contain its nodes. What a model says of one of its nodes
+    there goes before its own domain.
 
     Raises
     ------
@@ -195,6 +196,9 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
 
     said: dict[int, tuple[str, str]] = {}
     default: dict[int, tuple[str, str]] = {}
+    # regions, each with the models that say of one of their own nodes there what they are
+    spoken: dict[int, list[str]] = {}
+    silent: list[tuple[int, Scope, str]] = []
     for node, at in zip(nodes, touching, strict=True):
         if node.written is None or not at or node.kind in TWO_PORTS:
             continue
@@ -202,19 +206,30 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
         root = find(at[0])
         if own is not None:
             declare(said, root, str(own), node.path)
+            spoken.setdefault(root, []).append(node.written.scope.prefix)
+        else:
+            silent.append((root, node.written.scope, node.path))
+    for root, scope, path in silent:
+        if any(speaker.startswith(scope.prefix) for speaker in spoken.get(root, ())):
+            continue  # its own model, or one within it, knows better than by its domain
+        if root in said and scope.model.domain != "generic":
+            declare(said, root, scope.model.domain, path)
         elif default.get(root, ("generic", ""))[0] == "generic":
             # a model without a domain takes that of the parts that it joins
-            default[root] = (node.written.scope.model.domain, node.path)
-        elif node.written.scope.model.domain not in (default[root][0], "generic"):
-            declare(default, root, node.written.scope.model.domain, node.path)
+            default[root] = (scope.model.domain, path)
+        elif scope.model.domain not in (default[root][0], "generic"):
+            declare(default, root, scope.model.domain, path)
     chosen: Mapping[int, tuple[str, str]] = {**default, **said}
     return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]
 
 
 def _mixed(bond: RawBond, nodes: list[RawNode]) -> str:
-    """Return what a bond joins if its ends were written in models of two domains."""
+    """Return what a bond joins if its ends, of two models, are of two domains."""
     ends = [nodes[k] for k in (bond.tail, bond.head)]
-    said = [(n.path, n.written.scope.model.domain) for n in ends if n.written is not None]
+    written = [(n.path, n.written) for n in ends if n.written is not None]
+    if len({w.scope.prefix for _, w in written}) < 2:
+        return ""
+    said = [(path, w.part.options.get("domain", w.scope.model.domain)) for path, w in written]
     if len({domain for _, domain in said} - {"generic"}) < 2:
         return ""
     return " to ".join(f"{path!r} ({domain})" for path, domain in said)

@@ -27,13 +27,41 @@ class Checks:
     """Whether lost digits are not counted yet: what does not hold then is suspect, no more."""
     suspects: int
     said: Ints
-    """Of each law: whether it was found not to hold; elements, storages, junctions."""
+    """Of each law: whether it was found not to hold, in the order of the kinds in `noting`."""
     violated: int
     what: int
     index: int
     off: float
     size: float
     t: float
+    root: Ints
+    """Of each bond: one in its part of the graph, while parts are found."""
+    reached: Ints
+    """Of the first bond of each part: whether a jump has anything to do there."""
+    all_reached: bool
+    ahead: Floats
+    """The state to which the motion before the last located instant would have gone by its end."""
+    beyond: float
+    """When that is."""
+    since: Floats
+    """The state at that instant before it was settled."""
+    at: float
+    ahead_state: Ints
+    """The mode of that motion."""
+    foreseen: bool
+    """Whether these are known."""
+    close: bool
+    """Whether the present instant is within that one; `late` by so much, of its `room`."""
+    late: float
+    room: float
+    held: Ints
+    """Of each rule: whether that motion makes it begin to hold in that instant."""
+    looked: float
+    """When laws were looked at last within a motion, s."""
+    before: Floats
+    after: Floats
+    """What ports read before and after an impact."""
+    prior: Floats
 
 
 def make_checks(m: Model) -> Checks:
@@ -43,5 +71,16 @@ def make_checks(m: Model) -> Checks:
     c.tolerance = floats(2 * m.bonds)
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
-    c.said = ints(m.elements + m.storages + m.junctions)
+    rules = m.rule_first[m.machines]
+    c.said = ints(m.elements + 2 * m.storages + m.junctions + 2 * rules + m.ports)
+    c.root = ints(m.bonds)
+    c.reached = ints(m.bonds)
+    c.ahead = floats(m.storages + m.integrals)
+    c.since = floats(m.storages + m.integrals)
+    c.ahead_state = ints(m.machines)
+    c.held = ints(rules)
+    c.looked = -1.0
+    c.before = floats(m.ports)
+    c.after = floats(m.ports)
+    c.prior = floats(2 * m.bonds)
     return c

@@ -14,21 +14,16 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import OK, Engine
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
+from hybond.engine.checks.shown import clear_prior, show_at
+from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
 from hybond.engine.mode.tableau import part_of
-from hybond.engine.mode.values import evaluate
 from hybond.engine.model import value
-from hybond.engine.reasons.warned import UNSOUND, add_about, begin_warning
 from hybond.engine.timestepping.step_records import MOREAU
 
-ELEMENT: Final = 0
-STORAGE: Final = 1
-JUNCTION: Final = 2
-"""What a law belongs to: the number is that of an element, a stored quantity, a junction."""
 PART: Final = 1e-9
 """What a law may be off by, as a part of its terms."""
 ROUNDING: Final = 1e-11
@@ -44,6 +39,7 @@ def look_now_and_then(e: Engine) -> None:
     """Look at the laws if that is due again."""
     if e.evaluations >= e.checks.due:
         look_at_laws(e)
+        e.checks.looked = e.t
 
 
 def look_at_laws(e: Engine) -> None:
@@ -54,16 +50,10 @@ def look_at_laws(e: Engine) -> None:
     if e.slide.k > 0 or m.method == MOREAU:
         return
     mode = e.mode
-    # where Newton begins next is not to depend on who looks
-    hold_guess(e, mode)
-    found = evaluate(e, mode, c.v, e.t, e.y)
-    give_back_guess(e, mode)
-    if found != OK:
+    if not show_at(e, mode, e.t, e.y):
         # nothing can be read here; a step that needs it is refused
         return
-    for k in range(m.slots):
-        # while time passes, a law that reads `pre()` gives nothing
-        c.v[m.slots + k] = 0.0
+    clear_prior(e)
     c.looks += 1
     hold_laws(e, mode)
 
@@ -233,32 +223,7 @@ def judge(e: Engine, what: int, index: int, off: float, size: float, may: float)
     """Note a law of which more is left than it may be; the first of each element is told."""
     if math.fabs(off) <= may or may == math.inf:
         return
-    m = e.model
-    c = e.checks
-    if c.first_look:
-        c.suspects += 1
+    if e.checks.first_look:
+        e.checks.suspects += 1
         return
-    if c.violated == 0:
-        c.what = what
-        c.index = index
-        c.off = math.fabs(off)
-        c.size = size
-        c.t = e.t
-    c.violated += 1
-    at = index
-    if what != ELEMENT:
-        at += m.elements
-    if what == JUNCTION:
-        at += m.storages
-    if c.said[at] != 0:
-        return
-    c.said[at] = 1
-    if m.tells == 0:
-        return
-    begin_warning(e.warned, UNSOUND, e.t)
-    add_about(e.warned, float(what))
-    add_about(e.warned, float(index))
-    add_about(e.warned, math.fabs(off))
-    add_about(e.warned, size)
-    for k in range(m.machines):
-        add_about(e.warned, float(e.mode.state[k]))
+    note_violation(e, e.mode, e.t, what, index, math.fabs(off), size)

@@ -14,6 +14,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.svd import least_squares
+from hybond.engine.checks.untouched import hold_untouched, note_reached
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
 from hybond.engine.instant.constraints import (
     begin_constraints,
@@ -79,12 +80,14 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
         return OK
     ways = mode.ways
     restore_bonds(e, v)
+    note_reached(e, mode)
     find_ways(e, mode, v, x)
     status = newton_jump(e, mode, v, x, ways)
     restore_bonds(e, v)
     if status != OK:
         return status
     moved_by(m.storages, x, ways, e.work.nu.at, after)
+    hold_untouched(e, mode, v[0], x, after)
     if rounding:
         # rounding, not a jump: dust is swept up without an impulse
         e.moved = SWEPT

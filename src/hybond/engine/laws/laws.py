@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from hybond.engine.checks.impacts_held import hold_impact
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
@@ -111,7 +112,10 @@ def strike(e: Engine, r: Laws, x: Floats) -> int:
     if e.model.impact != NEWTON and not r.at_once:
         struck = strike_at_once(e, r, x)
         if struck != NOTHING_STRIKES:
-            return REFUSED if struck == REFUSES else OK
+            if struck == REFUSES:
+                return REFUSED
+            hold_impact(e, r, False)
+            return OK
     for k in range(e.model.ports):
         r.loose[k] = 0
     found = find_jumping(e, r, x)
@@ -121,7 +125,10 @@ def strike(e: Engine, r: Laws, x: Floats) -> int:
             found = find_jumping(e, r, x)
     if found <= 0:
         return REFUSED if found < 0 else OK
-    return strike_branches(e, r, x)
+    if strike_branches(e, r, x) != OK:
+        return REFUSED
+    hold_impact(e, r, True)
+    return OK
 
 
 def rubs_in_impacts(m: Model) -> bool:

@@ -32,7 +32,7 @@ from hybond.engine.methods.radau_stages import (
     mean_size,
     rate_at,
 )
-from hybond.engine.methods.scale import tolerance
+from hybond.engine.methods.scale import ROUNDED, tolerance
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.words import Floats, float_table
 
@@ -92,9 +92,12 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
         r.shifted[i] = r.y0[i]
     for j in range(n):
         size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
+        if size == 0.0 and j < e.model.storages:
+            # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
+            size = e.rounding[j] / ROUNDED
+        r.made_for[j] = size
         if size == 0.0:
             size = 1.0
-        r.made_for[j] = size
         delta = math.sqrt(2.220446049250313e-16) * math.copysign(size, r.f0[j])
         found = NOT_FINITE
         for way in range(2):

@@ -104,6 +104,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.guessed = False
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
+    mode.ways.parted = False
     mode.ways.shares = 0
     mode.flow_known = False
     mode.saw = False

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Rows, make_block, make_rows
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    Rows,
+    make_block,
+    make_places,
+    make_rows,
+)
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -31,7 +38,8 @@ class Ways:
     """The impulses that a mode allows, and what they do to what is stored.
 
     `directions` are bond variables by `many`; `moving`, many by areas; `d`,
-    storages by areas; `slope`, constraints by areas, its inverse and its rank.
+    storages by areas; `slope`, constraints by areas, its inverse and its rank. `part` is the
+    part of the graph that each bond is in, once it is `parted`.
     """
 
     known: bool
@@ -45,6 +53,8 @@ class Ways:
     rank: int
     shares: int
     share: Block
+    parted: bool
+    part: Places
 
 
 @record
@@ -165,6 +175,7 @@ def make_ways() -> Ways:
     w.slope = make_block(1)
     w.inverse = make_block(1)
     w.share = make_block(1)
+    w.part = make_places(1)
     return w
 
 

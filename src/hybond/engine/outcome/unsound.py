@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hybond.engine.tables.contacts import rules_of
 from hybond.errors import NumericsError
 from hybond.model.graph import FlatGraph, Node
 from hybond.trace import Violation
 
-ELEMENT, STORAGE = 0, 1
-"""What a law belongs to: as in `hybond.engine.checks.laws_held`."""
+ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT = range(7)
+"""What does not hold: as in `hybond.engine.checks.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
     "1": "one flow, and efforts that add up to zero",
 }
+KEPT = "what no constraint of a jump reaches keeps what it stores"
+FIRES = "the guard holds, and fires:"
+ONE_INSTANT = "what begins to hold within one instant fires in it:"
+IMPACTS = "the law of impacts that was asked for"
 
 
 def violation(
@@ -21,14 +26,30 @@ def violation(
 ) -> Violation:
     """Return a row of the engine as a record; `elements` are the nodes of the engine's elements."""
     what, index = int(about[0]), int(about[1])
+    mode = graph.mode_text(tuple(map(int, about[4 : 4 + len(graph.machines)])))
+    place, law = _said(graph, elements, what, index)
+    return Violation(t, place, about[2], about[3], law, mode)
+
+
+def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> tuple[str, str]:
+    """Return a place and what should hold there."""
+    if what in (UNFIRED, APART):
+        ruled = [
+            (m, f) for m, own in zip(graph.machines, rules_of(graph), strict=True) for f in own
+        ]
+        machine, forced = ruled[index]
+        return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.text}"
     if what == ELEMENT:
         node = graph.nodes[elements[index]]
-    elif what == STORAGE:
+    elif what in (STORAGE, UNTOUCHED):
         node = graph.nodes[graph.storages[index].node]
-    else:
+    elif what == JUNCTION:
         node = [n for n in graph.nodes if n.is_junction][index]
-    mode = graph.mode_text(tuple(map(int, about[4 : 4 + len(graph.machines)])))
-    return Violation(t, node.path, about[2], about[3], _law(node), mode)
+    else:
+        ports = [law.node for m in graph.machines if m.law is not None for law in m.law.junctions]
+        node = graph.nodes[ports[index]]
+    own = KEPT if what == UNTOUCHED else IMPACTS if what == IMPACT else _law(node)
+    return node.path, own
 
 
 def _law(node: Node) -> str:

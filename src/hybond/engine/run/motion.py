@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
@@ -123,6 +124,9 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     settled = i.steps > 0
     if settled:
         observe_event(e, i)
+        hold_apart(e, i)
+    # where nothing changed there was no instant
+    e.checks.foreseen = e.checks.foreseen and settled
     for k in range(e.states):
         r.before[k] = e.landings.before[k]
     if slide_after(e, i, r.before) != OK:
@@ -227,9 +231,12 @@ def flow(e: Engine, r: Run) -> int:
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
+                foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
                 return GUARD if end >= e.until else STOPPED
+            if e.checks.looked == e.t:
+                look_at_guards(e)
             if m.rests != 0 and m.edges > 0:
                 reach_near(e, r, e.step.t1 - e.step.t0)
             if go_on(e) != OK:
@@ -254,6 +261,7 @@ def flow(e: Engine, r: Run) -> int:
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
         timed = e.t >= end and e.next_break <= end
+        foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD
 
 

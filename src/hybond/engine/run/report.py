@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from hybond.engine.checks.laws_held import ELEMENT, STORAGE
+from hybond.engine.checks.noting import (
+    APART,
+    ELEMENT,
+    IMPACT,
+    STORAGE,
+    UNFIRED,
+    UNTOUCHED,
+)
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import (
     ACCUMULATION,
@@ -22,6 +29,7 @@ from hybond.engine.model import (
     machine_name,
     node_name,
     output_name,
+    rule_text,
     state_name,
     stored_name,
     value,
@@ -271,14 +279,26 @@ def put_fault(e: Engine) -> None:
 
 def put_unsound(e: Engine) -> None:
     """Print which law did not hold first."""
+    m = e.model
     c = e.checks
-    put_text("# unsound: HB-N411 the law of ")
+    put_text("# unsound: HB-N411 ")
     if c.what == ELEMENT:
-        put_text(node_name(e.model, e.model.element_node[c.index]))
+        put_text("the law of ")
+        put_text(node_name(m, m.element_node[c.index]))
     elif c.what == STORAGE:
-        put_text(stored_name(e.model, c.index))
+        put_text("the law of ")
+        put_text(stored_name(m, c.index))
+    elif c.what == UNTOUCHED:
+        put_text("what no jump reaches of ")
+        put_text(stored_name(m, c.index))
+    elif c.what == UNFIRED or c.what == APART:
+        put_text("the guard ")
+        put_text(rule_text(m, c.index))
+    elif c.what == IMPACT:
+        put_text("the impact of ")
+        put_text(node_name(m, m.port_node[c.index]))
     else:
-        put_text("a junction")
+        put_text("the law of a junction")
     put_text(" is off by ")
     put_number(c.off)
     put_text(" (t = ")

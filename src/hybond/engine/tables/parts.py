@@ -68,6 +68,7 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
         for s in sources
     ]
     t.ints["source_timed"] = [int(_of_time(s.value)) for s in sources]
+    put_rows(t, "look_first", [_bonds_read(t, s.value) for s in sources], look_bond=INTS)
     put_rows(
         t,
         "source_first",
@@ -92,6 +93,17 @@ def _bends(e: Expr) -> bool:
 
 def _of_time(e: Expr) -> bool:
     return not uses_pre(e) and all(n == "time" or n.startswith("u:") for n in names(e))
+
+
+def _bonds_read(t: ModelTables, e: Expr) -> list[tuple[int]]:
+    """Return the bonds whose variables a value reads, those of what is stored among them."""
+    found = set()
+    for kind, _, index in (name.partition(":") for name in names(e)):
+        if kind in ("e", "f"):
+            found.add(int(index))
+        elif kind == "x":
+            found.add(t.graph.storages[int(index)].bond)
+    return [(bond,) for bond in sorted(found)]
 
 
 def _slopes(t: ModelTables, slopes: Any) -> list[tuple[int, int, float]]:

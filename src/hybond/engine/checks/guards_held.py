@@ -1,0 +1,127 @@
+"""Guards put back: none holds unfired where time goes on, none fires apart from its own instant.
+
+A rule whose guard holds at the end of a step that nothing has ended was passed over. What begins to
+hold within one instant of another guard, by the motion that led there, is one instant with it: to
+settle the two one after the other makes a mode of what is none, and its jump takes what flows.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.checks.noting import APART, UNFIRED, note_violation
+from hybond.engine.checks.shown import show_at
+from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.paired import holds
+from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.instant import Instant
+from hybond.engine.methods.stepping import between
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.sizes import measure
+from hybond.engine.model import value
+from hybond.engine.sliding.combine import combine_here
+
+
+def look_at_guards(e: Engine) -> None:
+    """Hold the values in `e.checks.v` against all guards that leave the mode of the motion.
+
+    They are of a point within a motion, and laws were held against them.
+    """
+    m = e.model
+    v = e.checks.v
+    for k in range(m.slots):
+        v[m.slots + k] = v[k]
+    for k in range(m.machines):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_watched[r] == 0 or not is_asked(e, k, r, e.state[k]):
+                continue
+            if value(m, m.rule_value[r], v) != 0.0 and holds_clearly(e, r):
+                note_violation(e, e.mode, e.t, UNFIRED, r, 1.0, 1.0)
+
+
+def holds_clearly(e: Engine, r: int) -> bool:
+    """Whether the guard of a rule holds at the values in `e.checks.v` by more than rounding."""
+    m = e.model
+    v = e.checks.v
+    stack = e.work.stack
+    measure(e, e.mode, r, e.work.xi, v, e.work.terms)
+    stack.now = v
+    stack.was = v
+    stack.was_first = 0
+    stack.jump = v
+    stack.jumps = False
+    stack.terms = e.work.terms
+    true = holds(m, r, stack)
+    return true and stack.refused == 0
+
+
+def foresee(e: Engine, top: float) -> None:
+    """Keep where the motion that has led to the present instant would be at its end, at `top`.
+
+    Where the present instant is within the one before, first find what should have fired in that.
+    """
+    c = e.checks
+    c.close = c.foreseen and e.t > c.at and e.t <= c.beyond
+    if c.close:
+        c.late = e.t - c.at
+        c.room = c.beyond - c.at
+        find_foreseen(e)
+    c.foreseen = e.slide.k == 0 and top > e.t
+    if not c.foreseen:
+        return
+    c.at = e.t
+    c.beyond = top
+    between(e, top, c.ahead)
+    for k in range(e.states):
+        c.since[k] = e.y[k]
+    for k in range(e.model.machines):
+        c.ahead_state[k] = e.state[k]
+
+
+def find_foreseen(e: Engine) -> None:
+    """Find the rules that the motion before the last instant makes hold by the end of that instant.
+
+    There are none if what held at that instant would have ceased to hold by then: what is touched
+    is an instant alone.
+    """
+    m = e.model
+    c = e.checks
+    c.close = mode_of(e, c.ahead_state) == OK and show_at(e, e.mode, c.beyond, c.ahead)
+    if c.close:
+        note_held(e)
+        c.close = show_at(e, e.mode, c.at, c.since)
+    for k in range(m.machines if c.close else 0):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if leaves(e, k, r) and holds_clearly(e, r):
+                c.close = c.close and c.held[r] != 0
+                c.held[r] = 0
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        c.close = False
+
+
+def note_held(e: Engine) -> None:
+    """Note the guards that hold where it is seen, of those that leave the mode before."""
+    m = e.model
+    for k in range(m.machines):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            e.checks.held[r] = 1 if leaves(e, k, r) and holds_clearly(e, r) else 0
+
+
+def leaves(e: Engine, machine: int, r: int) -> bool:
+    """Whether a rule leaves the mode before the last instant, and may begin to hold in motion."""
+    m = e.model
+    return m.rule_watched[r] != 0 and m.rule_source[r] == e.checks.ahead_state[machine]
+
+
+def hold_apart(e: Engine, i: Instant) -> None:
+    """Hold what fired first at a settled instant against what should have fired in the one before.
+
+    Laws of junctions are decided together, not by their rules.
+    """
+    m = e.model
+    c = e.checks
+    for f in range(i.first.at[1] if c.close and i.steps > 0 else 0):
+        k = i.machine.at[f]
+        for r in range(m.rule_first[k], m.rule_first[k + 1] if m.is_law[k] == 0 else 0):
+            own = m.rule_source[r] == i.source.at[f] and m.rule_target[r] == i.target.at[f]
+            if own and c.held[r] != 0:
+                note_violation(e, e.mode, e.t, APART, r, c.late, c.room)
+    c.close = False
