@@ -25,6 +25,9 @@ LONGER: Final = 4.0
 AHEAD: Final = 1e-6
 """Part of a time for which all states are moved along their rates."""
 ATTEMPTS: Final = 4
+LOOKED: Final = 0.01
+"""Part of the run that is fitted at once at the most: where nothing moves no event says when a
+source begins to, and a few nodes all over the run see no pulse."""
 
 
 def rate_not_finite(e: Engine, h: float, rate_of_step: bool) -> int:
@@ -41,7 +44,7 @@ def fit_rates(e: Engine, a: Quantised, horizon: float) -> int:
     s = e.step
     t = s.t0
     smallest = 4.0 * spacing(t)
-    h = max(min(horizon, a.reach), smallest)
+    h = max(min(min(horizon, a.reach), LOOKED * e.until), smallest)
     while not asked_along(e, a, h):
         if h <= smallest:
             return rate_not_finite(e, h, True)
@@ -89,7 +92,11 @@ def confirm_fit(e: Engine, a: Quantised, h: float) -> int:
         for k in range(a.order - 1, -1, -1):
             fit = fit * h + (float(k) + 1.0) * a.x[X * i + k + 1]
         off = math.fabs(a.rate[i] - fit) * h / (FITTED * a.quantum[i])
-        ratio = max(ratio, off) if off == off else math.inf
+        if not off < math.inf:
+            # its rate, or what was fitted to it, is beyond all numbers: this is the one to blame
+            a.rate[i] = math.nan
+            off = math.inf
+        ratio = max(ratio, off)
     finite = found == OK and ratio < math.inf
     power = -1.0 / float(a.order + 1)
     if finite and (ratio <= 1.0 or h <= smallest):

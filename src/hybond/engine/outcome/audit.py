@@ -80,8 +80,13 @@ class Audit:
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
-    """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out."""
+    """Return the audit of what a run wrote down; pseudo bonds carry no power and are left out.
+
+    Powers beyond the largest number are infinite, and what is to balance them is none: it does not
+    hold, and need not be said twice.
+    """
     ends = [
         end
         for node in graph.nodes
