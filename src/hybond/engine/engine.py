@@ -271,8 +271,6 @@ class Engine:
     rounding: Floats
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     largest_state: Floats
-    edge_largest: Floats
-    """The largest that what has an edge at zero has been."""
     scale_energy: float
     state: Ints
     """Of each machine, now."""
@@ -494,7 +492,6 @@ def make_engine(m: Model) -> Engine:
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
-    e.edge_largest = floats(m.edges)
     e.piece = ints(m.inputs)
     e.line_piece = ints(m.inputs)
     e.line_value = floats(m.inputs)

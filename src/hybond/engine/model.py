@@ -35,8 +35,6 @@ class Model:
     signal_slot: int
     stored_slot: int
     bond_slot: int
-    rests_slot: int
-    """Whether roots in laws are read beyond their ends, where they are zero."""
     on_slot: int
     at_slot: int
     most_sources: int
@@ -430,20 +428,9 @@ class Model:
     """What is to be ON for anything to feel it, -1: nothing."""
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
-    kink_ends: Ints
-    """Whether it is where a root rests at zero: bent, and no jump."""
     edges: int
     """What is nowhere negative: beyond, a root in a law has no value."""
-    rests: int
-    """Whether roots in laws are zero beyond it, so that a step may end there."""
     edge_value: Ints
-    edge_size: Ints
-    edge_node: Ints
-    """The element that says it; -1: the rate of a signal."""
-    edge_pair: Ints
-    edge_bonds: int
-    edge_bond: Ints
-    """The bond variables that these read."""
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
-from hybond.equations.slots import RESTS
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -17,7 +16,6 @@ from hybond.model.expressions import (
     Neg,
     Number,
     names,
-    rested,
     simplify,
     substitute,
 )
@@ -97,11 +95,10 @@ def configure(e: Expr, values: Mapping[str, Expr]) -> Expr:
 
 
 class Parts:
-    """The parts of a graph's elements; with `rests` roots in laws rest at zero beyond their end."""
+    """The parts of a graph's elements."""
 
-    def __init__(self, graph: FlatGraph, *, rests: bool = False) -> None:
+    def __init__(self, graph: FlatGraph) -> None:
         self.graph = graph
-        self._rests = rests
         self._bonds = len(graph.bonds)
         self._laws: dict[int, tuple[list[Expr], frozenset[str]]] = {}
         self._made: OrderedDict[tuple[object, ...], Part] = OrderedDict()
@@ -109,7 +106,7 @@ class Parts:
     def of(self, node: Node, off: bool, values: Mapping[str, Expr]) -> Part:
         """Return what an element says, where `values` are constant and it is `off` or not."""
         if node.index not in self._laws:
-            laws = [_at_rest(node, e) if self._rests else e for e in _localised(node)]
+            laws = _localised(node)
             self._laws[node.index] = laws, frozenset().union(*(names(e) for e in laws))
         laws, read = self._laws[node.index]
         asked = sorted(read & values.keys())
@@ -161,12 +158,6 @@ class Parts:
         """Return the column of a bond variable."""
         kind, _, index = name.partition(":")
         return int(index) + (self._bonds if kind == "f" else 0)
-
-
-def _at_rest(node: Node, e: Expr) -> Expr:
-    """Return a law that rests beyond its end; what is solved for, only if nothing else is found."""
-    known = node.kind in SOURCES and not reads_bonds(e) and not node.impulsive
-    return rested(e) if known else rested(e, RESTS)
 
 
 def _localised(node: Node) -> list[Expr]:

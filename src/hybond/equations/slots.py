@@ -1,8 +1,7 @@
 """Where each canonical name stands in the vector of values that laws and guards read.
 
 One layout serves all modes: time, inputs, input rates, integrated signals, stored quantities,
-efforts, flows, then Booleans, and whether roots rest beyond their ends. A second copy of the same
-length follows, the a priori values.
+efforts, flows, then Booleans. A second copy of the same length follows, the a priori values.
 """
 
 from __future__ import annotations
@@ -10,9 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hybond.model.graph import FlatGraph
-
-RESTS = "rests"
-"""Whether roots in laws rest at zero beyond where they end: Newton's method found nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +42,7 @@ def slots_of(graph: FlatGraph) -> Slots:
     >>> m.add(a=hb.C(1.0), b=hb.R(1.0))
     >>> m.bond("a -> b")
     >>> slots_of(m.flatten()).index
-    {'time': 0, 'x:0': 1, 'e:0': 2, 'f:0': 3, 'rests': 4}
+    {'time': 0, 'x:0': 1, 'e:0': 2, 'f:0': 3}
     """
     index = {"time": 0}
 
@@ -65,5 +61,4 @@ def slots_of(graph: FlatGraph) -> Slots:
     on = group([f"on:{n.index}" for n in graph.nodes if n.controlled])
     states = group([f"in:{m.index}:{k}" for m in graph.machines for k in range(len(m.states))])
     at = group([f"at:{a.index}" for a in graph.watches])
-    group([RESTS])
     return Slots(index, len(index), u, du, s, x, w, on, states, at)

@@ -27,7 +27,6 @@ from hybond.engine.expressions.pairs import (
 )
 from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
-from hybond.engine.mode.beyond import NONE_BEYOND, beyond_edge, refuse_beyond
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.mode_records import Mode
@@ -196,11 +195,6 @@ def solve_trial(e: Engine) -> int:
         return REFUSED
     if not all_finite(2 * m.bonds, e.work.w):
         return blame_source(e)
-    if m.edges > 0:
-        edge = beyond_edge(e, e.mode, e.v)
-        if edge != NONE_BEYOND:
-            trial.valueless = True
-            return refuse_beyond(e, e.mode, edge)
     for k in range(e.mode.knowns):
         trial.xi[k] = e.work.xi[k]
     begin_sizes(e, e.mode, e.v, trial.x, trial.terms)

@@ -64,10 +64,11 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             part = helpful_part(e, mode, v, r, rows)
         for j in range(frees):
             r[j] -= part * work.whole.at[j]
-        if last or part == 0.0:
-            # no part of a step helps where rounding is all that is left, as of a root at its end
+        if last:
             with_free(mode, n, work.base, r, work.w)
             return put_back(e, mode, v, work.w)
+        if part == 0.0:
+            return False
     return False
 
 

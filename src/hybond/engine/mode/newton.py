@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
+from hybond.engine.algebra.blocks import Rows, fit, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.continuation import continued
@@ -39,8 +39,6 @@ BACK: Final = 1e-9
 """Two steps that cancel to within this part of them lead back."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
-ROUNDED: Final = 2.0 * 2.220446049250313e-16
-"""What stored quantities leave in a difference of them, as a part of its terms."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -97,10 +95,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     work = e.work
     frees = mode.finite_frees
     by_knowns(e, mode, mode.finite, work.base)
-    level_edges(e, mode, work.base)
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
-    v[e.model.rests_slot] = 0.0
     take_rank(e, mode, v)
     r = work.guess.at
     for j in range(frees):
@@ -115,49 +111,14 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         rows = system(e, mode, v, work.w)
         if not all_finite(rows, work.residual.at) and not mode.guessed:
-            if not beyond_ends(e, mode, v, r):
-                return blame(e, mode, v)
-            found = True
-        else:
-            found = damped(e, mode, v, r, TOLERANCE)
+            return blame(e, mode, v)
+        found = damped(e, mode, v, r, TOLERANCE)
     if not found:
         found = continued(e, mode, v, r, TOLERANCE)
-    if not found:
-        found = beyond_ends(e, mode, v, r)
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK
     return no_solution(e, mode, v)
-
-
-def level_edges(e: Engine, mode: Mode, base: Floats) -> None:
-    """Let what a root is taken of be zero where what is known leaves only rounding of it.
-
-    The root of rounding is large beside it, and below zero there is none: two tanks that are level
-    would send a last digit to and fro without end.
-    """
-    m = e.model
-    for i in range(m.edge_bonds):
-        first = mode.same[m.edge_bond[i]]
-        size = row_size(mode.finite, first, e.work.xi)
-        if base[first] == 0.0 or math.fabs(base[first]) > ROUNDED * size:
-            continue
-        for k in range(first, 2 * m.bonds):
-            if mode.same[k] == first:
-                base[k] = 0.0
-
-
-def beyond_ends(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
-    """Look for a root with what laws take roots of beyond where these end, and rest at zero."""
-    if e.model.edges == 0 or e.model.rests == 0:
-        return False
-    v[e.model.rests_slot] = 1.0
-    for j in range(mode.finite_frees):
-        r[j] = mode.guess.at[j] if mode.guessed else 0.0
-    found = full_steps(e, mode, v, r) or damped(e, mode, v, r, TOLERANCE)
-    if not found:
-        v[e.model.rests_slot] = 0.0
-    return found
 
 
 def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:

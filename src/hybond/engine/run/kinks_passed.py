@@ -100,11 +100,6 @@ def count_kink(e: Engine, r: Run) -> int:
 
 def see_jump(e: Engine, r: Run, at: float) -> None:
     """See whether rates jump at a kink, into `r.jumps`, where there is room to tell."""
-    kink = kink_there(e, r.locator)
-    if kink >= 0 and e.model.kink_ends[kink] != 0:
-        r.jumps = False
-        r.back = 0
-        return
     reach = ASIDE * min(at - e.step.t0, e.step.t1 - at)
     if 0.25 * reach <= room_of_instant(e, at):
         return  # so near, rounding speaks; what was seen last holds

@@ -20,7 +20,6 @@ from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
-from hybond.engine.mode.beyond import NONE_BEYOND, beyond_edge, refuse_beyond
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import begin_field, evaluate, set_state
 from hybond.engine.planar.descent import (
@@ -31,7 +30,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
-from hybond.engine.run.edges import SOON, leave_nothing, reach_edges, reach_near
+from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
@@ -237,22 +236,14 @@ def flow(e: Engine, r: Run) -> int:
                 return GUARD if end >= e.until else STOPPED
             if e.checks.looked == e.t:
                 look_at_guards(e)
-            if m.rests != 0 and m.edges > 0:
-                reach_near(e, r, e.step.t1 - e.step.t0)
             if go_on(e) != OK:
                 return -1
             continue
         if is_kink_alone(e, g):
-            if end_at_kink(e, r, at) != OK:
-                if begin_at_edge(e, r) == OK:
-                    continue
-                return -1
-            if note(e, r, e.step.t1, e.step.t1) != OK:
+            if end_at_kink(e, r, at) != OK or note(e, r, e.step.t1, e.step.t1) != OK:
                 return -1
             if count_kink(e, r) != OK:
                 return -1
-            if m.rests != 0 and m.edges > 0:
-                leave_nothing(e, r)
             if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
                 return -1
             continue
@@ -302,7 +293,7 @@ def follow(e: Engine) -> int:
 
 def begin_at_edge(e: Engine, r: Run) -> int:
     """Begin anew where a root in a law comes to nothing, if that is now."""
-    if not reach_edges(e, r) and not (e.model.rests != 0 and reach_near(e, r, SOON * e.until)):
+    if not reach_edges(e, r):
         return REFUSED
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
@@ -413,8 +404,6 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         return REFUSED
     if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
         return REFUSED
-    if m.edges > 0 and look_at_edges(e, t) != OK:
-        return REFUSED
     keep_still(e, e.y)
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
@@ -427,14 +416,6 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     return OK
-
-
-def look_at_edges(e: Engine, t: float) -> int:
-    """Refuse to have come to `t` if that is beyond where laws end."""
-    if evaluate(e, e.mode, e.shown, t, e.y) != OK:
-        return REFUSED
-    edge = beyond_edge(e, e.mode, e.shown)
-    return OK if edge == NONE_BEYOND else refuse_beyond(e, e.mode, edge)
 
 
 def look_at_limits(e: Engine) -> int:

@@ -7,7 +7,6 @@ from itertools import product
 from typing import Any
 
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
-from hybond.engine.tables.kinks import rests_at_edges
 from hybond.engine.tables.machines import owners_of
 from hybond.engine.tables.parts import put_parts
 from hybond.equations.element_parts import Part, Parts
@@ -31,7 +30,7 @@ def put_elements(t: ModelTables) -> None:
         HB-E631 for one that says too many things.
     """
     g = t.graph
-    parts = Parts(g, rests=rests_at_edges(t))
+    parts = Parts(g)
     owners = owners_of(g)
     discrete = discrete_names(g)
     t.numbers["discrete"] = len(discrete)

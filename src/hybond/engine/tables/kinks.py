@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Binary, Expr, Number, ending, names, turning, uses_pre
+from hybond.model.expressions import Expr, ending, turning, uses_pre
 from hybond.model.graph import FlatGraph
 from hybond.run_options import QUANTISED
 
@@ -22,14 +22,6 @@ FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", "auto", *Q
 """Methods that end a step at a kink."""
 MOST = 64
 """Most kinks of one expression; a longer table is a curve."""
-
-
-def rests_at_edges(t: ModelTables) -> bool:
-    """Whether roots rest at zero beyond where they end: then a step ends there, and is looked at.
-
-    Where steps do not end at kinks, what is tried beyond has no value.
-    """
-    return t.numbers["method"] in FOLLOWED
 
 
 def put_kinks(t: ModelTables) -> None:
@@ -50,24 +42,11 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(magnitude(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
-    edges: dict[Expr, int] = {}
-    for e, node in _asked(t):
-        for a in ending(e):
-            if moves(a) and not uses_pre(a):
-                edges.setdefault(a, node)
+    edges = dict.fromkeys(
+        a for e, _ in _asked(t) for a in ending(e) if moves(a) and not uses_pre(a)
+    )
     t.numbers["edges"] = len(edges)
-    t.numbers["rests"] = int(rests_at_edges(t))
     t.ints["edge_value"] = [t.values.number(a) for a in edges]
-    t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
-    t.ints["edge_node"] = list(edges.values())
-    ends = {Binary("-", a, Number(0.0)) for a in edges}
-    t.ints["kink_ends"] = [int(a in ends) for a in found]
-    t.ints["edge_pair"] = [len(t.pairs) + k for k in range(len(edges))]
-    t.pairs += edges
-    bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
-    read = sorted({t.slots.index[n] for a in edges for n in names(a)})
-    t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
-    t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
 
 
 def _switch_of(graph: FlatGraph, node: int) -> int:

@@ -18,7 +18,7 @@ from hybond.engine.tables.signals import put_signals
 from hybond.engine.tables.storages import put_storages
 from hybond.engine.tables.surfaces import put_surfaces
 from hybond.engine.tables.told import put_told
-from hybond.equations.slots import RESTS, slots_of
+from hybond.equations.slots import slots_of
 from hybond.model.expressions import (
     Expr,
     names,
@@ -93,7 +93,6 @@ def _sizes(t: ModelTables) -> None:
         signal_slot=s.s.start,
         stored_slot=s.x.start,
         bond_slot=s.w.start,
-        rests_slot=s.index[RESTS],
         on_slot=s.on.start,
         at_slot=s.at.start,
         laws=sum(m.law is not None for m in g.machines),

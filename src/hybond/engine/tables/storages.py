@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
-from hybond.engine.tables.kinks import rests_at_edges
 from hybond.engine.tables.start import start_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.stored_laws import stiffness, stored_names
-from hybond.model.expressions import rested, substitute, turning
+from hybond.model.expressions import substitute, turning
 from hybond.model.graph import Storage
 
 
@@ -43,7 +42,6 @@ def put_storages(t: ModelTables) -> None:
             laws.append(-1)
             continue
         law = substitute(node.law.expressions[s.port], stored_names(node, g, siblings))
-        law = rested(law) if rests_at_edges(t) else law
         laws.append(t.values.number(law, f"law of {node.path}"))
         groups.setdefault(s.node, []).append(s.index)
         kinks.setdefault(s.node, []).extend((t.values.number(e),) for e in turning(law))

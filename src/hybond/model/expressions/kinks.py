@@ -12,9 +12,7 @@ from hybond.model.expressions.tree import (
     Compare,
     Expr,
     If,
-    Name,
     Number,
-    Or,
     Table,
     names,
     transform,
@@ -68,11 +66,10 @@ def ending(e: Expr) -> list[Expr]:
     return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
 
 
-def rested(e: Expr, where: str = "") -> Expr:
+def rested(e: Expr) -> Expr:
     """Return an expression whose roots rest at zero beyond where they end.
 
-    For what looks beyond on its way and comes back, as trial points of a step do. With `where`
-    only where the quantity of that name is not zero.
+    For what looks beyond on its way and comes back, as trial points of a step do.
 
     Examples
     --------
@@ -80,23 +77,21 @@ def rested(e: Expr, where: str = "") -> Expr:
     >>> str(rested(parse("2*sqrt(q - 1) + sqrt(abs(q))")))
     '2*(if q - 1 > 0 then sqrt(q - 1) else 0) + sqrt(abs(q))'
     """
-    return transform(e, lambda part: _rested(part, where))
+    return transform(e, _rested)
 
 
-def _rested(e: Expr, where: str) -> Expr:
+def _rested(e: Expr) -> Expr:
+    root = e
     match e:
         case Call(function="sqrt"):
             inner = e.args[0]
-        case Binary("^", left, Number(value)) if _may_be_a_root(value) and not is_slotted(value):
-            inner = left
+        case Binary("^", inner, Number(value)) if _may_be_a_root(value) and not is_slotted(value):
+            pass
         case _:
             return e
     if not names(inner) or _is_magnitude(inner):
         return e
-    inside: Expr = Compare(">", inner, Number(0.0))
-    if where:
-        inside = Or((inside, Compare("==", Name(where), Number(0.0))))
-    return If(inside, e, Number(0.0))
+    return If(Compare(">", inner, Number(0.0)), root, Number(0.0))
 
 
 def _may_be_a_root(power: float) -> bool:
