@@ -431,6 +431,11 @@ class Model:
     edges: int
     """What is nowhere negative: beyond, a root in a law has no value."""
     edge_value: Ints
+    edge_size: Ints
+    """What the magnitudes of its terms add up to."""
+    edge_bonds: int
+    edge_bond: Ints
+    """The bond variables that these read."""
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

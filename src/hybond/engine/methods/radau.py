@@ -59,6 +59,10 @@ STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
 GROWN: Final = 10.0
 """How much larger a state may be than when the Jacobian was made."""
+NEARER: Final = 6
+"""How often a difference is tried for the Jacobian where laws have edges."""
+RADAU_NEAR: Final = 1.0 / 16.0
+"""By how much it is then smaller each time."""
 STEP_TOO_SMALL: Final = 2
 STEP_BEYOND: Final = 3
 
@@ -84,7 +88,8 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
-    go there.
+    go there. Between two edges that are near, differences are as small as the room is; on both at
+    once there are none, and no slope: steps are then those of an iteration without it.
     """
     n = r.n
     tolerance(e, r.y0, r.y0, r.other)
@@ -100,15 +105,16 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
             size = 1.0
         delta = math.sqrt(2.220446049250313e-16) * math.copysign(size, r.f0[j])
         found = NOT_FINITE
-        for way in range(2):
-            r.shifted[j] = r.y0[j] + (delta if way == 0 else -delta)
-            found = rate_at(e, n, r.t0, r.shifted, r.end)
+        for _ in range(NEARER if e.model.edges > 0 else 1):
+            found = beside(e, r, j, delta)
             if found == OK:
                 break
-        if found != OK and not is_constrained(e.mode):
+            delta *= RADAU_NEAR
+        if found != OK and e.model.edges == 0 and not is_constrained(e.mode):
             return found
         for i in range(n):
-            # off its constraints a state may have no rates; nothing moves it there
+            # off its constraints, or where laws end, a state may have no rates; nothing moves it
+            # there
             change = r.end[i] - r.f0[i] if found == OK else 0.0
             r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
         r.shifted[j] = r.y0[j]
@@ -116,6 +122,17 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
     r.served = 0.0
     r.made += 1
     return OK
+
+
+def beside(e: Engine, r: Radau, j: int, delta: float) -> int:
+    """Find the rates in ``r.end`` with one state shifted, against the motion if not with it."""
+    found = NOT_FINITE
+    for way in range(2):
+        r.shifted[j] = r.y0[j] + (delta if way == 0 else -delta)
+        found = rate_at(e, r.n, r.t0, r.shifted, r.end)
+        if found == OK:
+            break
+    return found
 
 
 def has_grown(r: Radau) -> bool:

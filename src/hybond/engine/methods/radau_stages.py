@@ -116,6 +116,14 @@ def stage_rate(e: Engine, r: Radau, s: int) -> int:
     return found
 
 
+def stage_rates(e: Engine, r: Radau) -> int:
+    """Find the derivatives at all stages; NOT_FINITE where one has none."""
+    for s in range(3):
+        if stage_rate(e, r, s) != OK:
+            return NOT_FINITE
+    return OK
+
+
 def place_stages(r: Radau) -> None:
     """Find the states of the stages from their differences."""
     n = r.n
@@ -178,9 +186,16 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     other = False
     for count in range(1, ITERATIONS + 1):
         r.iterations = count
-        for s in range(3):
-            if stage_rate(e, r, s) != OK:
-                return STAGES_BEYOND
+        found = stage_rates(e, r)
+        if found != OK and count == 1 and r.known and e.model.edges > 0:
+            # foreseen beyond where a law ends: straight on by the rates there are
+            for s in range(3):
+                for i in range(n):
+                    r.z[s * n + i] = (stage_time(r, s) - r.t0) * r.f0[i]
+            place_stages(r)
+            found = stage_rates(e, r)
+        if found != OK:
+            return STAGES_BEYOND
         correct_stages(r)
         r.size = mean_size(n, 3, r.last, r.other if other else r.tolerance)
         if r.size == math.inf:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Rows, fit, row_times
+from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.continuation import continued
@@ -39,6 +39,8 @@ BACK: Final = 1e-9
 """Two steps that cancel to within this part of them lead back."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
+ROUNDED: Final = 2.0 * 2.220446049250313e-16
+"""What stored quantities leave in a difference of them, as a part of its terms."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -95,6 +97,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     work = e.work
     frees = mode.finite_frees
     by_knowns(e, mode, mode.finite, work.base)
+    level_edges(e, mode, work.base)
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
     take_rank(e, mode, v)
@@ -119,6 +122,23 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK
     return no_solution(e, mode, v)
+
+
+def level_edges(e: Engine, mode: Mode, base: Floats) -> None:
+    """Let what a root is taken of be zero where what is known leaves only rounding of it.
+
+    The root of rounding is large beside it, and below zero there is none: two tanks that are level
+    would send a last digit to and fro without end.
+    """
+    m = e.model
+    for i in range(m.edge_bonds):
+        first = mode.same[m.edge_bond[i]]
+        size = row_size(mode.finite, first, e.work.xi)
+        if base[first] == 0.0 or math.fabs(base[first]) > ROUNDED * size:
+            continue
+        for k in range(first, 2 * m.bonds):
+            if mode.same[k] == first:
+                base[k] = 0.0
 
 
 def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:

@@ -11,6 +11,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import value
 from hybond.engine.run.run_records import Run
@@ -20,21 +21,26 @@ NEARLY: Final = 1.0 - 1e-10
 """Part of the way that is gone where all of it leads beyond by rounding."""
 AT_ONCE: Final = 1e-9
 """Part of the run within which an edge is reached at once, where no step is short enough."""
+LEVEL: Final = 64.0 * 2.220446049250313e-16
+"""What is this near to an edge, as a part of its terms, is there as soon as it comes nearer: of
+many tanks that come to rest together no rounding goes to and fro."""
 PASSES: Final = 64
 """Times that it is gone: what is left is 1e-10 of what was, down to nothing."""
 
 
 def reach_edges(e: Engine, r: Run) -> bool:
-    """Put the state on the edges that it reaches within no time; whether it is there.
+    """Put the state on the edges that it reaches within almost no time; whether it is there.
 
     Only where no step is short enough.
     """
     n = e.states
     refusal = e.refusal
-    room = max(room_of_instant(e, e.t), AT_ONCE * e.until)
+    room = time_at_once(e)
     if e.model.edges == 0 or e.slide.k > 0 or field(e, e.mode, e.t, e.y, r.rate) != OK:
         return False
+    r.edge_time = 0.0
     for i in range(n):
+        r.edge_from[i] = e.y[i]
         r.beside[n + i] = 1.0 if math.fabs(e.y[i]) > room * math.fabs(r.rate[i]) else 0.0
     reached = False
     for k in range(e.model.edges):
@@ -42,6 +48,30 @@ def reach_edges(e: Engine, r: Run) -> bool:
     reached = vanish(e, r) or reached
     e.refusal = refusal and not reached
     return reached
+
+
+def straight_on(e: Engine, r: Run) -> bool:
+    """Let the last step be the way to the edges, a straight line; whether it takes any time."""
+    s = e.step
+    n = e.states
+    t1 = e.t + r.edge_time
+    if not (t1 > e.t and t1 < min(e.next_break, e.stop)):
+        return False
+    s.t0 = e.t
+    s.t1 = t1
+    e.curved = True
+    for k in range(n):
+        s.y0[k] = r.edge_from[k]
+        s.y1[k] = e.y[k]
+        s.dense[k] = e.y[k] - r.edge_from[k]
+        for p in range(1, 4):
+            s.dense[p * n + k] = 0.0
+    return True
+
+
+def time_at_once(e: Engine) -> float:
+    """Return how long what reaches an edge may still be on its way."""
+    return max(room_of_instant(e, e.t), AT_ONCE * e.until)
 
 
 def vanish(e: Engine, r: Run) -> bool:
@@ -72,7 +102,7 @@ def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:
         for i in range(e.states):
             r.beside[i] = e.y[i] - room * r.rate[i]
         speed = (way_to(e, k, r.beside) - left) / room
-        if not (speed > 0.0 and left <= speed * room):
+        if not (speed > 0.0 and (left <= speed * room or left <= rounding_at(e, k, e.y))):
             return False
         whole = left / speed
         moved = go(e, r, k, whole) or go(e, r, k, NEARLY * whole)
@@ -89,6 +119,7 @@ def go(e: Engine, r: Run, k: int, h: float) -> bool:
         return False
     for i in range(e.states):
         e.y[i] = r.beside[i]
+    r.edge_time += h
     return True
 
 
@@ -97,3 +128,14 @@ def way_to(e: Engine, k: int, y: Floats) -> float:
     if evaluate(e, e.mode, e.v, e.t, y) != OK:
         return -1.0
     return value(e.model, e.model.edge_value[k], e.v)
+
+
+def rounding_at(e: Engine, k: int, y: Floats) -> float:
+    """Return what is rounding of the terms that the way to an edge is a sum of."""
+    m = e.model
+    if evaluate(e, e.mode, e.v, e.t, y) != OK:
+        return 0.0
+    for i in range(m.edge_bonds):
+        b = m.edge_bond[i]
+        e.v[m.bond_slot + b] = size_of(e, e.mode, b, e.work.xi, e.v)
+    return LEVEL * value(m, m.edge_size[k], e.v)

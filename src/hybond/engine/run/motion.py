@@ -30,7 +30,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
-from hybond.engine.run.edges import reach_edges
+from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
 from hybond.engine.run.locate import locate
@@ -192,6 +192,10 @@ def flow(e: Engine, r: Run) -> int:
                 continue
             stuck_at_kink(e, r)
             return -1
+        if is_at_edge(e, r) and reach_edges(e, r):
+            if go_from_edge(e, r) != OK:
+                return -1
+            continue
         if m.disks > 0 and follow(e) != OK:
             return -1
         if count_step(e, r) != OK:
@@ -291,10 +295,25 @@ def follow(e: Engine) -> int:
     return OK
 
 
+def is_at_edge(e: Engine, r: Run) -> bool:
+    """Whether an edge has made a step as short as what is no time away from it; once at a time."""
+    s = e.step
+    short = s.t1 - s.t0 < time_at_once(e)
+    return e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
+
+
 def begin_at_edge(e: Engine, r: Run) -> int:
     """Begin anew where a root in a law comes to nothing, if that is now."""
     if not reach_edges(e, r):
         return REFUSED
+    return go_from_edge(e, r)
+
+
+def go_from_edge(e: Engine, r: Run) -> int:
+    """Note the way to the edges that was gone, in the time that it takes, and begin there."""
+    if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
+        return REFUSED
+    r.edge_at = e.t
     return start(e, e.t, e.y, min(e.next_break, e.stop), True)
 
 

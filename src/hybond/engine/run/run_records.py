@@ -51,6 +51,11 @@ class Run:
     """Whether time passes in a mode: a run in slices was paused there."""
     beyond: float
     """How many of the last steps have touched a place where a law has no value."""
+    edge_at: float
+    """When the state was last put on an edge that it had almost reached, s; -1: never."""
+    edge_from: Floats
+    """The state from which it went there, and in which time, s."""
+    edge_time: float
     taken: int
     """Steps since the last instant."""
     began: float
@@ -72,6 +77,8 @@ def make_run(e: Engine, report: Report) -> Run:
     r.rate = floats(e.states)
     r.beside = floats(4 * e.states)
     r.kink = -1
+    r.edge_at = -1.0
+    r.edge_from = floats(e.states)
     r.slice = -1
     return r
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Expr, ending, turning, uses_pre
+from hybond.model.expressions import Expr, ending, names, turning, uses_pre
 from hybond.model.graph import FlatGraph
 from hybond.run_options import QUANTISED
 
@@ -47,6 +47,11 @@ def put_kinks(t: ModelTables) -> None:
     )
     t.numbers["edges"] = len(edges)
     t.ints["edge_value"] = [t.values.number(a) for a in edges]
+    t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
+    bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
+    read = sorted({t.slots.index[n] for a in edges for n in names(a)})
+    t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
+    t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
 
 
 def _switch_of(graph: FlatGraph, node: int) -> int:
