@@ -31,21 +31,6 @@ def test_quantised_states_see_a_pulse_where_nothing_moves(solver: str, rtol: flo
     assert run["c.q"].at(1.05) == pytest.approx(expected, rel=20.0 * rtol)
 
 
-@pytest.mark.parametrize("solver", ["auto", "rk45", "radau", "qss3"])
-def test_the_tail_of_a_pulse_is_no_law_without_a_solution(solver: str) -> None:
-    """Where it begins it is below the least number with all its digits: HB-N301 for nothing."""
-    run = hb.simulate(loop(PULSE, {"e": "2*f + f^3"}), 1.2, solver=solver, rtol=1e-6)
-
-    def rate(t: float, q: np.ndarray) -> list[float]:
-        u = 5.0 * math.exp(-(((t - 1.0) / 0.01) ** 2)) - q[0] / 0.1
-        roots = np.roots([1.0, 0.0, 2.0, -u])
-        return [float(roots[np.argmin(np.abs(roots.imag))].real)]
-
-    found = solve_ivp(rate, (0.9, 1.2), [0.0], rtol=1e-9, atol=1e-14, max_step=1e-3)
-    assert run["c.q"].at(1.2) == pytest.approx(float(found.y[0, -1]), rel=2e-5)
-    assert run.audit().laws == ()
-
-
 def test_powers_beyond_the_largest_number_do_not_balance_and_warn_of_nothing_else() -> None:
     """1e200 V on a kilohm: its power is infinite, its charge is not."""
     run = hb.simulate(loop("1e200 V", "1 kohm"), 100.0, solver="rk45")

@@ -255,6 +255,7 @@ def _by_itself(first: Outcome) -> list[Finding]:
     times = np.linspace(0.0, run.t_end, POINTS).tolist()
     try:
         values = run.sample(times, [*run.names, *bonds])
+        audit = run.audit()  # it integrates powers over the steps
     except HybondError as error:
         return [Finding("unread", f"{error}")]
     found = [
@@ -262,7 +263,6 @@ def _by_itself(first: Outcome) -> list[Finding]:
         for name, y in values.items()
         if not np.isfinite(np.asarray(y)).all()
     ]
-    audit = run.audit()
     if any(" creates " in note for note in run.warnings):
         audit = replace(audit, created=0.0)  # the run says so itself, in joules
     # energies feel the error of all steps, as two methods do

@@ -18,7 +18,6 @@ from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violati
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import LEAST
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
 from hybond.engine.mode.tableau import part_of
@@ -222,7 +221,7 @@ def hold_off(e: Engine, j: int) -> None:
 
 def judge(e: Engine, what: int, index: int, off: float, size: float, may: float) -> None:
     """Note a law of which more is left than it may be; the first of each element is told."""
-    if math.fabs(off) <= may or math.fabs(off) < LEAST or may == math.inf:
+    if math.fabs(off) <= may or may == math.inf:
         return
     if e.checks.first_look:
         e.checks.suspects += 1

@@ -24,8 +24,6 @@ from hybond.engine.words import Floats
 
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
-LEAST: Final = 2.2250738585072014e-308
-"""The least number with all its digits: below it, as in the tail of a pulse, none is a residual."""
 STEEP: Final = 1e8
 """What stands for a slope without bound, as a multiple of the others in its row."""
 
@@ -350,9 +348,9 @@ def is_clear(n: int, a: Floats, factors: Floats) -> bool:
 
 
 def is_zero(n: int, a: Floats) -> bool:
-    """Whether all of n numbers are zero, or so small that they have no digits left."""
+    """Whether all of n numbers are zero."""
     for k in range(n):
-        if not math.fabs(a[k]) < LEAST:
+        if a[k] != 0.0:
             return False
     return True
 

@@ -6,18 +6,7 @@ import math
 from itertools import combinations
 
 from hybond.model.expressions.slots import is_slotted
-from hybond.model.expressions.tree import (
-    Binary,
-    Call,
-    Compare,
-    Expr,
-    If,
-    Number,
-    Table,
-    names,
-    transform,
-    walk,
-)
+from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
 
 
 def turning(e: Expr) -> list[Expr]:
@@ -64,34 +53,6 @@ def ending(e: Expr) -> list[Expr]:
             case Binary("^", left, Number(value)) if _may_be_a_root(value):
                 found.append(left)
     return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
-
-
-def rested(e: Expr) -> Expr:
-    """Return an expression whose roots rest at zero beyond where they end.
-
-    For what looks beyond on its way and comes back, as trial points of a step do.
-
-    Examples
-    --------
-    >>> from hybond.model.expressions import parse
-    >>> str(rested(parse("2*sqrt(q - 1) + sqrt(abs(q))")))
-    '2*(if q - 1 > 0 then sqrt(q - 1) else 0) + sqrt(abs(q))'
-    """
-    return transform(e, _rested)
-
-
-def _rested(e: Expr) -> Expr:
-    root = e
-    match e:
-        case Call(function="sqrt"):
-            inner = e.args[0]
-        case Binary("^", inner, Number(value)) if _may_be_a_root(value) and not is_slotted(value):
-            pass
-        case _:
-            return e
-    if not names(inner) or _is_magnitude(inner):
-        return e
-    return If(Compare(">", inner, Number(0.0)), root, Number(0.0))
 
 
 def _may_be_a_root(power: float) -> bool:
