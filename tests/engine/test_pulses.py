@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 
-import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import hybond as hb
 
