@@ -148,7 +148,7 @@ def test_a_valve_that_shares_what_is_open_stays_within_its_law(seed: int) -> Non
     assert check_recipe(recipe, seed=seed).holds
 
 
-@pytest.mark.parametrize("seed", [147403, 150643, 153825, 160921, 162240, 166391, 201081])
+@pytest.mark.parametrize("seed", [150643, 153825, 160921, 162240, 166391, 201081])
 def test_where_nothing_moves_yet_rounding_of_a_moment_later_is_no_broken_law(seed: int) -> None:
     """``k*e*abs(e)`` has no slope at zero: Newton ends at the rounding of its beginning."""
     found = check_recipe(random_recipe(seed), seed=seed, ways=("order",))
