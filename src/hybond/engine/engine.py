@@ -5,24 +5,23 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
+from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
-from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.inputs.calls import Calls, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
 from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
 from hybond.engine.methods.radau_room import RADAU, Radau, make_radau
-from hybond.engine.mode.elimination import Elimination, make_elimination
-from hybond.engine.mode.mode_records import KEPT, Leakage, Mode, Ways, make_leakage, make_ways
+from hybond.engine.mode.mode_records import KEPT, Mode
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
 from hybond.engine.sliding.slide_records import Slide, make_slide
 from hybond.engine.timestepping.step_records import MOREAU, Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
+from hybond.engine.work import Work, make_work
 
 OK: Final = 0
 REFUSED: Final = 1
@@ -48,110 +47,6 @@ class Fault:
     many: int
     about: Block
     """What is known of it, `many` numbers, for whoever puts it into words: see `facts`."""
-
-
-@record
-class Work:
-    """Room for what is computed on the way; nothing in it is kept."""
-
-    power: Elimination
-    finite: Elimination
-    table: Elimination
-    told: Ints
-    agreements: int
-    agreement_entries: int
-    agreement_first: Ints
-    agreement_column: Ints
-    agreement_value: Floats
-    xi: Floats
-    w: Floats
-    base: Floats
-    f: Floats
-    sizes: Floats
-    base_size: Floats
-    guess: Block
-    kept_guess: Block
-    had_guess: bool
-    freedom: Block
-    terms: Floats
-    slopes: Block
-    frozen: Block
-    jacobian: Block
-    jacobian2: Block
-    whole: Block
-    """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
-    and the slopes where it begins."""
-    weight: Block
-    trial: Block
-    slopes_there: Block
-    residual: Block
-    residual_size: Block
-    """The sizes of the terms of each residual, to first order."""
-    w_size: Floats
-    kind_reach: Floats
-    w_reach: Floats
-    """The largest bond variable of its kind: what it is solved beside."""
-    residual_reach: Block
-    """The same of a row: what rounding of a solution is measured by."""
-    """The sizes of the terms of each bond variable, by which residuals are measured."""
-    aid: float
-    """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
-    step: Block
-    # free directions: a matrix reduced, its scales, which row determines each unknown
-    reduced: Block
-    reduced_size: Block
-    row_scale: Block
-    column_scale: Block
-    across: Block
-    down: Block
-    pivot_row: Places
-    row_taken: Places
-    moved: Block
-    """Bond variables, moved to see whether laws still hold; and where they begin."""
-    begun: Block
-    onto: Block
-    left: Block
-    known: Block
-    rates: Block
-    rate_part: Block
-    row: Block
-    a: Block
-    b: Block
-    c: Block
-    pivots: Places
-    column: Places
-    svd: Svd
-    columns: Ints
-    # entering a mode: constraints, their residuals, what was before
-    constraints: int
-    lefts: int
-    gap: Block
-    gap_size: Block
-    gap_first: Block
-    tried: Block
-    base_gap: Block
-    scaled: Block
-    row_size: Block
-    column_size: Block
-    two_port: Block
-    by_stored: Block
-    nu: Block
-    combined: Block
-    kept: Floats
-    reach: Floats
-    reach_before: Floats
-    known_size: Floats
-    here: Floats
-    ahead: Floats
-    landed: Floats
-    leakage: Leakage
-    ways: Ways
-    """Impulses that contacts at rest allow."""
-    generic: Floats
-    values: Floats
-    """Values to try something with."""
-    rate: Floats
-    stack: Stack
 
 
 @record
@@ -371,95 +266,6 @@ def make_step(n: int, kinks: int) -> Step:
     s.trial = floats(n)
     s.rate = floats(n)
     return s
-
-
-def make_work(m: Model) -> Work:
-    """Return the room that a run works in."""
-    w = Work()
-    n = 2 * m.bonds
-    knowns = m.storages + 2 * m.most_sources
-    w.power = make_elimination(n, n + knowns)
-    w.finite = make_elimination(n, n + knowns)
-    w.table = make_elimination(m.storages, knowns)
-    w.told = ints(m.storages)
-    # one row for each end of a bond: not more can be left over
-    w.agreement_first = ints(n + 1)
-    w.agreement_column = ints(n * 2 * m.most_sources)
-    w.agreement_value = floats(n * 2 * m.most_sources)
-    w.xi = floats(knowns)
-    w.w = floats(n)
-    w.base = floats(n)
-    w.f = floats(m.most_dynamic + m.storages)
-    w.sizes = floats(n)
-    w.base_size = floats(n)
-    w.guess = make_block(1)
-    w.kept_guess = make_block(1)
-    w.freedom = make_block(1)
-    w.terms = floats(m.slots)
-    w.slopes = make_block(1)
-    w.frozen = make_block(1)
-    w.jacobian = make_block(1)
-    w.jacobian2 = make_block(1)
-    w.whole = make_block(1)
-    w.weight = make_block(1)
-    w.trial = make_block(1)
-    w.slopes_there = make_block(1)
-    w.residual = make_block(1)
-    w.residual_size = make_block(1)
-    w.w_size = floats(n)
-    w.kind_reach = floats(max(m.classes, 1))
-    w.w_reach = floats(n)
-    w.residual_reach = make_block(1)
-    w.step = make_block(1)
-    w.reduced = make_block(1)
-    w.reduced_size = make_block(1)
-    w.row_scale = make_block(1)
-    w.column_scale = make_block(1)
-    w.across = make_block(1)
-    w.down = make_block(1)
-    w.pivot_row = make_places(1)
-    w.row_taken = make_places(1)
-    w.moved = make_block(1)
-    w.begun = make_block(1)
-    w.onto = make_block(1)
-    w.left = make_block(1)
-    w.known = make_block(1)
-    w.rates = make_block(1)
-    w.rate_part = make_block(1)
-    w.row = make_block(1)
-    w.a = make_block(1)
-    w.b = make_block(1)
-    w.c = make_block(1)
-    w.pivots = make_places(1)
-    w.column = make_places(1)
-    w.svd = make_svd(8, 8)
-    w.columns = ints(n)
-    w.gap = make_block(1)
-    w.gap_size = make_block(1)
-    w.gap_first = make_block(1)
-    w.tried = make_block(1)
-    w.base_gap = make_block(1)
-    w.scaled = make_block(1)
-    w.row_size = make_block(1)
-    w.column_size = make_block(1)
-    w.two_port = make_block(1)
-    w.by_stored = make_block(1)
-    w.nu = make_block(1)
-    w.combined = make_block(1)
-    w.kept = floats(n)
-    w.reach = floats(m.storages)
-    w.reach_before = floats(m.storages)
-    w.known_size = floats(knowns)
-    w.here = floats(m.storages)
-    w.ahead = floats(m.storages)
-    w.landed = floats(m.storages)
-    w.leakage = make_leakage()
-    w.ways = make_ways()
-    w.generic = floats(2 * m.slots)
-    w.values = floats(2 * m.slots)
-    w.rate = floats(m.storages + m.integrals)
-    w.stack = make_stack()
-    return w
 
 
 def make_engine(m: Model) -> Engine:

@@ -199,8 +199,8 @@ def _by_tolerance(finding: Finding, model: Model, until: float, patience: float)
     if tight.run is None:
         return False
     same = {name: (name, 1.0) for name in _stored(tight.run)}
-    other = METHODS[finding.kind] if finding.kind not in ("tight", *WAYS[:3]) else {}
-    for settings in ({}, other):
+    other = METHODS.get(finding.kind, {})
+    for settings in ({}, other if "rtol" not in other else {}):
         errors = []
         for rtol in (1e-8, 1e-9):
             run = _outcome(model, until, 4.0 * patience, **settings, rtol=rtol, **more)

@@ -11,6 +11,7 @@ The parts are found from the graph, not from the elimination that the jump was m
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import fit_places
+from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.checks.noting import UNTOUCHED, note_violation
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
@@ -29,19 +30,19 @@ def find_parts(e: Engine, mode: Mode) -> None:
         if switch >= 0 and mode.on[switch] == 0:
             continue  # it gives each of its bonds zero, and tells none of the others
         for i in range(m.end_first[j] + 1, m.end_first[j + 1]):
-            join(root, m.end_bond[m.end_first[j]], m.end_bond[i])
+            unite(root, m.end_bond[m.end_first[j]], m.end_bond[i])
     for element in range(m.elements):
         join_element(e, mode, element)
     for k in range(m.storages):
         for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            join(root, m.storage_bond[k], m.storage_bond[m.stiff_other[i]])
+            unite(root, m.storage_bond[k], m.storage_bond[m.stiff_other[i]])
     for i in range(mode.sources):
         s = mode.source[i]
         for p in range(m.look_first[s] if s >= 0 else 0, m.look_first[s + 1] if s >= 0 else 0):
-            join(root, m.source_bond[s], m.look_bond[p])
+            unite(root, m.source_bond[s], m.look_bond[p])
     fit_places(mode.ways.part, m.bonds)
     for b in range(m.bonds):
-        mode.ways.part.at[b] = root_of(root, b)
+        mode.ways.part.at[b] = first_of(root, b)
     mode.ways.parted = True
 
 
@@ -64,27 +65,8 @@ def joined(bonds: int, root: Ints, first: int, column: int) -> int:
     b = column % bonds
     if first < 0:
         return b
-    join(root, first, b)
+    unite(root, first, b)
     return first
-
-
-def join(root: Ints, a: int, b: int) -> None:
-    """Let two bonds be in one part."""
-    here = root_of(root, a)
-    there = root_of(root, b)
-    if here < there:
-        root[there] = here
-    elif there < here:
-        root[here] = there
-
-
-def root_of(root: Ints, b: int) -> int:
-    """Return the first bond of the part that a bond is in."""
-    at = b
-    while root[at] != at:
-        root[at] = root[root[at]]
-        at = root[at]
-    return at
 
 
 def note_reached(e: Engine, mode: Mode) -> None:

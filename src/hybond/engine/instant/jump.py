@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.checks.untouched import hold_untouched, note_reached
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
@@ -87,14 +88,12 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
     if status != OK:
         return status
     moved_by(m.storages, x, ways, e.work.nu.at, after)
+    # rounding is no jump: dust is swept up without an impulse
+    e.moved = SWEPT if rounding else JUMPS
+    if not rounding:
+        sharpen(e, mode, v, ways, after)
+        put_impulses(e, mode, ways)
     hold_untouched(e, mode, v[0], x, after)
-    if rounding:
-        # rounding, not a jump: dust is swept up without an impulse
-        e.moved = SWEPT
-        return OK
-    e.moved = JUMPS
-    sharpen(e, mode, v, ways, after)
-    put_impulses(e, mode, ways)
     return OK
 
 
@@ -184,7 +183,9 @@ def find_step(e: Engine, ways: Ways, count: int) -> int:
     for i in range(count):
         size = w.gap_size.at[i]
         w.row_size.at[i] = w.gap.at[i] / (size if size > 0.0 else 1.0)
-    least_squares(d, count, areas, w.scaled.at, 1e-12, 1, w.row_size.at, w.step.at)
+    least_squares_separate(
+        w.separate, d, count, areas, w.scaled.at, 1e-12, w.row_size.at, w.step.at
+    )
     for a in range(areas):
         w.step.at[a] = w.step.at[a] / w.column_size.at[a]
     return rank

@@ -13,8 +13,9 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import CANCELS
 from hybond.engine.algebra.scaling import balance_sides
-from hybond.engine.engine import Engine, Work
+from hybond.engine.engine import Engine
 from hybond.engine.words import Floats
+from hybond.engine.work import Work
 
 VANISHES: Final = 1e-10
 """A sum below this part of its terms is zero: slopes are known no better."""
