@@ -198,6 +198,8 @@ def test_an_error_that_stays_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> No
     m = hb.Model("rc", parameters={"ohms": 2.0})
     m.add(c=hb.C(1.0, q=1.0), r=hb.R("ohms"), node=hb.Zero())
     m.bond("node -> c", "node -> r")
-    monkeypatch.setitem(checking.METHODS, "rk45", {"solver": "rk45", "parameters": {"ohms": 2.0002}})
+    monkeypatch.setitem(
+        checking.METHODS, "rk45", {"solver": "rk45", "parameters": {"ohms": 2.0002}}
+    )
     assert not _by_tolerance(Finding("rk45", "", 1e-4), m, 1.0, 20.0)
     assert _by_tolerance(Finding("radau", "", 1e-6), m, 1.0, 20.0)
