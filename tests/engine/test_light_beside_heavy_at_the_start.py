@@ -1,4 +1,4 @@
-"""Starts at which constraints and laws are steep, or hold at values far smaller than their sizes."""
+"""Starts at which constraints and laws are steep, or values far smaller than their sizes."""
 
 import math
 
@@ -35,7 +35,7 @@ def test_a_source_that_follows_a_light_mass_beside_a_heavy_one(order: str, solve
 @pytest.mark.parametrize("scale", [1.0, 1e-9, 1e-30])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_table_through_zero_has_all_digits_there(scale: float, side: float) -> None:
-    """A spring read from a table, driven from rest by next to nothing: the law's own slope holds."""
+    """A spring read from a table, driven from rest by next to nothing: its own slope holds."""
     m = hb.Model("small")
     spring = {"e": {"table": [[-3.0, -1.0, 0.0, 1.0, 3.0], [-9.0, -0.7, 0.0, 0.7, 9.0]]}}
     m.add(s=hb.Se(side * scale), v=hb.One(), m=hb.I(2.0), k=hb.C(spring))
