@@ -312,7 +312,7 @@ class TestDiodes:
     def test_what_is_left_out_is_said(self, convert):
         conversion = convert("V1 a 0 1", "D1 a b DX", "R1 b 0 1",
                              ".model DX D(IS=1e-14 CJO=1p BV=100)", ".options reltol=1e-3",
-                             ".meas tran x max v(b)")  # fmt: skip
+                             ".four 1k v(b)")  # fmt: skip
         text = "\n".join(map(str, conversion.warnings))
         assert "CJO" in text.upper() and "BV" in text
         assert ":5:" in text and ":6:" in text and ":7:" in text

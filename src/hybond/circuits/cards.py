@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from hybond.circuits.behaviour import Law, behaviour_of
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
-from hybond.model.expressions import Expr
+from hybond.circuits.numerals import LETTERED
+from hybond.model.expressions import Expr, Number
 
 _WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
 
@@ -20,7 +22,6 @@ WITHOUT_MEANING = {
     "m": "a MOS transistor",
     "j": "a junction field effect transistor",
     "z": "a MESFET or IGBT",
-    "b": "a behavioural source",
     "t": "a transmission line",
     "o": "a lossy transmission line",
     "u": "a distributed RC line",
@@ -34,14 +35,23 @@ _REMEDY = {
     "m": "replace it by a switch S with its control, and a diode D for the body diode",
     "j": "replace it by a switch S with its control",
     "z": "replace it by a switch S with its control",
-    "b": "write a linear one as E, F, G or H; other laws can be added to the model by hand",
     "t": "write it as a ladder of L and C",
     "o": "write it as a ladder of R, L and C",
     "u": "write it as a ladder of R and C",
 }
+_ANALOG_SWITCH = re.compile(
+    r"(\S+)\s+(?:%v\s*\(?\s*(\S+?)\s*\)?|(?:%vd\s*)?\(\s*(\S+)\s+(\S+)\s*\)|([^\s()%]+))\s+"
+    r"(?:%gd\s*)?\(\s*(\S+)\s+(\S+)\s*\)\s+(\S+)\Z",
+    re.IGNORECASE,
+)
+"""A code model with a control and a pair of nodes: ``A1 g (a b) model``."""
 _IGNORED = frozenset({"tc", "tc1", "tc2", "temp", "dtemp", "noisy", "noise"})
-_OPTIONS = {"r": {"r"}, "c": {"c", "ic"}, "l": {"l", "ic"}, "d": {"area", "ic"}, "v": set()}
-_OPTIONS |= {"i": set(), "e": set(), "f": set(), "g": set(), "h": set(), "s": set(), "w": set()}
+PARASITICS = {"c": ("rser", "lser", "rpar", "cpar"), "l": ("rser", "rpar", "cpar")}
+PARASITICS |= {"v": ("rser", "cpar")}
+"""What LTspice writes on the card of a part and means as parts of their own."""
+_SHAPE = ("td", "r")
+_OPTIONS = {"r": {"r"}, "c": {"c", "ic"}, "l": {"l", "ic"}, "d": {"area", "ic"}, "v": {*_SHAPE}}
+_OPTIONS |= {"i": {*_SHAPE}, "e": set(), "f": set(), "g": set(), "h": set(), "s": set(), "w": set()}
 _SPECIAL = frozenset(
     {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev", "delay"}
 )
@@ -67,6 +77,12 @@ class Card:
     """The function of time of a source and its arguments."""
     state: str = ""
     """``on`` or ``off`` of a switch, if written."""
+    shape: Mapping[str, Expr] = field(default_factory=dict)
+    """Of a source ``td=`` and ``r=`` of PWL."""
+    law: Law | None = None
+    """Of a source that computes."""
+    parasitics: Mapping[str, Expr] = field(default_factory=dict)
+    """``Rser``, ``Lser``, ``Rpar``, ``Cpar`` of R, L, C and V."""
     given: Mapping[str, Expr] = field(default_factory=dict)
     """Parameters of an X card."""
 
@@ -140,6 +156,11 @@ def read_card(line: Line, notices: Notices) -> Card:
     if not words:
         raise line.refuse("a card without words", code="HB-F130", hint="take it out")
     name, kind = words[0], words[0][0].lower()
+    if kind in "begfh" and (law := behaviour_of(line)) is not None:
+        return Card(name, line, law[0], law=law[1])
+    if kind == "a" and (code := _ANALOG_SWITCH.match(line.text)):
+        control = (code[3], code[4]) if code[3] else (code[2] or code[5], "0")
+        return Card(name, line, (code[6], code[7], *control), refers=(code[8],))
     if kind in WITHOUT_MEANING:
         raise line.refuse(
             f"{WITHOUT_MEANING[kind]} has no ideal meaning",
@@ -171,10 +192,18 @@ def read_card(line: Line, notices: Notices) -> Card:
         )
     nodes, rest = tuple(plain[1 : 1 + count]), plain[1 + count :]
     start = read_formula(options["ic"], line) if "ic" in options else None
+    beside = {k: read_formula(options[k], line) for k in PARASITICS.get(kind, ()) if k in options}
     if kind in "rcl":
-        return _passive(line, name, nodes, rest, options, start)
+        card = _passive(line, name, nodes, rest, options, start, notices)
+        return replace(card, parasitics=beside)
     if kind in "vi":
-        return _source(line, name, nodes, rest, notices)
+        shape = {k: read_formula(options[k], line) for k in _SHAPE if k in options}
+        card = _source(line, name, nodes, rest, notices)
+        if shape and (card.wave is None or card.wave[0] != "pwl"):
+            raise line.refuse("td= and r= are of PWL", code="HB-F130", hint="take them out")
+        if card.wave is not None and "r" in card.given:
+            shape["r"] = card.given["r"]
+        return replace(card, given={}, shape=shape, parasitics=beside)
     if kind in "eg" or kind in "fh":
         return _controlled(line, name, nodes, rest)
     if kind == "d":
@@ -186,7 +215,7 @@ def _check_options(kind: str, options: dict[str, str], line: Line, notices: Noti
     for option in options:
         if option in _IGNORED:
             notices.add(line, f"{option} is left out: parts are ideal at every temperature")
-        elif option not in _OPTIONS[kind]:
+        elif option not in _OPTIONS[kind] and option not in PARASITICS.get(kind, ()):
             raise line.refuse(
                 f"the option {option!r} is not understood",
                 code="HB-F130",
@@ -201,6 +230,7 @@ def _passive(
     rest: list[str],
     options: dict[str, str],
     start: Expr | None,
+    notices: Notices,
 ) -> Card:
     kind = name[0].lower()
     values = [*rest, *([options[kind]] if kind in options else [])]
@@ -211,7 +241,10 @@ def _passive(
             hint=f"write {name} {nodes[0]} {nodes[1]} value; models of {kind.upper()} "
             "are not known",
         )
-    return Card(name, line, nodes, read_formula(values[0], line), start)
+    value = read_formula(values[0], line)
+    if LETTERED.fullmatch(values[0]) and isinstance(value, Number):
+        notices.add(line, f"{values[0]} is {value.value:g}: the letter stands for the point")
+    return Card(name, line, nodes, value, start)
 
 
 def _source(
@@ -219,6 +252,7 @@ def _source(
 ) -> Card:
     value: Expr | None = None
     wave: tuple[str, tuple[str, ...]] | None = None
+    given: dict[str, Expr] = {}
     k = 0
     while k < len(rest):
         word = rest[k].lower()
@@ -238,6 +272,9 @@ def _source(
             end, arguments = _arguments(rest, k + 1, line)
             wave = ("sin" if word == "sine" else word, arguments)
             k = end
+        elif word == "repeat" and wave == ("pwl", ()):
+            k, points = _repeat(rest, k, line)
+            wave, given = ("pwl", points), {"r": Number(0.0)}
         elif word in "()":
             raise line.refuse(f"{rest[k]!r} is out of place", code="HB-F130", hint="take it out")
         elif value is None and k == 0:
@@ -249,7 +286,31 @@ def _source(
                 code="HB-F130",
                 hint="DC value, PULSE, SIN, EXP, PWL or SFFM",
             )
-    return Card(name, line, nodes, value, wave=wave)
+    if wave is not None and wave[0] == "pwl":
+        wave = ("pwl", _absolute(wave[1], line))
+    return Card(name, line, nodes, value, wave=wave, given=given)
+
+
+def _repeat(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...]]:
+    """Return where ``REPEAT FOREVER (...) ENDREPEAT`` ends, and what is in its brackets."""
+    words = [w.lower() for w in rest[k:]]
+    if words[1:3] != ["forever", "("] or words[-1] != "endrepeat":
+        raise line.refuse(
+            "a repetition that is not understood",
+            code="HB-F130",
+            hint="PWL REPEAT FOREVER (0 0 1m 1) ENDREPEAT, or PWL(0 0 1m 1) r=0",
+        )
+    end, points = _arguments(rest, k + 2, line)
+    return end + 1, points
+
+
+def _absolute(points: tuple[str, ...], line: Line) -> tuple[str, ...]:
+    """Return the points of PWL with times like ``+1m``, since the last point, added up."""
+    words = list(points)
+    for j in range(0, len(words) - 1, 2):
+        if j and words[j].startswith("+"):
+            words[j] = "{(" + words[j - 2].strip("{}") + ")+(" + words[j][1:].strip("{}") + ")}"
+    return tuple(words)
 
 
 def _arguments(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...]]:
@@ -259,7 +320,8 @@ def _arguments(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...
         if end is None:
             raise line.refuse("a bracket is not closed", code="HB-F130", hint="close it")
         return end + 1, tuple(rest[k + 1 : end])
-    end = next((j for j in range(k, len(rest)) if rest[j].lower() in ("ac", "dc")), len(rest))
+    ends = ("ac", "dc", "repeat")
+    end = next((j for j in range(k, len(rest)) if rest[j].lower() in ends), len(rest))
     return end, tuple(rest[k:end])
 
 

@@ -13,11 +13,13 @@ from hybond.circuits.deck import Deck, read_deck
 from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf, leaves_of
+from hybond.circuits.measured import Wanted
 from hybond.circuits.notices import Line, Notice, Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND, Opened, Value, global_value, open_deck
 from hybond.circuits.operating_point import operating_point
 from hybond.circuits.texts import Texts
+from hybond.circuits.wanting import values_of, wanted_of
 from hybond.circuits.waves import ZERO, Clock
 from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import assemble
@@ -47,6 +49,12 @@ class Conversion:
     model: Model
     warnings: tuple[Notice, ...]
     origins: Mapping[str, str]
+    measures: tuple[Wanted, ...] = ()
+    """What ``.meas`` asks for: `measure(run, conversion.measures)` computes it."""
+    steps: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Of ``.step``: parameters of the model and their values; all combinations are meant."""
+    diodes: tuple[tuple[str, float, float], ...] = ()
+    """Diodes taken as tangents: junction, current at which, A, and emission voltage N Vt, V."""
 
 
 def read_circuit(
@@ -91,7 +99,7 @@ def read_circuit(
     """
     current = _current(diode_current)
     notices = Notices()
-    model, lines = _made(path, notices, current)
+    made, model, lines = _made(path, notices, current)
     if strict and notices.found:
         first = next(iter(notices.found))
         raise FileError(
@@ -101,15 +109,18 @@ def read_circuit(
             hint="change the netlist, or convert without --strict",
         )
     origins = {name: _origin(line, str(path)) for name, line in lines.items()}
-    return Conversion(model, tuple(notices.found), origins)
+    return Conversion(
+        model, tuple(notices.found), origins, made.measures(), made.steps(), made.diodes()
+    )
 
 
 @uncollected
 def _made(
     path: str | os.PathLike[str], notices: Notices, current: float
-) -> tuple[Model, dict[str, Line]]:
+) -> tuple[_Making, Model, dict[str, Line]]:
     deck = read_deck(path, notices)
-    return _Making(Path(path), deck, open_deck(deck, notices), notices, current).run()
+    made = _Making(Path(path), deck, open_deck(deck, notices), notices, current)
+    return made, *made.run()
 
 
 def _current(given: float | str) -> float:
@@ -137,6 +148,7 @@ class _Making:
         self, path: Path, deck: Deck, opened: Opened, notices: Notices, current: float
     ) -> None:
         self.path, self.deck, self.opened, self.notices = path, deck, opened, notices
+        self.current = current
         names = GraphNames()
         taken = {re.sub(r"[^A-Za-z0-9_]+", "_", b.name).lower() for b in opened.branches}
         self.parameters = {
@@ -146,16 +158,18 @@ class _Making:
         self.names = names
         self.texts = Texts(self.parameters)
         transient = deck.transient
-        self.step = self.stop = ZERO
+        self.step = self.stop = edge = ZERO
         if transient is not None:
             self.step = global_value(transient.step, opened, transient.line)
+            edge = global_value(transient.edge, opened, transient.line)
             self.stop = global_value(transient.stop, opened, transient.line)
             if not self.step.number > 0.0 or not self.stop.number > 0.0:
                 raise transient.line.refuse(
                     "a time that is not positive", code="HB-F140", hint=".tran step stop"
                 )
         windings = couple(opened, self.texts)
-        clock = Clock(self.step, self.stop)
+        startup = transient is not None and transient.startup
+        clock = Clock(edge, self.stop, startup)
         found = leaves_of(opened, windings, self.texts, clock, notices, current=current)
         self.leaves = self._without_loops(found)
         self.numbers = {GROUND: 0}
@@ -181,7 +195,9 @@ class _Making:
                 text = written(formula, self.parameters)
             model.parameters[self.parameters[key]] = text
         ends = ends_of(self.leaves, self.numbers)
-        woven = weave(self.leaves, ends, self.shown, self.names, self.texts, self.notices)
+        self.woven = woven = weave(
+            self.leaves, ends, self.shown, self.names, self.texts, self.notices
+        )
         if not woven.elements:
             said = "; ".join(n.what for n in self.notices.found)
             raise FileError(
@@ -195,6 +211,25 @@ class _Making:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))
         return model, woven.lines
+
+    def measures(self) -> tuple[Wanted, ...]:
+        """Return what is measured in terms of the model."""
+        found = (wanted_of(one, self.woven, self.opened) for one in self.deck.measures)
+        return tuple(one for one in found if one is not None)
+
+    def steps(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
+        """Return the parameters that are stepped, and their values."""
+        return tuple(
+            (self.parameters[step.name], values_of(step, self.opened)) for step in self.deck.steps
+        )
+
+    def diodes(self) -> tuple[tuple[str, float, float], ...]:
+        """Return the diodes that were taken as tangents."""
+        return tuple(
+            (name, self.current, self.leaves[k].emission)
+            for k, name in self.woven.junctions.items()
+            if self.leaves[k].emission
+        )
 
     def _steps(self) -> int:
         return int(min(1e9, self.stop.number / self.step.number)) + 1
@@ -240,8 +275,22 @@ class _Making:
                     f"there is no node {key!r}", code="HB-F134", hint="check the name of the node"
                 )
             forced.append((key, global_value(formula, self.opened, line), line))
+        flowing = {}
+        for key, formula, line in self.deck.currents:
+            if not any(x.branch.key == key and x.role in ("I", "winding") for x in self.leaves):
+                raise line.refuse(
+                    f"there is no coil {key!r}", code="HB-F134", hint="i(L1)=... of an element L"
+                )
+            flowing[key] = global_value(formula, self.opened, line)
         if transient is not None and transient.uic:
-            return [_with_nodes(leaf, dict((k, v) for k, v, _ in forced)) for leaf in self.leaves]
+            held = {k: v for k, v, _ in forced}
+            return [_with_nodes(_flowing(leaf, flowing), held) for leaf in self.leaves]
+        if flowing:
+            raise self.deck.currents[0][2].refuse(
+                "the current of a coil is given, and the start is the operating point",
+                code="HB-F143",
+                hint="write uic in .tran",
+            )
         for leaf in self.leaves:
             if leaf.start is not None:
                 self.notices.add(
@@ -251,6 +300,14 @@ class _Making:
         return operating_point(
             self.leaves, self.numbers, self.shown, forced, self.texts, self.deck, str(self.path)
         )
+
+
+def _flowing(leaf: Leaf, flowing: Mapping[str, Value]) -> Leaf:
+    """Return a coil that starts from the current of ``.ic``, if it has no start itself."""
+    start = flowing.get(leaf.branch.key)
+    if start is None or leaf.start is not None or leaf.role not in ("I", "winding"):
+        return leaf
+    return replace(leaf, start=start)
 
 
 def _with_nodes(leaf: Leaf, forced: dict[str, Value]) -> Leaf:

@@ -8,21 +8,25 @@ from dataclasses import dataclass, field
 
 from hybond.circuits.cards import WITHOUT_MEANING, Card, options_of, read_card, words_of
 from hybond.circuits.formulas import read_formula
+from hybond.circuits.measures import Measure, read_measure
 from hybond.circuits.notices import Line, Notices
+from hybond.circuits.parasitics import with_parasitics
 from hybond.circuits.reading import read_lines
+from hybond.circuits.steps import Step, read_step
+from hybond.circuits.transient import Transient, read_transient
 from hybond.errors import FileError
 from hybond.model.expressions import Expr
 from hybond.names import did_you_mean
 
 _ASSIGNED = re.compile(r"([A-Za-z_][A-Za-z0-9_.]*)\s*=(?!=)")
-_SETS = re.compile(r"v\s*\(\s*([^()\s,]+)\s*\)\s*=\s*(\{[^}]*\}|'[^']*'|[^\s=]+)", re.IGNORECASE)
+_SETS = re.compile(
+    r"([vi])\s*\(\s*([^()\s,]+)\s*\)\s*=\s*(\{[^}]*\}|'[^']*'|[^\s=]+)", re.IGNORECASE
+)
 _LEFT_OUT = {
     "options": "options of another simulator are left out",
     "option": "options of another simulator are left out",
     "opt": "options of another simulator are left out",
     "temp": "the temperature is left out: parts are ideal at every temperature",
-    "meas": "measurements are left out",
-    "measure": "measurements are left out",
     "four": "the Fourier analysis is left out",
     "width": "it is left out",
     "backanno": "it is left out",
@@ -40,7 +44,12 @@ _LEFT_OUT = {
 }
 _COMMANDS = (
     *(".param", ".model", ".subckt", ".include", ".lib", ".tran", ".ic", ".global"),
-    *(".print", ".end", ".ends"),
+    *(".print", ".meas", ".step", ".func", ".end", ".ends"),
+)
+_CONTROL = frozenset({"tran", "meas", "measure"})
+"""Commands that mean the same in a control section as behind a dot."""
+_FUNCTION = re.compile(
+    r"\.(?:func|function)\s+([A-Za-z_]\w*)\s*\(([\w\s,]*)\)\s*=?\s*(.+)\Z", re.IGNORECASE
 )
 _ANALYSES = frozenset({"ac", "dc", "noise", "pz", "sens", "disto", "tf", "sp", "op"})
 
@@ -53,16 +62,6 @@ class ModelCard:
     type: str
     line: Line
     parameters: dict[str, Expr]
-
-
-@dataclass(frozen=True, slots=True)
-class Transient:
-    """A ``.tran`` line."""
-
-    line: Line
-    step: Expr
-    stop: Expr
-    uic: bool
 
 
 @dataclass(eq=False)
@@ -112,6 +111,10 @@ class Deck:
     transient: Transient | None = None
     starts: list[tuple[str, Expr, Line]] = field(default_factory=list)
     """Of ``.ic``: node, voltage."""
+    currents: list[tuple[str, Expr, Line]] = field(default_factory=list)
+    """Of ``.ic``: coil, current."""
+    measures: list[Measure] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
     outputs: list[tuple[str, Line]] = field(default_factory=list)
     """Of ``.print`` and the like: one expression each, as written."""
 
@@ -136,21 +139,27 @@ class _Reader:
         self.scope = self.top
         self.deck = Deck(title, self.top)
         self.analyses: list[Line] = []
+        self.unsaid: dict[str, tuple[Expr, Line, str]] = {}
         self.seen: dict[int, set[str]] = {id(self.top): set()}
 
     def run(self, lines: list[Line]) -> Deck:
-        control: Line | None = None
+        lines = self.functions(lines)
+        control = False
         for line in lines:
             word = line.text.split(None, 1)[0].lower()
-            if control is not None:
-                control = None if word == ".endc" else control
+            if control:
+                control = word != ".endc"
+                if word in _CONTROL and not self.inside_set(word, lines):
+                    self.command(word, line)
             elif word == ".control":
-                self.notices.add(line, "the control section is left out")
-                control = line
+                self.notices.add(line, "of the control section, tran and meas are taken")
+                control = True
             elif word.startswith("."):
                 self.command(word[1:], line)
             else:
-                self.card(self.read(line, lines))
+                for card in with_parasitics(self.read(line, lines)):
+                    self.card(card)
+        self.top.parameters = {**self.unsaid, **self.top.parameters}
         if self.scope is not self.top:
             raise self.scope.line.refuse(
                 f"the subcircuit {self.scope.name!r} has no end", code="HB-F130", hint="add .ends"
@@ -170,6 +179,28 @@ class _Reader:
                 hint="its first line is the title, elements come after it",
             )
         return self.deck
+
+    def functions(self, lines: list[Line]) -> list[Line]:
+        """Take the functions of a netlist, which may be used before they are defined."""
+        found = [
+            (line, match) for line in lines if (match := _FUNCTION.match(line.text)) is not None
+        ]
+        known = {match[1].lower(): (line, match) for line, match in found}
+        for line, match in found:
+            if known[match[1].lower()][0] is not line:
+                raise line.refuse(
+                    f"the function {match[1]!r} is there twice", code="HB-F133", hint="rename one"
+                )
+        for name in _in_order({k: m[3] for k, (_, m) in known.items()}, known):
+            line, match = known[name]
+            names = tuple(w.lower() for w in re.split(r"[\s,]+", match[2].strip()) if w)
+            line.functions[name] = (names, read_formula(match[3].strip(" ="), line))
+        taken = {id(line) for line, _ in found}
+        return [line for line in lines if id(line) not in taken]
+
+    def inside_set(self, word: str, lines: list[Line]) -> bool:
+        """Whether a control section repeats an analysis that the netlist has, too."""
+        return word == "tran" and any(x.text.lower().startswith(".tran") for x in lines)
 
     def card(self, card: Card) -> None:
         seen = self.seen[id(self.scope)]
@@ -196,6 +227,10 @@ class _Reader:
                 self.transient(rest, line)
             case "ic":
                 self.starts(rest, line)
+            case "meas" | "measure":
+                self.measure(rest, line)
+            case "step":
+                self.step(rest, line)
             case "global":
                 self.deck.shared |= {w.lower() for w in rest.split()}
             case "print" | "plot" | "probe" | "save":
@@ -297,27 +332,32 @@ class _Reader:
         self.scope = self.scope.parent
 
     def transient(self, rest: str, line: Line) -> None:
-        words = words_of(rest, line)
-        uic = any(w.lower() in ("uic", "startup") for w in words)
-        if any(w.lower() == "startup" for w in words):
-            raise line.refuse(
-                "'startup' ramps the sources of another simulator",
-                code="HB-F137",
-                hint="write uic, and ramps as PWL or EXP",
-            )
-        times = [read_formula(w, line) for w in words if w.lower() not in ("uic", "steady")]
-        if not 1 <= len(times) <= 4:
-            raise line.refuse(
-                f"{len(times)} times", code="HB-F130", hint=".tran step stop [start [max]] [uic]"
-            )
         if self.deck.transient is not None:
             raise line.refuse(
                 "a second transient analysis", code="HB-F133", hint="take one of them out"
             )
-        if len(times) > 2 and words[2] not in ("0", "0s"):
-            self.notices.add(line, "the start of output is left out: all of the run is kept")
-        stop = times[0] if len(times) == 1 else times[1]
-        self.deck.transient = Transient(line, times[0], stop, uic)
+        self.deck.transient = read_transient(rest, line, self.notices)
+
+    def measure(self, rest: str, line: Line) -> None:
+        found = read_measure(rest, line)
+        if found is None:
+            self.notices.add(line, "the measurement is left out: its form is not understood")
+        elif any(m.name == found.name for m in self.deck.measures):
+            raise line.refuse(
+                f"{found.name!r} is measured twice", code="HB-F133", hint="rename one of them"
+            )
+        else:
+            self.deck.measures.append(found)
+
+    def step(self, rest: str, line: Line) -> None:
+        found = read_step(rest, line)
+        if any(s.name == found.name for s in self.deck.steps):
+            raise line.refuse(
+                f"{found.name!r} is stepped twice", code="HB-F133", hint="keep one .step of it"
+            )
+        self.deck.steps.append(found)
+        # a single run takes the first value of a parameter that nothing else defines
+        self.unsaid.setdefault(found.name, (found.values[0], line, found.written))
 
     def starts(self, rest: str, line: Line) -> None:
         found = list(_SETS.finditer(rest))
@@ -326,12 +366,37 @@ class _Reader:
                 "not a list of node voltages", code="HB-F130", hint=".ic V(out)=5 V(in)=0"
             )
         for match in found:
-            node = match[1].lower()
-            if any(known == node for known, _, _ in self.deck.starts):
+            node = match[2].lower()
+            known = self.deck.starts if match[1].lower() == "v" else self.deck.currents
+            if any(other == node for other, _, _ in known):
                 raise line.refuse(
-                    f"v({match[1]}) is given twice", code="HB-F133", hint="take one of them out"
+                    f"{match[1]}({match[2]}) is given twice",
+                    code="HB-F133",
+                    hint="take one of them out",
                 )
-            self.deck.starts.append((node, read_formula(match[2], line), line))
+            known.append((node, read_formula(match[3], line), line))
+
+
+def _in_order(bodies: dict[str, str], known: dict[str, tuple[Line, re.Match[str]]]) -> list[str]:
+    """Return functions so that each comes after those that it calls."""
+    needs = {
+        name: [
+            w for w in dict.fromkeys(re.findall(r"[a-z_]\w*(?=\s*\()", body.lower())) if w in bodies
+        ]
+        for name, body in bodies.items()
+    }
+    done: dict[str, None] = {}
+    while len(done) < len(bodies):
+        ready = [n for n in bodies if n not in done and all(w in done for w in needs[n])]
+        if not ready:
+            name = next(n for n in bodies if n not in done)
+            raise known[name][0].refuse(
+                f"the function {name!r} is defined by itself",
+                code="HB-F135",
+                hint="write it without itself",
+            )
+        done.update(dict.fromkeys(ready))
+    return list(done)
 
 
 def assignments(text: str, line: Line) -> list[tuple[str, str]]:
@@ -356,7 +421,7 @@ def _compared(text: str, match: re.Match[str]) -> bool:
 
 def _worded(key: str) -> bool:
     """Whether a parameter of a model is a word: who makes the part, what it is called."""
-    return key in ("mfg", "type", "icrating", "pn")
+    return key in ("mfg", "type", "icrating", "pn", "log")
 
 
 def _outputs(text: str) -> list[str]:

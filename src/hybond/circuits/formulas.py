@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     Number,
     Or,
     compile_expression,
+    substitute,
     transform,
 )
 from hybond.model.expressions.parse import MAX_DEPTH
@@ -30,14 +31,14 @@ from hybond.model.expressions.tree import FUNCTIONS, children, depth, walk, with
 
 DEEPEST = 60
 """Brackets and operators inside one another."""
+LARGEST = 2000
+"""Parts of an expression, functions put in."""
 
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMERAL.pattern.replace('?P<scale>', '').replace('?P<unit>', '')})"
-    r"|(?P<name>[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^()?:,<>!]))",
+    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^()?:,<>!]))",
     re.IGNORECASE,
 )
-_FOR_POINT = re.compile(r"(\d+)([a-zA-Z])(\d+)")
-"""``4k7``, as it is written on schematics."""
 _BINDS = {
     "||": 1,
     "&&": 2,
@@ -55,7 +56,7 @@ _BINDS = {
 }
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
 _ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
-_ARGUMENTS |= {"^": 2, "if": 3}
+_ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
 
 
 def read_formula(text: str, line: Line) -> Expr:
@@ -122,9 +123,7 @@ class _Parser:
         if depth(formula) > MAX_DEPTH:
             raise self.refuse(f"more than {MAX_DEPTH} operators follow one another")
         if self.at < len(self.tokens):
-            point = _FOR_POINT.fullmatch(self.text.strip())
-            hint = f"write {point[1]}.{point[3]}{point[2]}" if point else ""
-            raise self.refuse(f"{self.peek()!r} is left over in {self.text!r}", hint)
+            raise self.refuse(f"{self.peek()!r} is left over in {self.text!r}")
         return formula
 
     def choice(self) -> Expr:
@@ -197,8 +196,12 @@ class _Parser:
             self.take(",")
             arguments.append(self.choice())
         self.take(")")
+        if name in self.line.functions:
+            return self.defined(name, arguments)
         name = _ALIASES.get(name, name)
         wanted = _ARGUMENTS.get(name)
+        if name in ("min", "max") and len(arguments) > 2:
+            wanted = len(arguments)
         if wanted is None:
             raise self.refuse(
                 f"the function {name!r} is not known here", "known: " + ", ".join(_ARGUMENTS)
@@ -207,9 +210,28 @@ class _Parser:
             raise self.refuse(f"{name!r} takes {wanted} arguments, not {len(arguments)}")
         if name == "if":
             return _chosen(*arguments)
+        if name == "u":
+            return If(Compare(">", as_value(arguments[0]), Number(0.0)), Number(1.0), Number(0.0))
+        if name == "uramp":
+            return Call("max", (as_value(arguments[0]), Number(0.0)))
+        if name == "limit":
+            x, low, high = map(as_value, arguments)
+            return Call(
+                "min", (Call("max", (x, Call("min", (low, high)))), Call("max", (low, high)))
+            )
         if name == "^":
             return _combined(name, *arguments)
         return Call(name, tuple(map(as_value, arguments)))
+
+    def defined(self, name: str, arguments: list[Expr]) -> Expr:
+        """Return the body of a function of the netlist with its arguments put in."""
+        names, body = self.line.functions[name]
+        if len(arguments) != len(names):
+            raise self.refuse(f"{name!r} takes {len(names)} arguments, not {len(arguments)}")
+        whole = substitute(body, dict(zip(names, map(as_value, arguments), strict=True)))
+        if size(whole) > LARGEST:
+            raise self.refuse(f"with its functions put in, it has more than {LARGEST} parts")
+        return whole
 
     def take(self, word: str) -> None:
         if self.peek() != word:

@@ -17,6 +17,7 @@ _DIODE = {"is": 1e-14, "n": 1.0, "rs": 0.0}
 _SWITCHES = {
     "sw": ("s", "vt", "vh"),
     "vswitch": ("s", "von", "voff"),
+    "aswitch": ("a", "cntl_on", "cntl_off"),
     "csw": ("w", "it", "ih"),
     "iswitch": ("w", "ion", "ioff"),
 }
@@ -29,6 +30,8 @@ class IdealDiode:
     drop: float
     resistance: float
     beside: float = math.inf
+    emission: float = 0.0
+    """N Vt, V, if the line is a tangent; else zero."""
 
 
 def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
@@ -72,7 +75,11 @@ def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
     saturation, resistance = values["is"] * area, values["rs"] / area
     slope = values["n"] * THERMAL_VOLTAGE / (current + saturation)
     forward = values["n"] * THERMAL_VOLTAGE * math.log1p(current / saturation)
-    found = IdealDiode(_rounded(forward - slope * current), _rounded(slope + resistance))
+    found = IdealDiode(
+        _rounded(forward - slope * current),
+        _rounded(slope + resistance),
+        emission=values["n"] * THERMAL_VOLTAGE,
+    )
     notices.add(
         model.line,
         f"{model.name}: ideal diode with a drop of {found.drop:g} V and {found.resistance:g} "
@@ -136,20 +143,31 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
         )
     _, first, second = _SWITCHES[model.type]
     known = {first, second, "ron", "roff"}
-    for key in branch.parameters:
+    given = dict(branch.parameters)
+    if model.type == "aswitch":
+        given.pop("log", None)
+        named = {"r_on": "ron", "r_off": "roff"}
+        given = {named.get(key, key): value for key, value in given.items()}
+    for key in given:
         if key not in known:
             raise model.line.refuse(
                 f"the parameter {key.upper()} of a switch is not understood",
                 code="HB-F136",
                 hint=f"known: {', '.join(sorted(known)).upper()}; take it out",
             )
-    given = branch.parameters
     window = model.type in ("sw", "csw")
     zero = Value(Number(0.0), 0.0)
     threshold = given.get(first, zero if window else Value(Number(1.0), 1.0))
     other = given.get(second, None if window else zero)
     if window:
         half = 0.0 if other is None else other.number
+        if half < 0.0:
+            notices.add(
+                model.line,
+                f"{model.name}: VH < 0 is a smooth transition in LTspice; here it is a hysteresis",
+            )
+            half = -half
+            other = Value(Number(half), half)
         on, off = threshold.number + half, threshold.number - half
     else:
         assert other is not None

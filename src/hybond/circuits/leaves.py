@@ -25,6 +25,8 @@ _PLAIN: Mapping[str, tuple[Role, str]] = {
     "l": ("I", "H"),
 }
 
+RAMP = "(if time < 20 us then time/(20 us) else 1)"
+"""What sources are multiplied with after ``startup``."""
 _FEMTO = re.compile(r"[0-9.]+f", re.IGNORECASE)
 
 
@@ -43,6 +45,8 @@ class Leaf:
     """Voltage of a C, current of an I, from node a to node b."""
     resistance: str | float | None = None
     """In series with a diode or switch."""
+    emission: float = 0.0
+    """N Vt of a diode that is taken as the tangent of its curve, V."""
     drop: float = 0.0
     """In series with a diode, V."""
     switch: IdealSwitch | None = None
@@ -71,12 +75,17 @@ def leaves_of(
         if kind == "l" and branch.key in windings:
             _positive(branch)
             found.append(Leaf(branch, "winding", start=branch.start, winding=windings[branch.key]))
+        elif branch.law is not None:
+            found.append(Leaf(branch, "Se" if branch.law.imposes == "v" else "Sf"))
         elif kind in _PLAIN:
             found += _plain(branch, texts, notices)
         elif kind in "vi":
             drive = drive_of(branch, texts, clock)
+            if clock.startup and not drive.zero:
+                drive = replace(drive, initial=0.0, constant=False, ramp=RAMP)
             role: Role = "Sf" if kind == "i" else "meter" if drive.zero else "Se"
-            found.append(Leaf(branch, role, drive.text, drive))
+            text = f"{RAMP}*({drive.text})" if drive.ramp and drive.input is None else drive.text
+            found.append(Leaf(branch, role, text, drive))
         elif kind in "eh":
             found.append(Leaf(branch, "Se"))
         elif kind in "gf":
@@ -117,7 +126,7 @@ def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
     ideal = ideal_diode(branch, current, notices)
     resistance = _without(ideal.resistance, ideal.beside)
     text = quantity(resistance, "ohm") if resistance else None
-    found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop)]
+    found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop, emission=ideal.emission)]
     return found + _beside(branch, ideal.beside)
 
 

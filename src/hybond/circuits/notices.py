@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from hybond.errors import FileError
 from hybond.files.place import shortened
+from hybond.model.expressions import Expr
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +18,10 @@ class Line:
     number: int
     """Its first line, counted from 1."""
     text: str
+    functions: dict[str, tuple[tuple[str, ...], Expr]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    """What ``.func`` defines in the netlist: names of arguments, and the body."""
 
     @property
     def place(self) -> str:

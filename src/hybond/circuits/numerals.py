@@ -33,6 +33,8 @@ NUMERAL = re.compile(
     re.IGNORECASE,
 )
 """A number without a sign; letters after the scale factor are a unit, which SPICE ignores."""
+LETTERED = re.compile(r"([0-9]+)(meg|[tgkmuµμnpfr])([0-9]+)", re.IGNORECASE)
+"""``4k7`` and ``2R2``, as on schematics: the letter stands where the point is."""
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
 _SAME = 4e-16
 """Relative difference of two readings of one decimal number."""
@@ -47,12 +49,18 @@ def numeral(text: str) -> float | None:
     (4700.0, 1e-05, 2000000.0, 0.001, -7.62e-05)
     >>> numeral("1F")  # F is femto, as in every SPICE
     1e-15
-    >>> numeral("4k7") is None, numeral("1A") is None
-    (True, True)
+    >>> numeral("4k7"), numeral("2n2"), numeral("0R5")  # a letter where the point is
+    (4700.0, 2.2e-09, 0.5)
+    >>> numeral("1A") is None
+    True
     """
     sign = -1.0 if text.startswith("-") else 1.0
-    match = NUMERAL.fullmatch(text.lstrip("+-") if text[:1] in ("+", "-") else text)
-    if match is None or text[1:2] in ("+", "-"):
+    bare = text[1:] if text[:1] in ("+", "-") else text
+    if lettered := LETTERED.fullmatch(bare):
+        scale = "" if lettered[2].lower() == "r" else lettered[2]
+        bare = f"{lettered[1]}.{lettered[3]}{scale}"
+    match = NUMERAL.fullmatch(bare)
+    if match is None:
         return None
     if is_ambiguous(match):
         return None

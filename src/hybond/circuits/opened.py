@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from hybond.circuits.behaviour import PLACE, Law, Read
 from hybond.circuits.cards import Card
 from hybond.circuits.deck import Deck, ModelCard, Scope
 from hybond.circuits.formulas import evaluate, names_in, read_formula, size
@@ -58,6 +59,10 @@ class Branch:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     """Values of the parameters of the model."""
     state: str = ""
+    law: Law | None = None
+    """Of a source that computes: its nodes are keys, its elements paths."""
+    shape: Mapping[str, Value] = field(default_factory=dict)
+    """Of a source, what is said beside its function of time: ``td``, ``r``."""
 
     @property
     def key(self) -> str:
@@ -275,7 +280,7 @@ class _Opening:
             start = None if card.start is None else self.value(card.start, env, card.line)
             nodes = [node(n) for n in card.nodes]
             senses: tuple[str, ...] = tuple(nodes[2:])
-            if card.kind in "fhw":
+            if card.kind in "fhw" and card.law is None:
                 if card.refers[0].lower() not in own:
                     raise card.line.refuse(
                         f"there is no source {card.refers[0]!r}",
@@ -298,8 +303,28 @@ class _Opening:
                     model,
                     parameters,
                     card.state,
+                    None if card.law is None else self.law(card, env, node, path),
+                    {k: self.value(v, env, card.line) for k, v in card.shape.items()},
                 )
             )
+
+    def law(
+        self, card: Card, env: Environment, node: Callable[[str], str], path: Callable[[str], str]
+    ) -> Law:
+        """Return the law of a source as it is in its subcircuit."""
+        assert card.law is not None
+        whole = substitute(card.law.formula, env) if env else card.law.formula
+        known = {"time", *self.result.parameters}
+        for name in names_in(whole):
+            if name not in known and not name.startswith(PLACE):
+                self.number(Name(name), card.line)
+        reads = tuple(
+            Read("v", node(r.first), node(r.second))
+            if r.kind == "v"
+            else Read("i", path(r.first).lower())
+            for r in card.law.reads
+        )
+        return Law(card.law.imposes, whole, reads)
 
     def wave(self, card: Card, env: Environment) -> tuple[str, tuple[Value, ...]] | None:
         if card.wave is None:
@@ -317,7 +342,7 @@ class _Opening:
     def model(
         self, card: Card, scope: Scope, env: Environment
     ) -> tuple[ModelCard | None, dict[str, Value]]:
-        if card.kind not in "dsw":
+        if card.kind not in "dswa":
             return None, {}
         name = card.refers[-1].lower()
         found = scope.find_model(name)

@@ -120,7 +120,9 @@ def _solve(
     # a capacitor that blocks a current source off from its way back is seen by weave
     woven = weave(still, ends, shown, names, texts, notices)
     model = Model("rest", domain="electrical")
-    assemble(model, woven, still, ends, numbers, texts, replace(deck, outputs=[]), notices)
+    assemble(
+        model, woven, still, ends, numbers, texts, replace(deck, outputs=[], measures=[]), notices
+    )
     wanted: dict[int, str] = {}
     for k in stores:
         terms = woven.drops.get(k) if still[k].role == "Sf" else woven.currents.get(k)

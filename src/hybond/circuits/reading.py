@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 from hybond.circuits.notices import Line, Notices
+from hybond.circuits.schematic import cards_of
 from hybond.errors import FileError
 from hybond.files import limits
 from hybond.files.parse import read_text
@@ -59,16 +61,22 @@ class _Reading:
         self.count = 0
         self.bytes = 0
         self.files = 0
+        self.functions: dict[str, Any] = {}
+        """Filled by who reads the lines; all of them know it."""
 
     def run(self) -> tuple[str, list[Line]]:
-        rows = self._rows(self.top, str(self.top))
+        name = str(self.top)
+        rows = self._rows(self.top, name)
+        if self.top.suffix.lower() == ".asc":
+            rows = cards_of(rows, str(self.top))
+            name = f"{self.top} as a netlist"
         title = rows[0].strip() if rows else ""
         if title.startswith(".") or (_ELEMENT.match(title) and not title.startswith("*")):
             self.notices.add(
-                Line(str(self.top), 1, title),
+                Line(name, 1, title),
                 "the first line of a netlist is its title, although it looks like a card",
             )
-        self._take(rows[1:], str(self.top), 2, (self.top.resolve(),))
+        self._take(rows[1:], name, 2, (self.top.resolve(),))
         return title.lstrip("* ").strip(), self.lines
 
     def _rows(self, path: Path, name: str) -> list[str]:
@@ -116,7 +124,7 @@ class _Reading:
                 pending[1].append(text)
                 continue
             if pending is not None:
-                line = Line(name, pending[0], " ".join(pending[1]))
+                line = Line(name, pending[0], " ".join(pending[1]), self.functions)
                 if line.text.split(None, 1)[0].lower() == ".end":
                     return True
                 if self._line(line, within):
@@ -143,6 +151,13 @@ class _Reading:
                 "no file is named", code="HB-F130", hint='write .include "diodes.lib"'
             )
         path = self._inside(line, match[2].strip("\"'"), within)
+        if path is None:
+            self.notices.add(
+                line,
+                "the file is not here and is left out: what it defines is missing, and its "
+                "elements, if it has any",
+            )
+            return False
         rows = self._rows(path, str(path))
         start = 1
         if match[3] is not None:
@@ -151,8 +166,12 @@ class _Reading:
             rows = ["" if _SECTION.match(r) else r for r in rows]
         return self._take(rows, str(path), start, (*within, path.resolve()))
 
-    def _inside(self, line: Line, name: str, within: tuple[Path, ...]) -> Path:
-        """Return the path of an included file, which stays in the folder of the top file."""
+    def _inside(self, line: Line, name: str, within: tuple[Path, ...]) -> Path | None:
+        """Return the path of an included file, which stays in the folder of the top file.
+
+        A file that is not there is none: decks name the libraries of the machine that they come
+        from, and often need nothing of them.
+        """
         given = Path(name.replace("\\", "/"))
         path = Path(line.file).parent / given
         hint = "copy the file beside the netlist"
@@ -160,7 +179,9 @@ class _Reading:
             real = path.resolve()
         except (OSError, ValueError, RuntimeError):
             raise line.refuse("not a path", code="HB-F132", hint=hint) from None
-        if given.is_absolute() or not real.is_relative_to(self.folder):
+        if given.is_absolute() or re.match(r"[A-Za-z]:", name) or not path.exists():
+            return None
+        if not real.is_relative_to(self.folder):
             raise line.refuse(
                 "the file is not in the folder of the netlist", code="HB-F132", hint=hint
             )
@@ -169,7 +190,7 @@ class _Reading:
                 "the file includes itself", code="HB-F132", hint="take one of the includes out"
             )
         if not path.is_file():
-            raise line.refuse("there is no such file", code="HB-F132", hint=hint)
+            raise line.refuse("it is not a file", code="HB-F132", hint=hint)
         return path
 
 

@@ -14,6 +14,8 @@ from hybond.model.expressions import Number
 from hybond.model.parts import InputPart
 
 ZERO = Value(Number(0.0), 0.0)
+PULSES = 10_000
+"""Pulses of a source that has a number of them."""
 _UNITS = {"v": "V", "i": "A"}
 
 
@@ -27,6 +29,8 @@ class Drive:
     initial: float
     """Its value at t = 0, from the right."""
     constant: bool
+    ramp: str = ""
+    """A factor that an input has, too."""
 
     @property
     def zero(self) -> bool:
@@ -40,6 +44,7 @@ class Clock:
 
     step: Value
     stop: Value
+    startup: bool = False
 
 
 def drive_of(branch: Branch, texts: Texts, clock: Clock) -> Drive:
@@ -99,10 +104,6 @@ def _pulse(
     branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str
 ) -> Drive:
     _counted(branch, given, 2, 8)
-    if len(given) == 8 and given[7].number != 0.0:
-        raise branch.line.refuse(
-            "a number of pulses is not understood", code="HB-F130", hint="write them as PWL"
-        )
     low, high = given[0], given[1]
     delay = _pick(given, 2, ZERO)
     rise, fall = _pick(given, 3, clock.step), _pick(given, 4, clock.step)
@@ -112,25 +113,19 @@ def _pulse(
         raise _impossible(branch, "a time of the pulse is negative", "check the times")
     corners = [([delay], low), ([delay, rise], high)]
     if not width.number:  # it lasts as long as the run: a step that stays
-        rising = rise.number + fall.number
-        if period.number and rising + clock.stop.number > period.number * (1 + 1e-12):
-            raise _impossible(
-                branch,
-                f"a pulse without a width lasts as long as the run, its period is "
-                f"{period.number:g} s",
-                "give a width above zero, or leave the period out",
-            )
-        return _table(branch, corners, None, texts, unit)
+        width = clock.stop
+        if not period.number or not width.number:
+            return _table(branch, corners, None, texts, unit)
     corners += [([delay, rise, width], high), ([delay, rise, width, fall], low)]
     if not period.number:
         return _table(branch, corners, None, texts, unit)
     lasts = rise.number + width.number + fall.number
-    if lasts > period.number * (1 + 1e-12):
-        raise _impossible(
-            branch,
-            f"the pulse lasts {lasts:g} s, its period is {period.number:g} s",
-            "shorten the pulse (rise and fall are one time step of .tran if they are not given)",
-        )
+    if lasts > period.number * (1 + 1e-12):  # the next one begins before it is over
+        ends = [(float(sum(v.number for v in at)), level.number) for at, level in corners]
+        cut = cut_at(ends, ends[0][0] + period.number)
+        corners = [([number_of(t)], number_of(y)) for t, y in cut]
+    if len(given) == 8 and given[7].number:
+        return _table(branch, _train(branch, corners, period, given[7]), None, texts, unit)
     if not rise.number and not fall.number and not delay.number:
         wave: dict[str, Any] = {"period": texts.value(period, "s")}
         if width.parametric or period.parametric:
@@ -140,6 +135,44 @@ def _pulse(
         wave |= {"high": texts.value(high, unit), "low": texts.value(low, unit)}
         return Drive("", InputPart(pwm=wave), high.number, False)
     return _table(branch, corners, period, texts, unit)
+
+
+def number_of(value: float) -> Value:
+    """Return a number as a value."""
+    return Value(Number(value), value)
+
+
+def cut_at(corners: list[tuple[float, float]], end: float) -> list[tuple[float, float]]:
+    """Return lines between corners as far as `end`.
+
+    Examples
+    --------
+    >>> cut_at([(0.0, 0.0), (1.0, 2.0), (5.0, 2.0), (6.0, 0.0)], 3.0)
+    [(0.0, 0.0), (1.0, 2.0), (3.0, 2.0)]
+    """
+    kept = [corners[0]]
+    for (t0, y0), (t1, y1) in pairwise(corners):
+        if t1 >= end:
+            kept.append((end, y0 + (y1 - y0) * (end - t0) / (t1 - t0)))
+            return kept
+        kept.append((t1, y1))
+    return kept
+
+
+def _train(
+    branch: Branch, corners: list[tuple[list[Value], Value]], period: Value, number: Value
+) -> list[tuple[list[Value], Value]]:
+    """Return so many pulses, one after another."""
+    count = number.number
+    if not 0.0 < count <= PULSES or count % 1.0:
+        raise _impossible(
+            branch, f"{count:g} pulses", f"a whole number of at most {PULSES}, or none"
+        )
+    return [
+        ([*at, number_of(k * period.number)], level)
+        for k in range(int(count))
+        for at, level in corners
+    ]
 
 
 def _table(
@@ -176,6 +209,8 @@ def _at_zero(times: list[float], levels: list[float], period: Value | None) -> f
 
 
 def _since(delay: Value, texts: Texts) -> str:
+    if delay.number < 0.0 and not delay.parametric:
+        return f"(time + {texts.factor(number_of(-delay.number), 's')})"
     return f"(time - {texts.factor(delay, 's')})" if delay.number or delay.parametric else "time"
 
 
@@ -190,22 +225,21 @@ def _offset(value: Value, texts: Texts, unit: str) -> str:
 
 
 def _delayed(delay: Value, before: str, after: str, texts: Texts) -> str:
-    if not delay.number and not delay.parametric:
+    if delay.number <= 0.0 and not delay.parametric:
         return after
-    return f"if time < {texts.factor(delay, 's')} then {before} else {after}"
+    return f"if time >= {texts.factor(delay, 's')} then {after} else {before}"
 
 
 def _sine(branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str) -> Drive:
-    _counted(branch, given, 2, 6)
+    _counted(branch, given, 2, 7)
     offset, size = given[0], given[1]
     frequency = _pick(given, 2, ZERO)
+    cycles = _pick(given, 6, ZERO)
     delay, damping, phase = (_pick(given, k, ZERO) for k in (3, 4, 5))
     if not frequency.number:
         if not clock.stop.number:
             raise _impossible(branch, "the sine has no frequency", "give it, or .tran")
         frequency = Value(Number(1.0 / clock.stop.number), 1.0 / clock.stop.number)
-    if delay.number < 0.0:
-        raise _impossible(branch, "the delay is negative", "use a phase")
     since = _since(delay, texts)
     turn = ""
     if phase.parametric:
@@ -221,7 +255,16 @@ def _sine(branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, 
     shift = _offset(offset, texts, unit)
     before = f"{shift}{first}" if first else texts.factor(offset, unit)
     text = _delayed(delay, before, f"{shift}{wave}", texts)
-    initial = offset.number + size.number * math.sin(math.radians(phase.number))
+    if cycles.number or cycles.parametric:  # over after so many, as before the first
+        last = f"{texts.factor(cycles, '')}/({texts.factor(frequency, 'Hz')})"
+        if frequency.parametric:
+            last = f"{texts.factor(cycles, '')}/({texts.factor(frequency, '')}*(1 Hz))"
+        if delay.number or delay.parametric:
+            last = f"{texts.factor(delay, 's')} + {last}"
+        text = f"if time < {last} then ({text}) else {before}"
+    lead = max(0.0, -delay.number)
+    angle = math.radians(phase.number) + 2.0 * math.pi * frequency.number * lead
+    initial = offset.number + size.number * math.sin(angle) * math.exp(-damping.number * lead)
     return Drive(text, None, initial, False)
 
 
@@ -266,7 +309,40 @@ def _lines(branch: Branch, given: tuple[Value, ...], texts: Texts, unit: str) ->
     times = [at[0].number for at, _ in corners]
     if any(b < a for a, b in pairwise(times)):
         raise _impossible(branch, "the times of PWL decrease", "sort the pairs")
-    return _table(branch, corners, None, texts, unit)
+    delay, repeat = branch.shape.get("td"), branch.shape.get("r")
+    if delay is not None:
+        corners = [([*at, delay], level) for at, level in corners]
+    if repeat is None or repeat.number < 0.0:
+        return _table(branch, corners, None, texts, unit)
+    return _repeated(branch, corners, times, repeat, texts, unit)
+
+
+def _repeated(
+    branch: Branch,
+    corners: list[tuple[list[Value], Value]],
+    times: list[float],
+    repeat: Value,
+    texts: Texts,
+    unit: str,
+) -> Drive:
+    """Return lines that go on from the time `repeat`, which is one of theirs, at their end."""
+    if repeat.number not in (0.0, *times) or repeat.number >= times[-1]:
+        raise _impossible(
+            branch,
+            f"it cannot be repeated from {repeat.number:g} s",
+            "zero, or the time of one of its points before the last",
+        )
+    span = number_of(times[-1] - repeat.number)
+    if repeat.number > times[0]:
+        raise _impossible(
+            branch,
+            "a part of it comes once, another one again and again",
+            "two sources in series: one for what comes once, one that is repeated from 0",
+        )
+    if times[0] > 0.0:
+        before = [branch.shape["td"]] if "td" in branch.shape else [ZERO]
+        corners = [(before, corners[0][1]), *corners]
+    return _table(branch, corners, span, texts, unit)
 
 
 def _modulated(

@@ -120,7 +120,7 @@ class _Weaver:
         branch = leaf.branch
         self.out.idle.append(k)
         self.out.currents[k] = ()
-        if branch.kind in "igf":
+        if leaf.role == "Sf" and branch.kind != "c":  # at rest one stands for each capacitor
             raise branch.line.refuse(
                 f"the current of {branch.name} has no way back",
                 code="HB-F139",
@@ -130,7 +130,7 @@ class _Weaver:
             self.out.drops[k] = ()
         if leaf.role == "winding":
             self.notices.add(branch.line, f"{branch.name} is open: no current can pass it")
-        elif branch.kind not in "veh":
+        elif leaf.role != "Se" or branch.kind not in "vehb":
             loose = [n for n in self.ends[k] if n and sum(n in pair for pair in self.ends) == 1]
             why = "it is in no loop"
             if loose:
@@ -299,6 +299,8 @@ class _Weaver:
         assert leaf.drive is not None
         if leaf.drive.input is not None:
             text = self.out.inputs[k] = self.out.names.take(f"u_{leaf.branch.name}")
+            if leaf.drive.ramp:
+                text = f"{text}*{leaf.drive.ramp}"
         if sign < 0:
             text = minus(text)
         return self.out.element(k, kind, text)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from hybond.circuits.behaviour import Law, Read
+from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
@@ -12,6 +14,7 @@ from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
 from hybond.circuits.woven import Terms, Woven, written
+from hybond.errors import FileError
 from hybond.model.builder import Model
 from hybond.model.parts import MachinePart, Part
 
@@ -55,6 +58,7 @@ class _Assembly:
         self.deck, self.notices = deck, notices
         self.sensing = Sensing(woven, leaves, ends, numbers, self.idle)
         self.idle_names: dict[int, Terms] = {}
+        self.computing = Computing(model, woven.names, self.sensing, texts)
 
     def run(self) -> None:
         model, woven = self.model, self.woven
@@ -73,10 +77,14 @@ class _Assembly:
                 self.switch(k, junction)
         model.bonds = chains(woven.bonds, woven.elements)
         self.outputs()
+        self.measures()
 
     def controlled(self, k: int) -> str:
         """Return gain times what a controlled source follows."""
         branch = self.leaves[k].branch
+        if branch.law is not None:
+            unit = "V" if branch.law.imposes == "v" else "A"
+            return f"1 {unit}*({self.computing.text(branch.law, branch.line, self.woven.own[k])})"
         assert branch.value is not None
         sensed = self.sensed(k)
         gain = self.texts.factor(branch.value, _GAINS[branch.kind])
@@ -91,7 +99,7 @@ class _Assembly:
 
     def sensed(self, k: int) -> str:
         branch = self.leaves[k].branch
-        if branch.kind in "egs":
+        if branch.kind in "egsa":
             plus, minus_ = branch.senses
             return written(self.sensing.voltage(plus, minus_, branch.line))
         source = self.sensing.by_key.get(branch.senses[0])
@@ -107,7 +115,7 @@ class _Assembly:
         """Add the machine of a switch."""
         branch, ideal = self.leaves[k].branch, self.leaves[k].switch
         assert ideal is not None
-        unit = "V" if branch.kind == "s" else "A"
+        unit = "A" if branch.kind == "w" else "V"
         sensed = self.sensed(k)
         on: str | float
         off: str | float
@@ -148,10 +156,14 @@ class _Assembly:
             self.idle_names[k] = terms
             if leaf.drive is None:
                 self.model.signals[name] = self.controlled(k)
+            elif leaf.drive.input is not None and leaf.drive.ramp:
+                whole = self.woven.names.take(f"u_{name}")
+                self.model.inputs[whole] = leaf.drive.input
+                self.model.signals[name] = f"{whole}*{leaf.drive.ramp}"
             elif leaf.drive.input is not None:
                 self.model.inputs[name] = leaf.drive.input
             else:
-                self.model.signals[name] = str(leaf.drive.text)
+                self.model.signals[name] = str(leaf.text)
         self.idle_names[k] = terms
         return terms
 
@@ -168,6 +180,25 @@ class _Assembly:
                 plot.append(name)
         if plot:
             self.model.experiment["plot"] = plot
+
+    def measures(self) -> None:
+        """Make signals of what is measured."""
+        for one in self.deck.measures:
+            try:
+                for law in (one.law, *(c.law for c in (one.when, one.until) if c is not None)):
+                    if law is not None:
+                        self.signal_of(law, one.name, one.line)
+            except FileError as error:
+                self.notices.add(one.line, f"the measurement is left out: {error.why}")
+
+    def signal_of(self, law: Law, owner: str, line: Line) -> None:
+        """Make a signal of a law, once."""
+        text = self.computing.text(_lowered(law), line, owner)
+        if text not in self.woven.measured:
+            name = self.woven.names.take(f"meas_{owner}")
+            self.model.signals[name] = text
+            self.woven.measured[text] = name
+        self.woven.laws[law] = self.woven.measured[text]
 
     def output(self, what: str, first: str, second: str | None, line: Line) -> str | None:
         if what == "v":
@@ -187,6 +218,15 @@ class _Assembly:
         name = self.woven.names.take(stem)
         self.model.signals[name] = text
         return name
+
+
+def _lowered(law: Law) -> Law:
+    """Return a law that is written at the top of a netlist, with keys of nodes and elements."""
+    reads = tuple(
+        Read(r.kind, _node(r.first) if r.kind == "v" else r.first.lower(), _node(r.second))
+        for r in law.reads
+    )
+    return Law(law.imposes, law.formula, reads)
 
 
 def _node(text: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hybond.circuits.behaviour import Law
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line
@@ -43,6 +44,10 @@ class Woven:
     """Of each source that is an input, its name."""
     signals: dict[str, str] = field(default_factory=dict)
     """Voltages of open windings."""
+    measured: dict[str, str] = field(default_factory=dict)
+    """Expressions that are measured, and their signals."""
+    laws: dict[Law, str] = field(default_factory=dict)
+    """What is measured, as written, and its signal."""
     own: list[str] = field(default_factory=list)
     """The name that each branch has, or would have."""
 

@@ -25,8 +25,8 @@ _MASKED = re.compile(
 )
 _LONG_KEY = re.compile(r"(?<![\w.-])(?:[\w-]++\.){20,}+")
 _LONG_KEYS = 1000
-CIRCUITS = (".cir", ".net", ".sp", ".ckt", ".spice")
-"""Endings of SPICE netlists."""
+CIRCUITS = (".cir", ".net", ".sp", ".spi", ".ckt", ".spice", ".asc")
+"""Endings of SPICE netlists and of schematics that are read as such."""
 BOND_GRAPHS = (".bg",)
 """Endings of files of BondGraphTools."""
 _DEEPEST_KEY = 2 * limits.LEVELS + 12

@@ -1,0 +1,90 @@
+"""Expressions of a netlist as expressions of the model: what they read, what they compare."""
+
+from __future__ import annotations
+
+from hybond.circuits.behaviour import PLACE, Law
+from hybond.circuits.formulas import written
+from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.notices import Line
+from hybond.circuits.sensing import Sensing
+from hybond.circuits.texts import Texts
+from hybond.circuits.woven import written as sum_of
+from hybond.model.builder import Model
+from hybond.model.expressions import Compare, Expr, Name, Number, parse, substitute, transform
+from hybond.model.expressions.tree import walk
+from hybond.model.parts import MachinePart
+
+_UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
+_DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
+
+
+class Computing:
+    """Writes laws of sources into a model.
+
+    Numbers of a netlist have no units: a voltage stands for its volts, a time for its seconds. A
+    comparison of something that changes becomes a machine of two states, so that its instants are
+    located; what is computed reads the state by a signal.
+    """
+
+    def __init__(self, model: Model, names: GraphNames, sensing: Sensing, texts: Texts) -> None:
+        self.model, self.names, self.sensing, self.texts = model, names, sensing, texts
+        self._known: dict[tuple[str, str, str], str] = {}
+
+    def text(self, law: Law, line: Line, owner: str) -> str:
+        """Return a law as an expression without a unit.
+
+        Raises
+        ------
+        FileError
+            HB-F134, HB-F144 (something read that is not there or not determined).
+        """
+        named = parse(written(law.formula, {**self.texts.names, **_themselves(law)}))
+        means: dict[str, Expr] = {"time": parse("time/(1 s)")}
+        for k, read in enumerate(law.reads):
+            if read.kind == "v":
+                terms, unit = self.sensing.voltage(read.first, read.second, line), "V"
+            else:
+                terms, unit = self.sensing.current(read.first, line), "A"
+            text = sum_of(terms)
+            means[_place(k)] = Number(0.0) if text == "0" else parse(f"({text})/(1 {unit})")
+        whole = substitute(named, means)
+
+        def compared(e: Expr) -> Expr:
+            if not isinstance(e, Compare) or not _changes(e, self.texts):
+                return e
+            return Compare(">", Name(self._machine(e, owner)), Number(0.5))
+
+        return str(transform(whole, compared))
+
+    def _machine(self, comparison: Compare, owner: str) -> str:
+        """Return the signal that is 1 while a comparison holds."""
+        left, right, op = str(comparison.left), str(comparison.right), comparison.op
+        key = (left, op, right)
+        if key not in self._known:
+            name = self.names.take(f"{owner}_holds")
+            machine = self.names.take(f"{owner}_comparison")
+            self.model.machines[machine] = MachinePart(
+                {"no": (), "yes": ()},
+                "no",
+                (
+                    f"no -> yes when {left} {_UP[op]} {right}",
+                    f"yes -> no when {left} {_DOWN[op]} {right}",
+                ),
+            )
+            self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'
+            self._known[key] = name
+        return self._known[key]
+
+
+def _place(k: int) -> str:
+    return f"read_{k}_here"
+
+
+def _themselves(law: Law) -> dict[str, str]:
+    """Return names that the language of models has for what a law reads."""
+    return {f"{PLACE}{k}": _place(k) for k in range(len(law.reads))} | {"time": "time"}
+
+
+def _changes(e: Expr, texts: Texts) -> bool:
+    fixed = set(texts.names.values())
+    return any(isinstance(x, Name) and x.path not in fixed for x, _ in walk(e))

@@ -1,0 +1,68 @@
+"""``.tran``: how long a run lasts, where its output points are, and from where it starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hybond.circuits.cards import words_of
+from hybond.circuits.formulas import read_formula
+from hybond.circuits.notices import Line, Notices
+from hybond.model.expressions import Binary, Expr, Number
+
+OUTPUTS = 1000
+"""Output points of a run whose ``.tran`` names no step."""
+
+
+NONE = Number(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Transient:
+    """A ``.tran`` line."""
+
+    line: Line
+    step: Expr
+    """Distance of output points."""
+    stop: Expr
+    uic: bool
+    edge: Expr = NONE
+    """What an edge without a time of its own lasts: the step, where one is written."""
+    startup: bool = False
+    """Whether the sources are off at first, and come up within the first 20 us."""
+
+
+def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
+    """Return what a ``.tran`` line says; a step of zero is none, as in LTspice.
+
+    Raises
+    ------
+    FileError
+        HB-F130, HB-F131.
+
+    Examples
+    --------
+    >>> line = Line("x.net", 9, ".tran 0 5m 0 1u startup")
+    >>> found = read_transient("0 5m 0 1u startup", line, Notices())
+    >>> found.step, found.stop, found.startup
+    (Number(1e-06), Number(0.005), True)
+    """
+    words = words_of(rest, line)
+    flags = {w.lower() for w in words} & {"uic", "startup", "steady", "nodiscard"}
+    if "steady" in flags:
+        notices.add(line, "steady is left out: the run lasts until its stop time")
+    words = [w for w in words if w.lower() not in flags]
+    times = [read_formula(w, line) for w in words]
+    if not 1 <= len(times) <= 4:
+        raise line.refuse(
+            f"{len(times)} times", code="HB-F130", hint=".tran step stop [start [max]] [uic]"
+        )
+    if len(times) > 2 and times[2] != Number(0.0):
+        notices.add(line, "the start of output is left out: all of the run is kept")
+    stop = times[0] if len(times) == 1 else times[1]
+    edge = times[0] if len(times) > 1 else Number(0.0)
+    step = edge
+    if edge == Number(0.0):
+        step = Binary("/", stop, Number(float(OUTPUTS)))
+        if len(times) == 4 and times[3] != Number(0.0):
+            step = times[3]
+    return Transient(line, step, stop, "uic" in flags, edge, "startup" in flags)

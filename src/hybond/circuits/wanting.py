@@ -1,0 +1,84 @@
+"""What ``.meas`` and ``.step`` ask for in terms of the model: signals, times, values."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.circuits.measured import Instant, Wanted
+from hybond.circuits.measures import Crossing, Measure
+from hybond.circuits.opened import Opened, global_value
+from hybond.circuits.steps import Step
+from hybond.circuits.woven import Woven
+from hybond.model.expressions import Expr
+
+MEMBERS = 100_000
+"""Values of one ``.step``."""
+
+
+def wanted_of(one: Measure, woven: Woven, opened: Opened) -> Wanted | None:
+    """Return a measurement in terms of the model; None if what it reads is not there.
+
+    Raises
+    ------
+    FileError
+        HB-F131, HB-F134 (times that do not exist).
+    """
+    crossings = [c for c in (one.when, one.until) if c is not None]
+    laws = [law for law in (one.law, *(c.law for c in crossings)) if law is not None]
+    if any(law not in woven.laws for law in laws):
+        return None
+
+    def time(formula: Expr | None, default: float) -> float:
+        return default if formula is None else global_value(formula, opened, one.line).number
+
+    def instant(crossing: Crossing | None) -> Instant | None:
+        if crossing is None:
+            return None
+        signal = "" if crossing.law is None else woven.laws[crossing.law]
+        after = time(crossing.after, 0.0)
+        return Instant(signal, crossing.edge, crossing.count, after, time(crossing.at, 0.0))
+
+    return Wanted(
+        one.name,
+        one.kind,
+        "" if one.law is None else woven.laws[one.law],
+        time(one.begin, -math.inf),
+        time(one.end, math.inf),
+        instant(one.when),
+        instant(one.until),
+        one.formula,
+        tuple(opened.values.items()) if one.formula is not None else (),
+    )
+
+
+def values_of(step: Step, opened: Opened) -> tuple[float, ...]:
+    """Return the values of a ``.step``.
+
+    Raises
+    ------
+    FileError
+        HB-F131, HB-F134, HB-F140 (a range that has no values).
+    """
+    numbers = [global_value(v, opened, step.line).number for v in step.values]
+    if step.form == "list":
+        return tuple(numbers)
+    first, last, third = numbers
+    if step.form == "lin":
+        count = (last - first) / third if third else -1.0
+        if not 0.0 <= count <= MEMBERS:
+            raise _none(step)
+        # the last one counts although its distance is rounded
+        return tuple(first + k * third for k in range(math.floor(count * (1 + 1e-12) + 1e-9) + 1))
+    base = 10.0 if step.form == "dec" else 2.0
+    if not 0.0 < first <= last or not 1.0 <= third <= MEMBERS:
+        raise _none(step)
+    count = math.log(last / first, base) * third
+    if count > MEMBERS:
+        raise _none(step)
+    return tuple(first * base ** (k / third) for k in range(math.floor(count + 1e-9) + 1))
+
+
+def _none(step: Step) -> Exception:
+    return step.line.refuse(
+        "a range without values, or with too many", code="HB-F140", hint="first, last, distance"
+    )
