@@ -13,11 +13,16 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     --------
     >>> did_you_mean("bal.p", ["ball.p", "ball.f", "time"])
     "did you mean 'ball.p', 'ball.f'?"
+    >>> did_you_mean("v", ["V", "R", "C"])
+    "did you mean 'V'?"
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
     choices = list(known)
     near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
+    # who forgets a capital means the name that is otherwise the same
+    same = [c for c in choices if c.lower() == name.lower()]
+    near = list(dict.fromkeys([*same, *near]))[:limit]
     if near:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?"
     if not choices:

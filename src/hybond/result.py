@@ -210,6 +210,7 @@ class Result:
         return unit_of(self.expression(name), self.graph)
 
     def __getitem__(self, name: str) -> Signal:
+        """Return a signal by name, or an expression of names; HB-S109 if there is none."""
         return Signal(name, self.unit(name), self)
 
     # -- values
@@ -453,6 +454,13 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
         HB-S109 with the nearest names.
     """
     assert graph.read is not None
+    if not isinstance(name, str):
+        raise UsageError(
+            f"{name!r} is not the name of a signal",
+            code="HB-S109",
+            where="name",
+            hint=f'a name in quotes: run["{next(iter(names_of(graph)), "v.f")}"]',
+        )
     try:
         return graph.read(name)
     except HybondError as error:

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.misfits import in_words, unknown_option
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -45,7 +46,8 @@ class Parser(ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the refusal of a command line (argparse would leave the program)."""
-        raise UsageError(message, code="HB-X101", where=self.prog, hint=f"{self.prog} --help")
+        why, hint = in_words(message, self)
+        raise UsageError(why, code="HB-X101", where=self.prog, hint=hint)
 
 
 def parse(argv: list[str]) -> Namespace:
@@ -76,7 +78,10 @@ def parse(argv: list[str]) -> Namespace:
             where="hybond",
             hint=did_you_mean(argv[0], VERBS),
         )
-    return parser.parse_args(argv)
+    given, rest = parser.parse_known_args(argv)
+    if rest:
+        raise unknown_option(parser, argv[0], rest)
+    return given
 
 
 def _parser() -> Parser:

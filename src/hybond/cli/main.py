@@ -123,10 +123,10 @@ def verb(given: Namespace) -> int:
 
 def refused(given: Namespace, error: BaseException) -> int:
     """Say what stopped a command, also as the object that ``--json`` promised."""
-    from hybond.cli.refusal import refusal_of
+    from hybond.cli.refusal import placed, refusal_of
 
     interrupted = isinstance(error, KeyboardInterrupt)
-    refusal = None if interrupted else refusal_of(error)
+    refusal = None if interrupted else placed(refusal_of(error), given)
     if getattr(given, "json", False):
         from hybond.cli.record import failure_record, to_json
 

@@ -70,6 +70,7 @@ def plot_run(
         raise UsageError(
             "no signal to plot",
             code="HB-D103",
+            where="signals",
             hint=f"name one: run.plot({known[0]!r}), or --signals {known[0]}"
             if known
             else "the model has no elements",
@@ -81,6 +82,7 @@ def plot_run(
             raise UsageError(
                 f"the signals have different units ({units}) and cannot share axes",
                 code="HB-D104",
+                where="signals",
                 hint="plot one unit per axes, or leave `ax` out",
             )
         ((unit, chosen),) = groups.items()

@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import ModelError
+from hybond.model.domains import no_such_domain
+from hybond.model.kinds import KINDS
+from hybond.model.origin import Origin
 from hybond.model.parts import (
     BlockPart,
     InputPart,
@@ -17,6 +20,7 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.units import DOMAINS
 
 if TYPE_CHECKING:
     from hybond.model.graph import FlatGraph
@@ -62,6 +66,7 @@ class Model:
         domain: str = "generic",
         parameters: Mapping[str, Value] | None = None,
     ) -> None:
+        _check(name, domain, parameters)
         self.name = name
         self.title = title
         self.about = ""
@@ -82,6 +87,8 @@ class Model:
         """Bond to the node at its stroke; see `pin`."""
         self.reference_states: dict[str, str] = {}
         """Machine to state; see `reference`."""
+        self.origin: Origin | None = None
+        """Where it was read from, if it was."""
         self.indeterminate = "error"
         """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
 
@@ -90,16 +97,19 @@ class Model:
         for name, part in elements.items():
             self._new_name(name)
             if not isinstance(part, Part | SubmodelPart):
-                raise ModelError(
-                    f"{part!r} is not an element",
-                    code="HB-M102",
-                    where=name,
-                    hint="use hybond.Se, Sf, C, I, R, G, TF, GY, Zero, One or Submodel",
-                )
+                raise _no_element(part, name)
             self.elements[name] = part
 
     def bond(self, *chains: str) -> None:
         """Add bonds as they are drawn: ``"a -> b -> c"`` is two bonds."""
+        for k, chain in enumerate(chains, len(self.bonds)):
+            if not isinstance(chain, str):
+                raise ModelError(
+                    f"{chain!r} is not a bond",
+                    code="HB-M109",
+                    where=f"graph.bonds[{k}]",
+                    hint='m.bond("a -> b", "b -> c -> d")',
+                )
         self.bonds.extend(chains)
 
     def parameter(self, **parameters: Value) -> None:
@@ -139,6 +149,29 @@ class Model:
     ) -> None:
         """Add a state machine: the controlled junctions each state switches ON, and its rules."""
         self._new_name(name)
+        where = f"machines.{name}"
+        for state, listed in states.items() if isinstance(states, Mapping) else ():
+            if isinstance(listed, str):
+                raise ModelError(
+                    f"the state {state!r} lists {listed!r}, which is a text",
+                    code="HB-M140",
+                    where=f"{where}.states.{state}",
+                    hint=f"write [{listed!r}]",
+                )
+        if not isinstance(states, Mapping):
+            raise ModelError(
+                f"states = {states!r} does not say what each state switches ON",
+                code="HB-M140",
+                where=f"{where}.states",
+                hint='states={"open": [], "closed": ["contact"]}',
+            )
+        if isinstance(rules, str):
+            raise ModelError(
+                "the rules are one text",
+                code="HB-M145",
+                where=f"{where}.rules",
+                hint=f"write a list of them: rules=[{rules!r}]",
+            )
         self.machines[name] = MachinePart(
             {k: tuple(v) for k, v in states.items()}, start, tuple(rules)
         )
@@ -217,7 +250,7 @@ class Model:
         return draw_mode(graph, graph.mode_of(mode or {}), numbers=numbers)
 
     def _new_name(self, name: str) -> None:
-        if not _NAME.match(name) or name in RESERVED:
+        if not isinstance(name, str) or not _NAME.match(name) or name in RESERVED:
             raise ModelError(
                 f"{name!r} cannot be a name",
                 code="HB-M103",
@@ -235,6 +268,39 @@ class Model:
 
     def _repr_svg_(self) -> str:
         return str(self.draw().svg())
+
+
+def _no_element(part: Any, name: str) -> ModelError:
+    maker = getattr(part, "__name__", "") if callable(part) else ""
+    hint = 'use hb.Se, Sf, C, I, R, G, TF, GY, Zero, One or Submodel: hb.C("1 mF")'
+    if maker in KINDS or maker in ("One", "Zero", "Submodel"):
+        hint = f"call it: hb.{maker}(...)"
+    return ModelError(
+        f"{f'the function {maker}' if maker else repr(part)} is not an element",
+        code="HB-M102",
+        where=f"elements.{name}",
+        hint=hint,
+    )
+
+
+def _check(name: Any, domain: Any, parameters: Any) -> None:
+    """Refuse what no model begins with."""
+    if not isinstance(name, str):
+        raise ModelError(
+            f"{name!r} is not a name",
+            code="HB-M103",
+            where="name",
+            hint='hb.Model("oscillator", domain="translational")',
+        )
+    if domain not in DOMAINS:
+        raise no_such_domain(domain, "domain")
+    if not isinstance(parameters, Mapping | None):
+        raise ModelError(
+            f"parameters = {parameters!r} does not map names to values",
+            code="HB-M107",
+            where="parameters",
+            hint='parameters={"m": "1 kg"}',
+        )
 
 
 def graph_of(model: Model | FlatGraph) -> FlatGraph:

@@ -26,7 +26,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
@@ -258,6 +258,10 @@ class FlatGraph:
     """Text of an expression in the model's own names to canonical names."""
     parametric: Callable[[int], Parametric] | None = field(default=None, compare=False, repr=False)
     """The law of the element with this index, in names of parameters."""
+    locate: Callable[[HybondError], HybondError] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """Notes in a refusal which line of a file says what is refused."""
     written: Written | None = field(default=None, compare=False, repr=False)
     """If it is a graph with slots into which numbers were written: that, and the numbers."""
     kept: Kept = field(default_factory=lambda: Kept(), init=False, compare=False, repr=False)

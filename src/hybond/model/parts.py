@@ -3,12 +3,7 @@
 These records hold the text as written (quantities, expressions), not its meaning; `flatten`
 gives them their meaning. They are the same in Python and in a model file.
 
-Examples
---------
->>> Se("10 V")
-Part(kind='Se', value='10 V', options={})
->>> I("m", f="2 m/s").options
-{'f': '2 m/s'}
+`constructors` makes the elements among them.
 """
 
 from __future__ import annotations
@@ -134,35 +129,6 @@ class MachinePart:
     states: Mapping[str, Sequence[str]]
     start: str
     rules: Sequence[str] = ()
-
-
-def _one_port(kind: str) -> Callable[..., Part]:
-    def make(value: Value, **options: Any) -> Part:
-        return Part(kind, value, options)
-
-    make.__name__ = kind
-    make.__doc__ = f"Return a {kind} element with this value or law; see `hybond.Model`."
-    return make
-
-
-C = _one_port("C")
-I = _one_port("I")
-R = _one_port("R")
-G = _one_port("G")
-Se = _one_port("Se")
-Sf = _one_port("Sf")
-TF = _one_port("TF")
-GY = _one_port("GY")
-
-
-def Zero(**options: Any) -> Part:
-    """Return a 0-junction: common effort."""
-    return Part("0", None, options)
-
-
-def One(**options: Any) -> Part:
-    """Return a 1-junction: common flow."""
-    return Part("1", None, options)
 
 
 def Block(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond import simulation
+from hybond.calls import called
 from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import Unavailable, library
 from hybond.engine.tables.options import Settings, settings_of
@@ -44,6 +45,7 @@ _RUN = ("engine", "keep", "fmus")
 """Those that do not say what is computed."""
 
 
+@called('hb.ensemble(model, "1 s", sets={"m": [1.0, 2.0]})')
 def ensemble(
     model: Model,
     until: float | str | None = None,
