@@ -20,7 +20,7 @@ LAYERS = [
     ["blocks"],
     ["files"],
     ["library"],
-    ["causality"],
+    ["causality", "hints"],
     ["equations", "switching"],
     ["run_options", "trace", "translate"],
     ["engine"],
@@ -37,6 +37,7 @@ DISPLAY: dict[str, set[str]] = {
     "hybond.model.hierarchy.submodel_of": {"library"},
     "hybond.causality.report.CausalityReport._repr_svg_": {"draw"},
     "hybond.model.builder.Model.draw": {"draw"},
+    "hybond.model.builder.Model.check": {"hints"},
     "hybond.result.Result.plot": {"draw"},
 }
 

@@ -124,7 +124,9 @@ def _parser() -> Parser:
         help="of --cross: two solvers (default: the model's own, and moreau-jean or radau)",
     )
     check.add_argument(
-        "--json", action="store_true", help="of --cross: print one JSON object and nothing else"
+        "--json",
+        action="store_true",
+        help="print one JSON object with places",
     )
     _settings(check)
 

@@ -23,6 +23,7 @@ from hybond.model.parts import (
 from hybond.units import DOMAINS
 
 if TYPE_CHECKING:
+    from hybond.model.checked import Checked
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
@@ -228,6 +229,25 @@ class Model:
         from hybond.model.flatten import flatten
 
         return flatten(self, parameters or {})
+
+    def check(self) -> Checked:
+        """Return what a check of the model says: a refusal if it has no meaning, and hints.
+
+        Hints are no errors: a storage whose arrow points away, a parameter that nothing uses, a
+        state without a way out. Each has a code with a page, a place and a remedy.
+
+        Examples
+        --------
+        >>> import hybond as hb
+        >>> m = hb.Model("rc", domain="electrical")
+        >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+        >>> m.bond("node -> c", "r -> node")
+        >>> [hint.code for hint in m.check()]
+        ['HB-H101']
+        """
+        from hybond.hints.look import checked
+
+        return checked(self)
 
     def draw(self, *, mode: Mapping[str, str] | None = None, numbers: bool = False) -> Any:
         """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
