@@ -22,7 +22,7 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["run_options", "trace", "translate"],
+    ["progress", "run_options", "trace", "translate"],
     ["engine"],
     ["report"],
     ["simulation", "result"],

@@ -31,6 +31,18 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     return f"known names: {shown}" + (", ..." if len(choices) > 12 else "")
 
 
+def plural(noun: str, count: int) -> str:
+    """Return a noun for a number of things.
+
+    Examples
+    --------
+    >>> plural("machine", 2), plural("chain of bonds", 2), plural("machine", 1)
+    ('machines', 'chains of bonds', 'machine')
+    """
+    head, space, rest = noun.partition(" ")
+    return noun if count == 1 else f"{head}s{space}{rest}"
+
+
 def port_number(text: str) -> int:
     """Return the number of a port as it is written, 0 if it is none.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import html
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +22,7 @@ from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
 from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
+from hybond.units import format_quantity
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,6 +32,8 @@ Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "unsound", "error"]
 Side = Literal["left", "right"]
 
+ROWS = 20
+"""Values that a notebook shows of the end of a run."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
@@ -425,6 +429,23 @@ class Result:
 
         chosen = names or tuple(self.graph.experiment.get("plot", ())) or tuple(self.names[:3])
         return plot_run(self, chosen, path=path)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{html.escape(name)}</td><td>"
+            f"{html.escape(format_quantity(value, self.unit(name) or '1'))}</td></tr>"
+            for name, value in self._at_end().items()
+        )
+        said = [repr(self)[1:-1], *(f"warning: {w}" for w in self.warnings)]
+        said += [str(self.error)] if self.error is not None else []
+        head = "".join(f"<p>{html.escape(line)}</p>" for line in said)
+        return f"{head}<table><tr><th>at the end</th><th></th></tr>{rows}</table>"
+
+    def _at_end(self) -> dict[str, float]:
+        try:
+            return dict(list(self.final.items())[:ROWS])
+        except HybondError:
+            return {}
 
     def __repr__(self) -> str:
         return (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -21,6 +21,7 @@ from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
+from hybond.progress import Asked, shown
 from hybond.result import Result, Status
 from hybond.run_options import STEPPING, STEPPING_IMPACT, Choice, ignored_impact, solver_of
 
@@ -43,7 +44,7 @@ def simulate(
     sliding: Choice | None = None,
     hysteresis: float | str | None = None,
     impact: str | None = None,
-    progress: Callable[[float, int], None] | None = None,
+    progress: Asked = None,
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
     keep: int | None = None,
@@ -92,8 +93,9 @@ def simulate(
         one that needs no more than what a single impact tells, and gives the textbook answer for
         rows of balls. Newton's law with impulsive friction may create energy: the run warns, in J.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
-    progress : callable
-        ``progress(t, events)`` about twenty times a second.
+    progress : bool, bar of tqdm or callable
+        True for a bar on stderr with the time to go; a bar of tqdm, which is moved along; or
+        ``progress(t, events)``, called about twenty times a second.
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
@@ -185,17 +187,18 @@ def simulate(
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
-        if name in STEPPING:
-            run = StepsRun(graph, settings, maker, progress=progress, runners=runners)
-        else:
-            own = prepared(graph, settings, maker)
-            # last of all: it replaces the file that is there
-            opened = None if journal is None else _opened(journal, graph)
-            run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
-        run.trace.engine = maker.said
-        for text in notices(graph, settings, impact):
-            run.trace.warn(text)
-        return _finish(graph, run, settings.until, name, on_error)
+        with shown(progress, settings.until) as looked:
+            if name in STEPPING:
+                run = StepsRun(graph, settings, maker, progress=looked, runners=runners)
+            else:
+                own = prepared(graph, settings, maker)
+                # last of all: it replaces the file that is there
+                opened = None if journal is None else _opened(journal, graph)
+                run = EngineRun(own, progress=looked, keep=keep, journal=opened, runners=runners)
+            run.trace.engine = maker.said
+            for text in notices(graph, settings, impact):
+                run.trace.warn(text)
+            return _finish(graph, run, settings.until, name, on_error)
     finally:
         for runner in runners.values():
             runner.close()

@@ -35,6 +35,7 @@ VERBS = {
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
     "export": "write a model as a program, or for another tool",
+    "completion": "print what a shell needs to complete verbs and options",
 }
 
 IMPACTS = "law of multiple impacts: newton, newton_simultaneous, poisson, lzb, lzb_hertz"
@@ -68,7 +69,7 @@ def parse(argv: list[str]) -> Namespace:
     hybond.errors.UsageError: HB-X101 at hybond: there is no verb 'rnu'
       try: did you mean 'run'?
     """
-    parser = _parser()
+    parser = parser_of_words()
     if not argv:
         raise UsageError("no verb is given", code="HB-X101", where="hybond", hint="hybond --help")
     if not argv[0].startswith("-") and argv[0] not in VERBS:
@@ -84,7 +85,8 @@ def parse(argv: list[str]) -> Namespace:
     return given
 
 
-def _parser() -> Parser:
+def parser_of_words() -> Parser:
+    """Return the parser of all verbs and options."""
     parser = Parser(
         prog="hybond",
         description="Model, analyse and simulate physical systems as hybrid bond graphs.",
@@ -302,6 +304,9 @@ def _parser() -> Parser:
         "part", metavar="PART", nargs="?", help="a part, a domain, or a word to look for"
     )
     library.add_argument("--file", action="store_true", help="print its model file")
+
+    shell = _verb(verbs, "completion", 'eval "$(hybond completion bash)"')
+    shell.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
 
     export = _verb(
         verbs,

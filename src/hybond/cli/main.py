@@ -111,6 +111,11 @@ def verb(given: Namespace) -> int:
             from hybond.cli.library import library
 
             return library(given)
+        case "completion":
+            from hybond.cli.arguments import parser_of_words
+            from hybond.cli.completion import completion
+
+            return completion(given, parser_of_words())
         case "export":
             from hybond.cli.export import export_model
 

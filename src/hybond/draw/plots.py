@@ -166,9 +166,11 @@ def _stacked(
 def _figure(size: tuple[float, float], *, interactive: bool) -> Figure:
     """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file."""
     if interactive:
-        from matplotlib import pyplot
+        from matplotlib import get_backend, pyplot
 
-        return pyplot.figure(figsize=size)
+        # a notebook shows what is returned, and all that pyplot knows: one picture is enough
+        if "inline" not in get_backend().lower():
+            return pyplot.figure(figsize=size)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Plain
 

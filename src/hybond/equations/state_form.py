@@ -72,6 +72,12 @@ class StateEquations(Generic[T]):
     again: Callable[[], StateEquations[T]] | None = None
     """Derives the long form."""
 
+    def __repr__(self) -> str:
+        return (
+            f"<StateEquations {self.graph.name!r}: {len(self.states)} states, "
+            f"{len(self.inputs)} inputs, {len(self.outputs)} outputs>"
+        )
+
     @property
     def ring(self) -> Ring[T]:
         """The coefficients' kind."""

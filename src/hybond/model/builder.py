@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.domains import no_such_domain
 from hybond.model.kinds import KINDS
 from hybond.model.origin import Origin
@@ -20,6 +21,7 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.names import plural
 from hybond.units import DOMAINS
 
 if TYPE_CHECKING:
@@ -249,7 +251,14 @@ class Model:
 
         return checked(self)
 
-    def draw(self, *, mode: Mapping[str, str] | None = None, numbers: bool = False) -> Any:
+    def draw(
+        self,
+        *,
+        mode: Mapping[str, str] | None = None,
+        numbers: bool = False,
+        simplify: bool = False,
+        legend: bool = True,
+    ) -> Any:
         """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
 
         Parameters
@@ -258,6 +267,10 @@ class Model:
             Machines that are left out are in their start state.
         numbers : bool
             Number the bonds.
+        simplify : bool
+            Leave out junctions between two bonds, grounds, and losses of zero.
+        legend : bool
+            Explain the signs that occur.
 
         Raises
         ------
@@ -267,7 +280,8 @@ class Model:
         from hybond.draw import draw_mode
 
         graph = self.flatten()
-        return draw_mode(graph, graph.mode_of(mode or {}), numbers=numbers)
+        chosen = graph.mode_of(mode or {})
+        return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
 
     def _new_name(self, name: str) -> None:
         if not isinstance(name, str) or not _NAME.match(name) or name in RESERVED:
@@ -286,8 +300,22 @@ class Model:
                 f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"
             )
 
-    def _repr_svg_(self) -> str:
-        return str(self.draw().svg())
+    def __repr__(self) -> str:
+        counts = [
+            (len(self.elements), "element"),
+            (len(self.bonds), "chain of bonds"),
+            (len(self.machines), "machine"),
+        ]
+        words = [f"{n} {plural(word, n)}" for n, word in counts if n]
+        return f"<Model {self.name!r}: {', '.join(words) or 'empty'}>"
+
+    def _repr_html_(self) -> str:
+        try:
+            picture = str(self.draw().svg())
+        except HybondError as error:
+            picture = f"<pre>{html.escape(str(error))}</pre>"
+        title = html.escape(self.title or self.name)
+        return f"<figure><figcaption>{title}</figcaption>{picture}</figure>"
 
 
 def _no_element(part: Any, name: str) -> ModelError:

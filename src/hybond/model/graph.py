@@ -32,7 +32,7 @@ from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
 from hybond.model.parts import BlockPart
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, plural
 from hybond.units import Dimension, Domain, format_quantity
 
 if TYPE_CHECKING:
@@ -223,7 +223,7 @@ class Kept(dict[Any, Any]):
         return Kept, ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class FlatGraph:
     """A model flattened, checked and resolved: plain data, never changed."""
 
@@ -266,6 +266,11 @@ class FlatGraph:
     """If it is a graph with slots into which numbers were written: that, and the numbers."""
     kept: Kept = field(default_factory=lambda: Kept(), init=False, compare=False, repr=False)
     """What was made of it for runs."""
+
+    def __repr__(self) -> str:
+        counts = ((self.nodes, "node"), (self.bonds, "bond"), (self.machines, "machine"))
+        words = ", ".join(f"{len(group)} {plural(word, len(group))}" for group, word in counts)
+        return f"<FlatGraph {self.name!r}: {words}>"
 
     @property
     def start_mode(self) -> Mode:
