@@ -46,6 +46,9 @@ class Work:
     weight: Block
     trial: Block
     slopes_there: Block
+    swung: Block
+    """A root that full steps swing about, if `swings` is not 0."""
+    swings: int
     residual: Block
     residual_size: Block
     """The sizes of the terms of each residual, to first order."""
@@ -147,6 +150,8 @@ def make_work(m: Model) -> Work:
     w.whole = make_block(1)
     w.weight = make_block(1)
     w.trial = make_block(1)
+    w.swung = make_block(1)
+    w.swings = 0
     w.slopes_there = make_block(1)
     w.residual = make_block(1)
     w.residual_size = make_block(1)

@@ -45,11 +45,16 @@ def slope_of_table(n: int, points: Floats, first: int, goes_on: bool, x: float) 
 
 
 def read_table(n: int, points: Floats, first: int, goes_on: bool, x: float) -> float:
-    """Read a table of n points at x: straight lines between them, and outside if it goes on."""
+    """Read a table of n points at x: straight lines between them, and outside if it goes on.
+
+    A line is counted from its nearer point: beside a point at zero no digit is lost.
+    """
     slope = slope_of_table(n, points, first, goes_on, x)
     if slope != slope:
         return slope
     k = first + segment(n, points, first, x)
+    if points[k + 1] - x < x - points[k]:
+        k += 1
     return points[n + k] + slope * (x - points[k])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
@@ -15,9 +14,6 @@ from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
 from hybond.engine.words import Floats
-
-NOTICED: Final = 1e-9
-"""Part of the largest share that a storage has in a way below which it does not count."""
 
 
 def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
@@ -251,7 +247,11 @@ def by_sources(e: Engine, mode: Mode, i: int, ways: Ways, a: int) -> float:
 
 
 def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
-    """Put difference quotients there: the residual decides when Newton ends."""
+    """Put difference quotients there: the residual decides when Newton ends.
+
+    They are taken storage by storage, and ways made of them: along a way that moves a heavy mass
+    alone, what the light one beside it would do cancels to the last digit.
+    """
     m = e.model
     w = e.work
     count = w.constraints
@@ -259,32 +259,37 @@ def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) ->
     residual(e, mode, v, x)
     for i in range(count):
         w.base_gap.at[i] = w.gap.at[i]
-    for a in range(areas):
-        step = 1e-7 * far(e, x, ways, a)
-        if step == 0.0:
-            step = 1e-7
-        for k in range(m.storages):
-            w.ahead[k] = x[k] + step * ways.d.at[k * areas + a]
+        for a in range(areas):
+            ways.slope.at[i * areas + a] = 0.0
+    for k in range(m.storages):
+        w.ahead[k] = x[k]
+    for k in range(m.storages):
+        if not is_moved(ways, k):
+            continue
+        step = 1e-7 * extent(e, x, k)
+        w.ahead[k] = x[k] + step
+        step = w.ahead[k] - x[k]
         residual(e, mode, v, w.ahead)
+        w.ahead[k] = x[k]
         for i in range(count):
-            ways.slope.at[i * areas + a] = (w.gap.at[i] - w.base_gap.at[i]) / step
+            rate = (w.gap.at[i] - w.base_gap.at[i]) / step
+            for a in range(areas):
+                ways.slope.at[i * areas + a] += rate * ways.d.at[k * areas + a]
 
 
-def far(e: Engine, x: Floats, ways: Ways, a: int) -> float:
-    """Return how far along a way the storage goes that it fills first."""
+def is_moved(ways: Ways, k: int) -> bool:
+    """Whether a way moves what storage k holds."""
+    for a in range(ways.areas):
+        if ways.d.at[k * ways.areas + a] != 0.0:
+            return True
+    return False
+
+
+def extent(e: Engine, x: Floats, k: int) -> float:
+    """Return the size of what storage k holds or may be given; a millionth where nothing is."""
     m = e.model
-    w = e.work
-    values = with_stored(e, x)
-    most = 0.0
-    for k in range(m.storages):
-        most = max(most, math.fabs(ways.d.at[k * ways.areas + a]))
-    least = math.inf
-    for k in range(m.storages):
-        share = math.fabs(ways.d.at[k * ways.areas + a])
-        own = math.fabs(own_stiffness(m, k, values))
-        held = math.fabs(x[k])
-        if own > 0.0 and math.isfinite(own):
-            held += w.reach[k] / own
-        if share > NOTICED * most and held > 0.0:
-            least = min(least, held / share)
-    return least if least < math.inf else 1e-6 / most
+    own = math.fabs(own_stiffness(m, k, with_stored(e, x)))
+    size = math.fabs(x[k])
+    if own > 0.0 and math.isfinite(own):
+        size += e.work.reach[k] / own
+    return size if size > 0.0 and math.isfinite(size) else 1e-6

@@ -35,8 +35,12 @@ from hybond.engine.words import Floats, Text
 STEPS: Final = 40
 TOLERANCE: Final = 1e-13
 """Newton ends when an update is below this part of the bond variables' size."""
+SETTLED: Final = 1e-6
+"""A step that is below this part of an unknown leaves nothing of it: the next one is its square."""
 BACK: Final = 1e-9
 """Two steps that cancel to within this part of them lead back."""
+SWINGS: Final = 0.1
+"""Likewise, for steps over a root that is steep on both sides: from f to nearly -f."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
 ROUNDED: Final = 2.0 * 2.220446049250313e-16
@@ -104,7 +108,10 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     r = work.guess.at
     for j in range(frees):
         r[j] = mode.guess.at[j] if mode.guessed else 0.0
+    work.swings = 0
     found = full_steps(e, mode, v, r)
+    if work.swings > 0:
+        found = from_swings(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
     if not found:
@@ -169,7 +176,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
-        back = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, update)
+        back = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, BACK * update)
+        swings = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, SWINGS * update)
         turns = turns + 1 if back else 0
         if turns == TO_AND_FRO:
             return False
@@ -178,24 +186,55 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             work.trial.at[j] = work.step.at[j]
         exact = mode.affine and mode.rank == mode.structures
         # rounding keeps a step from vanishing: stop as well when it no longer shrinks
-        ends = update <= TOLERANCE * scale or update >= 0.5 * previous
-        if exact or ends:
+        small = update <= TOLERANCE * scale
+        ends = small and is_settled(e, frees, r)
+        if exact or ends or update >= 0.5 * previous:
             with_free(mode, n, work.base, r, w)
             if put_back(e, mode, v, w):
-                return True
+                if ends or exact or not swings:
+                    return True
+                keep_swing(e, frees, r)
+                return False
             if exact:
                 return False
     return False
 
 
-def is_taken_back(before: Floats, step: Floats, frees: int, size: float) -> bool:
+def is_settled(e: Engine, frees: int, r: Floats) -> bool:
+    """Whether the last step is a small part of each unknown.
+
+    What is small beside large ones has digits of its own: the flow of an orifice near rest.
+    """
+    for j in range(frees):
+        if math.fabs(e.work.step.at[j]) > SETTLED * math.fabs(r[j]):
+            return False
+    return True
+
+
+def is_taken_back(before: Floats, step: Floats, frees: int, part: float) -> bool:
     """Whether a step leads back to where the one before came from: they may do so for ever.
 
     A law like a root does this at rest: ``e = sign(f)*sqrt(abs(f))`` steps from f to -f.
     """
     for j in range(frees):
-        if math.fabs(before[j] + step[j]) > BACK * size:
+        if math.fabs(before[j] + step[j]) > part:
             return False
+    return True
+
+
+def keep_swing(e: Engine, frees: int, r: Floats) -> None:
+    """Keep a root that steps swing about: all that rounding allows, or steep on both sides."""
+    e.work.swings = 1
+    fit(e.work.swung, frees)
+    for j in range(frees):
+        e.work.swung.at[j] = r[j]
+
+
+def from_swings(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Go on with shorter steps from where full ones swing; if that leads nowhere, stay there."""
+    if not shorter_steps(e, mode, v, r, e.work.swung.at):
+        for j in range(mode.finite_frees):
+            r[j] = e.work.swung.at[j]
     return True
 
 

@@ -50,9 +50,34 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual.at[i] = f
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
+            if d >= 0 and not math.fabs(f) <= HOLDS * work.residual_size.at[i]:
+                moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
+                work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
     if all_hold(e, rows, HOLDS):
         return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
+
+
+def moved_by_rounding(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> float:
+    """Return how far a law moves as its variables move by rounding of what is beside them.
+
+    Beside a root at zero its slope promises far more than it keeps.
+    """
+    m = e.model
+    work = e.work
+    n = 2 * m.bonds
+    here = dynamic_value(e, mode, i, v)
+    most = 0.0
+    for side in range(2):
+        way = ROUNDINGS * UNIT if side == 0 else -ROUNDINGS * UNIT
+        for k in range(n):
+            slope = work.slopes.at[i * n + k]
+            if slope != 0.0:
+                v[m.bond_slot + k] = w[k] + math.copysign(way, way * slope) * work.w_reach[k]
+        off = math.fabs(dynamic_value(e, mode, i, v) - here)
+        most = max(most, off) if math.isfinite(off) else most
+    write_bonds(e, v, w)
+    return most
 
 
 def all_hold(e: Engine, rows: int, part: float) -> bool:

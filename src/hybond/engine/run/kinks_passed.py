@@ -32,6 +32,8 @@ JUMPS: Final = 0.75
 """A jump is as large from a quarter of that way; what is bent is a half or less, like a root."""
 SEEN: Final = 1e-9
 """Part of the rates below which a change of them is no jump."""
+DUST: Final = 1e-14
+"""Part of the largest effort or flow that is rounding, where a rate is the sum of some."""
 
 
 def end_at_kink(e: Engine, r: Run, at: float) -> int:
@@ -115,11 +117,26 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
     e.refusal = refusal
     r.jumps = False
     for i in range(e.states if known else 0):
+        if math.fabs(r.beside[2 * e.states + i]) <= dust_of_rate(e, i):
+            if math.fabs(r.beside[3 * e.states + i]) <= dust_of_rate(e, i):
+                continue
         wide = math.fabs(r.beside[i] - r.beside[e.states + i])
         near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
     r.back = r.back + 1 if r.jumps and leads_back(e, r, at + 0.25 * reach) else 0
+
+
+def dust_of_rate(e: Engine, i: int) -> float:
+    """Return what rounding leaves of the rate of what is stored, where its terms cancel."""
+    m = e.model
+    if i >= m.storages:
+        return 0.0
+    first = m.bond_slot + (m.bonds if m.storage_kind[i] == 0 else 0)
+    most = 0.0
+    for k in range(m.bonds):
+        most = max(most, math.fabs(e.v[first + k]))
+    return DUST * most
 
 
 def leads_back(e: Engine, r: Run, t: float) -> bool:

@@ -123,7 +123,11 @@ def _table(x: Points, y: Points, extrapolate: str) -> Callable[[float], float]:
 
     def read(at: float) -> float:
         k = _segment(x, at, extrapolate)
-        return y[k] + slopes[k] * (at - x[k]) if k >= 0 else math.nan
+        if k < 0:
+            return math.nan
+        # from the nearer point: beside one at zero no digit is lost
+        near = k + (x[k + 1] - at < at - x[k])
+        return y[near] + slopes[k] * (at - x[near])
 
     return read
 
@@ -150,7 +154,8 @@ def _table_arrays(x: Points, y: Points, extrapolate: str) -> Closure:
 
     def read(at: Any) -> Any:
         k, outside = _segments(xs, at, extrapolate)
-        return np.where(outside, np.nan, ys[k] + slopes[k] * (at - xs[k]))
+        near = k + (xs[k + 1] - at < at - xs[k])
+        return np.where(outside, np.nan, ys[near] + slopes[k] * (at - xs[near]))
 
     return read
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
+
+_STRAIGHT = 1e-14
+"""Slopes that differ by no more than this part of them are those of one line."""
 
 
 def turning(e: Expr) -> list[Expr]:
@@ -32,7 +35,7 @@ def turning(e: Expr) -> list[Expr]:
             case Call(function="mod"):
                 found.append(_whole(Binary("/", *part.args)))
             case Table():
-                found += [Binary("-", part.arg, Number(x)) for x in part.x[1:-1]]
+                found += [Binary("-", part.arg, Number(x)) for x in _corners(part)]
     return [e for e in dict.fromkeys(found) if names(e)]
 
 
@@ -74,6 +77,14 @@ def _is_magnitude(e: Expr) -> bool:
         case Binary("+", left, right):
             return _is_magnitude(left) and _is_magnitude(right)
     return False
+
+
+def _corners(table: Table) -> list[float]:
+    """Return where a table is bent: a point on a straight line is no corner."""
+    points = list(zip(table.x, table.y, strict=True))
+    slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(points)]
+    sides = zip(table.x[1:-1], pairwise(slopes), strict=True)
+    return [x for x, (left, right) in sides if not math.isclose(left, right, rel_tol=_STRAIGHT)]
 
 
 def _whole(e: Expr) -> Expr:
