@@ -73,9 +73,8 @@ class Signal:
 
         At an event `side` says which limit; the right one is after all that happened there.
         """
-        if isinstance(t, float | int | np.floating):
-            return float(self.run.sample([float(t)], [self.name], side=side)[self.name][0])
-        return self.run.sample(list(t), [self.name], side=side)[self.name]
+        found = self.run.sample(t, [self.name], side=side)[self.name]
+        return float(found[0]) if np.ndim(t) == 0 else found
 
     def __len__(self) -> int:
         return len(self.t)
@@ -260,7 +259,7 @@ class Result:
         return [list(read) for read in zip(*(np.split(v, cuts) for v in found), strict=True)]
 
     def sample(
-        self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
+        self, t: float | Sequence[float], names: Sequence[str], *, side: Side = "right"
     ) -> dict[str, Vector]:
         """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
 
@@ -271,6 +270,12 @@ class Result:
         """
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
+        try:
+            t = np.asarray(t, dtype=float).reshape(-1).tolist()
+        except (TypeError, ValueError):
+            raise UsageError(
+                f"{t!r} are no times", code="HB-S110", where="t", hint="numbers, s: [0.0, 0.5]"
+            ) from None
         found = {name: np.full(len(t), np.nan) for name in names}
         which = []
         begin, end = self.t_begin, self.t_end

@@ -139,6 +139,13 @@ def simulate(
     3.678794
     """
     check_model(model)
+    if not isinstance(parameters, Mapping | None):
+        raise UsageError(
+            f"parameters = {parameters!r} does not map paths to values",
+            code="HB-S130",
+            where="parameters",
+            hint='parameters={"m": "2 kg", "ball.f": 1.0}',
+        )
     graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
     if on_error not in ("raise", "return"):
         raise UsageError(

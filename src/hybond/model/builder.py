@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import HybondError, ModelError
@@ -123,6 +124,14 @@ class Model:
         """Add signals: an expression, an `Integral`, or what is `Sampled`."""
         for name, signal in signals.items():
             self._new_name(name)
+            number = isinstance(signal, Real) and not isinstance(signal, bool)
+            if not number and not isinstance(signal, str | Integral | Sampled):
+                raise ModelError(
+                    f"{signal!r} is not a signal",
+                    code="HB-M110",
+                    where=f"signals.{name}",
+                    hint='write "v.f*F.e", hb.Integral("v.f") or hb.Sampled("v.f", every="1 ms")',
+                )
             self.signals[name] = signal
 
     def input(self, **inputs: InputPart | Value) -> None:
@@ -154,12 +163,13 @@ class Model:
         self._new_name(name)
         where = f"machines.{name}"
         for state, listed in states.items() if isinstance(states, Mapping) else ():
-            if isinstance(listed, str):
+            if isinstance(listed, str) or not isinstance(listed, Iterable):
+                what = "a text" if isinstance(listed, str) else "no list of junctions"
                 raise ModelError(
-                    f"the state {state!r} lists {listed!r}, which is a text",
+                    f"the state {state!r} lists {listed!r}, which is {what}",
                     code="HB-M140",
                     where=f"{where}.states.{state}",
-                    hint=f"write [{listed!r}]",
+                    hint=f"write [{listed!r}]" if isinstance(listed, str) else 'write ["contact"]',
                 )
         if not isinstance(states, Mapping):
             raise ModelError(
@@ -352,5 +362,8 @@ def _check(name: Any, domain: Any, parameters: Any) -> None:
 
 
 def graph_of(model: Model | FlatGraph) -> FlatGraph:
-    """Return the flat graph of a model, or a flat graph as it is."""
+    """Return the flat graph of a model, or a flat graph as it is; HB-S130 for what is neither."""
+    from hybond.model.given import check_model
+
+    check_model(model)
     return model.flatten() if isinstance(model, Model) else model

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from numbers import Integral as Whole
 from typing import TYPE_CHECKING, Any, Literal
 
 from hybond.errors import HybondError, ModelError
@@ -299,7 +300,12 @@ class FlatGraph:
         if not isinstance(states, Mapping):
             mode = tuple(states)
             sizes = [len(m.states) for m in self.machines]
-            if len(mode) != len(sizes) or any(not 0 <= k < n for k, n in zip(mode, sizes)):
+            numbers = all(isinstance(k, Whole) for k in mode)
+            if (
+                len(mode) != len(sizes)
+                or not numbers
+                or any(not 0 <= k < n for k, n in zip(mode, sizes))
+            ):
                 raise ModelError(
                     f"{mode} is no mode of {len(sizes)} machines with {sizes} states",
                     code="HB-M144",

@@ -12,6 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hybond.calls import called
+from hybond.errors import ModelError
+
 Value = Any
 """A number, a quantity or expression as text, a matrix, or ``{"e": ...}`` / ``{"f": ...}``."""
 
@@ -171,6 +174,7 @@ def Block(
     return BlockPart(dict(inputs or {}), dict(values), every, phase, function)
 
 
+@called('hb.Submodel("electrical.diode", V_on="0.7 V")', code="HB-M105", kind=ModelError)
 def Submodel(
     model: Any, /, *, inputs: Mapping[str, Value] | None = None, **parameters: Value
 ) -> SubmodelPart:
