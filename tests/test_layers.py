@@ -15,14 +15,14 @@ TEXTS = {path: path.read_text(encoding="utf-8") for path in FILES}
 
 LAYERS = [
     ["_version"],
-    ["chronicle", "errors", "names", "uncollected", "units"],
+    ["calls", "chronicle", "errors", "names", "uncollected", "units"],
     ["model"],
     ["blocks"],
     ["files"],
     ["library"],
-    ["causality"],
+    ["causality", "hints"],
     ["equations", "switching"],
-    ["run_options", "trace", "translate"],
+    ["progress", "run_options", "trace", "translate"],
     ["engine"],
     ["report"],
     ["simulation", "result"],
@@ -34,9 +34,10 @@ LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 # Display methods that import rightwards when they are called: the function, the rooms it may use.
 # and the one place where a model asks for a ready part by its name, which is a file to read.
 DISPLAY: dict[str, set[str]] = {
-    "hybond.model.hierarchy._submodel": {"library"},
+    "hybond.model.hierarchy.submodel_of": {"library"},
     "hybond.causality.report.CausalityReport._repr_svg_": {"draw"},
     "hybond.model.builder.Model.draw": {"draw"},
+    "hybond.model.builder.Model.check": {"hints"},
     "hybond.result.Result.plot": {"draw"},
 }
 

@@ -49,22 +49,8 @@ if TYPE_CHECKING:
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
     from hybond.model.builder import Model
-    from hybond.model.parts import (
-        GY,
-        TF,
-        Block,
-        C,
-        G,
-        I,
-        Integral,
-        One,
-        R,
-        Sampled,
-        Se,
-        Sf,
-        Submodel,
-        Zero,
-    )
+    from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
+    from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
@@ -89,12 +75,10 @@ _HOME = {
     ),
     **dict.fromkeys(("dumps", "load", "loads", "save"), "hybond.files"),
     **dict.fromkeys(
-        (
-            *("C", "I", "R", "G", "Se", "Sf", "TF", "GY", "One", "Zero"),
-            *("Block", "Integral", "Sampled", "Submodel"),
-        ),
-        "hybond.model.parts",
+        ("C", "I", "R", "G", "Se", "Sf", "TF", "GY", "One", "Zero"),
+        "hybond.model.constructors",
     ),
+    **dict.fromkeys(("Block", "Integral", "Sampled", "Submodel"), "hybond.model.parts"),
     "Ensemble": "hybond.sweep.collection",
     "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",

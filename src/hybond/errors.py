@@ -6,7 +6,7 @@ The tree has three branches, one per exit code of the terminal: `UsageError` (1)
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 
 class HybondError(Exception):
@@ -39,25 +39,66 @@ class HybondError(Exception):
         self.where = where
         self.why = why
         self.hint = hint
+        self.file = ""
+        """The file that says it, empty if none does."""
+        self.line: int | None = None
+        """The line of that file, from 1."""
+        self.written = ""
+        """What that line says."""
         self.partial: Any = None
         """What had been computed (a `Result`), or None."""
 
+    def said_in(self, file: str, line: int | None = None, written: str = "") -> Self:
+        """Note the file that says what is refused, and return the refusal.
+
+        Examples
+        --------
+        >>> error = ModelError("'10 kg' is in kg", code="HB-U103", where="elements.r.R")
+        >>> print(error.said_in("rc.toml", 4, 'r = { R = "10 kg" }'))
+        HB-U103 at rc.toml:4: elements.r.R: '10 kg' is in kg
+            4 | r = { R = "10 kg" }
+        """
+        self.file, self.line, self.written = file, line, written
+        return self
+
+    @property
+    def place(self) -> str:
+        """File, line and path, as far as they are known: ``rc.toml:4: elements.r.R``."""
+        if not self.file or self.where.startswith(self.file):
+            return self.where
+        file = f"{self.file}:{self.line}" if self.line else self.file
+        return f"{file}: {self.where}" if self.where else file
+
     def __str__(self) -> str:
-        place = f" at {self.where}" if self.where else ""
+        place = f" at {self.place}" if self.place else ""
+        line = f"\n    {self.line} | {self.written}" if self.written else ""
         remedy = f"\n  try: {self.hint}" if self.hint else ""
-        return f"{self.code}{place}: {self.why}{remedy}"
+        return f"{self.code}{place}: {self.why}{line}{remedy}"
 
     def __reduce__(self) -> Any:
         # a copy, or another process: what is said, not the partial result
-        return _said_again, (type(self), self.why, self.code, self.where, self.hint)
+        said = (self.why, self.code, self.where, self.hint)
+        return _said_again, (type(self), *said, self.file, self.line, self.written)
 
-    def to_dict(self) -> dict[str, str]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the refusal as plain data, the ``error`` object of ``--json``."""
-        return {"code": self.code, "where": self.where, "why": self.why, "try": self.hint}
+        said = {"code": self.code, "where": self.where, "why": self.why, "try": self.hint}
+        if not self.file:
+            return said
+        return {**said, "file": self.file, "line": self.line, "written": self.written}
 
 
-def _said_again(kind: type[HybondError], why: str, code: str, where: str, hint: str) -> HybondError:
-    return kind(why, code=code, where=where, hint=hint)
+def _said_again(
+    kind: type[HybondError],
+    why: str,
+    code: str,
+    where: str,
+    hint: str,
+    file: str = "",
+    line: int | None = None,
+    written: str = "",
+) -> HybondError:
+    return kind(why, code=code, where=where, hint=hint).said_in(file, line, written)
 
 
 class UsageError(HybondError):

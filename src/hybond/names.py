@@ -13,17 +13,34 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     --------
     >>> did_you_mean("bal.p", ["ball.p", "ball.f", "time"])
     "did you mean 'ball.p', 'ball.f'?"
+    >>> did_you_mean("v", ["V", "R", "C"])
+    "did you mean 'V'?"
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
     choices = list(known)
     near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
+    # who forgets a capital means the name that is otherwise the same
+    same = [c for c in choices if c.lower() == name.lower()]
+    near = list(dict.fromkeys([*same, *near]))[:limit]
     if near:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?"
     if not choices:
         return ""
     shown = ", ".join(sorted(choices)[:12])
     return f"known names: {shown}" + (", ..." if len(choices) > 12 else "")
+
+
+def plural(noun: str, count: int) -> str:
+    """Return a noun for a number of things.
+
+    Examples
+    --------
+    >>> plural("machine", 2), plural("chain of bonds", 2), plural("machine", 1)
+    ('machines', 'chains of bonds', 'machine')
+    """
+    head, space, rest = noun.partition(" ")
+    return noun if count == 1 else f"{head}s{space}{rest}"
 
 
 def port_number(text: str) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import html
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +22,7 @@ from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.report import EventTable
 from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
+from hybond.units import format_quantity
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,6 +32,8 @@ Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "unsound", "error"]
 Side = Literal["left", "right"]
 
+ROWS = 20
+"""Values that a notebook shows of the end of a run."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
@@ -69,9 +73,8 @@ class Signal:
 
         At an event `side` says which limit; the right one is after all that happened there.
         """
-        if isinstance(t, float | int | np.floating):
-            return float(self.run.sample([float(t)], [self.name], side=side)[self.name][0])
-        return self.run.sample(list(t), [self.name], side=side)[self.name]
+        found = self.run.sample(t, [self.name], side=side)[self.name]
+        return float(found[0]) if np.ndim(t) == 0 else found
 
     def __len__(self) -> int:
         return len(self.t)
@@ -210,6 +213,7 @@ class Result:
         return unit_of(self.expression(name), self.graph)
 
     def __getitem__(self, name: str) -> Signal:
+        """Return a signal by name, or an expression of names; HB-S109 if there is none."""
         return Signal(name, self.unit(name), self)
 
     # -- values
@@ -255,7 +259,7 @@ class Result:
         return [list(read) for read in zip(*(np.split(v, cuts) for v in found), strict=True)]
 
     def sample(
-        self, t: Sequence[float], names: Sequence[str], *, side: Side = "right"
+        self, t: float | Sequence[float], names: Sequence[str], *, side: Side = "right"
     ) -> dict[str, Vector]:
         """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
 
@@ -266,6 +270,12 @@ class Result:
         """
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
+        try:
+            t = np.asarray(t, dtype=float).reshape(-1).tolist()
+        except (TypeError, ValueError):
+            raise UsageError(
+                f"{t!r} are no times", code="HB-S110", where="t", hint="numbers, s: [0.0, 0.5]"
+            ) from None
         found = {name: np.full(len(t), np.nan) for name in names}
         which = []
         begin, end = self.t_begin, self.t_end
@@ -425,6 +435,23 @@ class Result:
         chosen = names or tuple(self.graph.experiment.get("plot", ())) or tuple(self.names[:3])
         return plot_run(self, chosen, path=path)
 
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{html.escape(name)}</td><td>"
+            f"{html.escape(format_quantity(value, self.unit(name) or '1'))}</td></tr>"
+            for name, value in self._at_end().items()
+        )
+        said = [repr(self)[1:-1], *(f"warning: {w}" for w in self.warnings)]
+        said += [str(self.error)] if self.error is not None else []
+        head = "".join(f"<p>{html.escape(line)}</p>" for line in said)
+        return f"{head}<table><tr><th>at the end</th><th></th></tr>{rows}</table>"
+
+    def _at_end(self) -> dict[str, float]:
+        try:
+            return dict(list(self.final.items())[:ROWS])
+        except HybondError:
+            return {}
+
     def __repr__(self) -> str:
         return (
             f"<Result {self.title!r}: {self.status}, t = {self.t_end:g} s, "
@@ -453,6 +480,13 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
         HB-S109 with the nearest names.
     """
     assert graph.read is not None
+    if not isinstance(name, str):
+        raise UsageError(
+            f"{name!r} is not the name of a signal",
+            code="HB-S109",
+            where="name",
+            hint=f'a name in quotes: run["{next(iter(names_of(graph)), "v.f")}"]',
+        )
     try:
         return graph.read(name)
     except HybondError as error:

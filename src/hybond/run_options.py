@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any, Literal
 
 from hybond.errors import UsageError
@@ -124,7 +125,7 @@ def tolerances_of(
     >>> tolerances_of(None, None, {"atol": 1e-6})
     (1e-08, 1e-06)
     """
-    rtol = float(rtol if rtol is not None else experiment.get("rtol", RTOL))
+    rtol = _number(rtol if rtol is not None else experiment.get("rtol", RTOL), "rtol")
     if not 1e-14 <= rtol < 1.0:
         raise UsageError(
             f"rtol = {rtol:g} is out of range", code="HB-S107", where="rtol", hint="1e-12 to 1e-2"
@@ -132,6 +133,7 @@ def tolerances_of(
     atol = atol if atol is not None else experiment.get("atol")
     if atol is None:
         return rtol, None
+    atol = _number(atol, "atol")
     if not 0.0 <= float(atol) < math.inf:
         raise UsageError(
             f"atol = {float(atol):g} is out of range",
@@ -140,6 +142,17 @@ def tolerances_of(
             hint="leave it out, or give a positive number in SI",
         )
     return rtol, float(atol)
+
+
+def _number(value: Any, where: str) -> float:
+    if not isinstance(value, Real):
+        raise UsageError(
+            f"{where} = {value!r} is not a number",
+            code="HB-S107",
+            where=where,
+            hint="1e-12 to 1e-2",
+        )
+    return float(value)
 
 
 def impact_of(impact: str | None, experiment: Mapping[str, Any]) -> tuple[str, float]:
@@ -232,7 +245,7 @@ def seconds(value: Any, where: str) -> float:
     >>> seconds("200 ms", "until")
     0.2
     """
-    if isinstance(value, float | int):
+    if isinstance(value, Real):
         return float(value)
     quantity = try_quantity(str(value))
     if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
@@ -255,18 +268,21 @@ def check_step(name: str, step: float | None) -> None:
             raise UsageError(
                 f"solver {name!r} chooses its step; a step of {step:g} s was given",
                 code="HB-S104",
+                where="step",
                 hint='give max_step to bound it, or choose a fixed step: "rk4", "euler"',
             )
     elif step is None:
         raise UsageError(
             f"solver {name!r} has a fixed step and none is given",
             code="HB-S102",
+            where="step",
             hint='give one, such as step="1 ms", or choose an adaptive solver, such as "auto"',
         )
     elif not 0.0 < step < math.inf:
         raise UsageError(
             f"a step of {step:g} s for solver {name!r}: it must be positive and finite",
             code="HB-S102",
+            where="step",
             hint='give a duration, such as step="1 ms"',
         )
 
@@ -285,6 +301,7 @@ def stepping_step(step: float | None) -> float:
             if step is None
             else f"a step of {step:g} s for solver 'moreau-jean': it must be positive and finite",
             code="HB-S102",
+            where="step",
             hint='give one, such as step="1 ms"; the run then says how good it was',
         )
     return step

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from hybond.blocks.runners import runners_of
+from hybond.calls import called
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import choose_engine, prepared
 from hybond.engine.outcome.journal import Journal
@@ -16,9 +17,11 @@ from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
+from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
+from hybond.progress import Asked, shown
 from hybond.result import Result, Status
 from hybond.run_options import STEPPING, STEPPING_IMPACT, Choice, ignored_impact, solver_of
 
@@ -26,6 +29,7 @@ ENGINE: Literal["library", "python"] | None = None
 """What makes runs that do not say what should."""
 
 
+@called('hb.simulate(model, until="1 s", solver="auto")')
 def simulate(
     model: Model | FlatGraph,
     until: float | str | None = None,
@@ -40,7 +44,7 @@ def simulate(
     sliding: Choice | None = None,
     hysteresis: float | str | None = None,
     impact: str | None = None,
-    progress: Callable[[float, int], None] | None = None,
+    progress: Asked = None,
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
     keep: int | None = None,
@@ -89,8 +93,9 @@ def simulate(
         one that needs no more than what a single impact tells, and gives the textbook answer for
         rows of balls. Newton's law with impulsive friction may create energy: the run warns, in J.
         Time-stepping has ``"newton_simultaneous"`` built in, and warns if it is another one.
-    progress : callable
-        ``progress(t, events)`` about twenty times a second.
+    progress : bool, bar of tqdm or callable
+        True for a bar on stderr with the time to go; a bar of tqdm, which is moved along; or
+        ``progress(t, events)``, called about twenty times a second.
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
@@ -133,62 +138,86 @@ def simulate(
     >>> round(float(run["c.e"].at(1.0)), 6)
     3.678794
     """
+    check_model(model)
+    if not isinstance(parameters, Mapping | None):
+        raise UsageError(
+            f"parameters = {parameters!r} does not map paths to values",
+            code="HB-S130",
+            where="parameters",
+            hint='parameters={"m": "2 kg", "ball.f": 1.0}',
+        )
     graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
     if on_error not in ("raise", "return"):
         raise UsageError(
             f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
         )
-    name = solver_of(solver, graph.experiment)
-    whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
-    if keep is not None and (not whole or name in STEPPING):
-        raise UsageError(
-            f"keep is given, but solver {name!r} keeps all" if whole else f"keep = {keep!r}",
-            code="HB-S113",
-            where="keep",
-            hint="one or more, with a solver that locates events",
+    try:
+        name = solver_of(solver, graph.experiment)
+        whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
+        if keep is not None and (not whole or name in STEPPING):
+            raise UsageError(
+                f"keep is given, but solver {name!r} keeps all" if whole else f"keep = {keep!r}",
+                code="HB-S113",
+                where="keep",
+                hint="one or more, with a solver that locates events",
+            )
+        if journal is not None and name in STEPPING:
+            raise UsageError(
+                f"a journal is given, but solver {name!r} has none",
+                code="HB-S113",
+                where="journal",
+                hint="take a solver that locates events",
+            )
+        settings, band = settings_of(
+            graph.experiment,
+            until,
+            solver=solver,
+            rtol=rtol,
+            atol=atol,
+            step=step,
+            max_step=max_step,
+            theta=theta,
+            sliding=sliding,
+            hysteresis=hysteresis,
+            impact=impact,
+            max_events=max_events,
+            max_steps=max_steps,
         )
-    if journal is not None and name in STEPPING:
-        raise UsageError(
-            f"a journal is given, but solver {name!r} has none",
-            code="HB-S113",
-            where="journal",
-            hint="take a solver that locates events",
-        )
-    settings, band = settings_of(
-        graph.experiment,
-        until,
-        solver=solver,
-        rtol=rtol,
-        atol=atol,
-        step=step,
-        max_step=max_step,
-        theta=theta,
-        sliding=sliding,
-        hysteresis=hysteresis,
-        impact=impact,
-        max_events=max_events,
-        max_steps=max_steps,
-    )
+    except UsageError as error:
+        asked = {"until": until, "solver": solver, "rtol": rtol, "atol": atol, "step": step}
+        asked |= {"max_step": max_step, "theta": theta, "sliding": sliding, "impact": impact}
+        asked |= {"hysteresis": hysteresis, "max_events": max_events, "max_steps": max_steps}
+        raise _of_experiment(error, graph, asked) from None
     if band is not None:
         graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
-        if name in STEPPING:
-            run = StepsRun(graph, settings, maker, progress=progress, runners=runners)
-        else:
-            own = prepared(graph, settings, maker)
-            # last of all: it replaces the file that is there
-            opened = None if journal is None else _opened(journal, graph)
-            run = EngineRun(own, progress=progress, keep=keep, journal=opened, runners=runners)
-        run.trace.engine = maker.said
-        for text in notices(graph, settings, impact):
-            run.trace.warn(text)
-        return _finish(graph, run, settings.until, name, on_error)
+        with shown(progress, settings.until) as looked:
+            if name in STEPPING:
+                run = StepsRun(graph, settings, maker, progress=looked, runners=runners)
+            else:
+                own = prepared(graph, settings, maker)
+                # last of all: it replaces the file that is there
+                opened = None if journal is None else _opened(journal, graph)
+                run = EngineRun(own, progress=looked, keep=keep, journal=opened, runners=runners)
+            run.trace.engine = maker.said
+            for text in notices(graph, settings, impact):
+                run.trace.warn(text)
+            return _finish(graph, run, settings.until, name, on_error)
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def _of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any]) -> UsageError:
+    """Say where the model asks for what is refused, unless the call does."""
+    if graph.locate is not None and asked.get(error.where) is None:
+        if error.where in graph.experiment:
+            error.where = f"experiment.{error.where}"
+        graph.locate(error)
+    return error
 
 
 def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
@@ -246,6 +275,8 @@ def _finish(
         failure = unsound_refusal(trace.unsound, float(reached))
     for warning in graph.warnings:
         trace.warn(warning)
+    if failure is not None and graph.locate is not None:
+        failure = graph.locate(failure)
     result = Result(graph, trace, status, end, name, failure)
     if failure is not None and on_error == "raise":
         failure.partial = result

@@ -72,7 +72,7 @@ def test_settings_reach_both_runs(circuit: Any) -> None:
     ("words", "code"),
     [
         (("--until", "1 ms"), "HB-X101"),
-        (("--json",), "HB-X101"),
+        (("--step", "1 ms"), "HB-X101"),
         (("--cross", "--engines", "rk45"), "HB-A401"),
     ],
 )

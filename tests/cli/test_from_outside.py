@@ -168,7 +168,7 @@ def test_what_is_wrong_in_a_parameter_has_its_place(shell: Shell) -> None:
             top = f'[parameters]\nm = "{text}"\n[elements]\na.I = "m"\n'
             part = '[elements]\npart.submodel = "n"\n' + inner
             shell.file("m.toml", "hybond = 1\n" + (top if path == "m" else part))
-            assert f" at {path}: " in shell("check", "m.toml", *words).err
+            assert f": {path}: " in shell("check", "m.toml", *words).err
         assert " at m: " in shell("run", "spring.toml", "--set", f"m={text}").err
     assert " at solver: " in shell("run", "spring.toml", "--solver", "rk5").err
 

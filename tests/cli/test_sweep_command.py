@@ -84,7 +84,7 @@ def test_tables_are_written_in_three_forms(shell: Any) -> None:
         (["--vary", "m=1 kg..2 s:3"], "HB-X103"),
         (["--vary", "m=1,2", "--vary", "m=3,4"], "HB-X103"),
         (["--vary", "m=1,2", "--vary", "k=1,2,3", "--together"], "HB-S114"),
-        (["--vary", "mass.I=1,2"], "HB-M107"),
+        (["--vary", "mass.C=1,2"], "HB-M107"),
         (["--vary", "m=1,2", "--signals", "mass.x"], "HB-S109"),
         (["--vary", "m=1,2", "--out", "x.txt"], "HB-X102"),
         (["--vary", "m=1,2", "--workers", "0"], "HB-S115"),

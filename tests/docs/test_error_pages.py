@@ -82,6 +82,10 @@ def refusal_of(kind: str, body: str, folder: Path) -> str:
         if kind == "toml":
             model = hb.loads(body)
             model.flatten()
+            if hints := [h.code for h in model.check()]:
+                assert len(hints) == 1
+                if hints[0].startswith("HB-H") and "until" not in model.experiment:
+                    return hints[0]
             if "until" in model.experiment:
                 hb.simulate(model)
         else:

@@ -8,7 +8,8 @@ import pytest
 from hybond.files import dumps, load, save, to_data
 from hybond.files.edit import edit_toml
 from hybond.model.builder import Model
-from hybond.model.parts import C, I, InputPart, Integral, One, R, Se, Submodel, Zero
+from hybond.model.constructors import C, I, One, R, Se, Zero
+from hybond.model.parts import InputPart, Integral, Submodel
 
 BALL = """\
 # A ball and a floor.

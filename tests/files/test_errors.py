@@ -12,7 +12,8 @@ import pytest
 from hybond.errors import FileError
 from hybond.files import dumps, from_data, load, loads, save, to_data
 from hybond.model.builder import Model
-from hybond.model.parts import C, I, InputPart, Part, Se, Submodel, SubmodelPart
+from hybond.model.constructors import C, I, Se
+from hybond.model.parts import InputPart, Part, Submodel, SubmodelPart
 
 H = "hybond = 1\n"
 E = H + "[elements]\n"
@@ -37,10 +38,10 @@ WRONG = [
     ("hybond = 1.0", "HB-F107", ":1: hybond", "1.0", "hybond = 1"),
     ("hybond = 0", "HB-F107", ":1: hybond", "0", "hybond = 1"),
     # syntax
-    (H + "title = ", "HB-F105", ":2:9", "not TOML: Invalid value", ""),
-    (H + "[elements]\na = { C = 1", "HB-F105", ":3:12", "Unclosed inline table", ""),
-    (H + "title = 'a", "HB-F105", ":2:11", "", ""),
-    (H + "a = 1\na = 2", "HB-F105", ":3:6", "overwrite", ""),
+    (H + "title = ", "HB-F105", ":2:9", "not TOML: a value is missing", "behind the ="),
+    (H + "[elements]\na = { C = 1", "HB-F105", ":3:12", "in braces is not closed", "}"),
+    (H + "title = 'a", "HB-F105", ":2:11", "not closed", "quote"),
+    (H + "a = 1\na = 2", "HB-F105", ":3:6", "'a' is there twice", "rename"),
     (H + "[elements]\n[elements]", "HB-F105", ":3:10", "twice", ""),
     # values that no model has
     (H + "[parameters]\nm = inf", "HB-F108", ":3: parameters.m", "inf is not a finite", ""),
@@ -131,7 +132,7 @@ WRONG = [
         "'linear'",
     ),
     (H + "[graph]\nbonds = 'a -> b'", "HB-F112", ":3: graph.bonds", "where a list is needed", ""),
-    (H + "[graph]\nbonds = [\n'a -> b',\n3]", "HB-F112", ":3: graph.bonds[1]", "the number 3", ""),
+    (H + "[graph]\nbonds = [\n'a -> b',\n3]", "HB-F112", ":5: graph.bonds[1]", "the number 3", ""),
     (H + "[signals]\nh = 3", "HB-F112", ":3: signals.h", "text or a table", ""),
     (H + "[inputs]\nu = 5", "HB-F112", ":3: inputs.u", "where a table is needed", ""),
     (H + "[inputs]\nu = { table = [] }", "HB-F112", ":3: inputs.u.table", "length >= 1", ""),
@@ -387,7 +388,11 @@ def test_a_link_to_a_device_is_refused(tmp_path: Path) -> None:
         ({"elements": {"a": SubmodelPart(3)}}, "HB-F110", "elements.a"),
         ({"parameters": {"a": 1j}}, "HB-F110", "parameters.a"),
         ({"parameters": {"a": float("nan")}}, "HB-F108", "model model: parameters.a"),
-        ({"elements": {"a": C(1, colour="red")}}, "HB-F109", "model model: elements.a.colour"),
+        (
+            {"elements": {"a": Part("C", 1, {"colour": "red"})}},
+            "HB-F109",
+            "model model: elements.a.colour",
+        ),
         ({"elements": {"a": Part("X", 1)}}, "HB-F113", "model model: elements.a.X"),
         ({"elements": {"a b": C(1)}}, "HB-M103", "model model: elements.'a b'"),
         ({"experiment": {"utnil": 1}}, "HB-F109", "model model: experiment.utnil"),

@@ -8,7 +8,8 @@ from hybond.errors import FileError
 from hybond.files import dumps, from_data, load, loads, save, to_data
 from hybond.files.edit import same
 from hybond.model.builder import Model
-from hybond.model.parts import C, I, One, Submodel, SubmodelPart
+from hybond.model.constructors import C, I, One
+from hybond.model.parts import Submodel, SubmodelPart
 
 CAR = """\
 hybond = 1

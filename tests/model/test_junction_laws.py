@@ -11,7 +11,7 @@ import hybond as hb
 from hybond.files import dumps, load, loads, save, to_data
 from hybond.model.expressions import Name, Neg, Number
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import MachinePart
+from hybond.model.parts import MachinePart, Part
 
 STATES = {
     "diode": ("blocks", "conducts"),
@@ -231,7 +231,10 @@ def test_a_gap_may_be_a_quantity() -> None:
 )
 def test_only_junctions_have_laws(options: Any) -> None:
     m = series()
-    m.add(x=hb.R("1 ohm", **options))
+    with pytest.raises(hb.HybondError) as caught:
+        m.add(x=hb.R("1 ohm", **options))
+    assert caught.value.code == "HB-M201" and caught.value.hint == "only junctions have laws"
+    m.add(x=Part("R", "1 ohm", options))
     m.bond("j -> x")
     with pytest.raises(hb.HybondError) as caught:
         m.flatten()

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 import hybond as hb
+from hybond.model.parts import Part
 
 
 def circuit() -> hb.Model:
@@ -105,7 +106,7 @@ def zero_storage(m: hb.Model) -> None:
 
 
 def wrong_start(m: hb.Model) -> None:
-    m.add(D=hb.C("1 F", p=1.0))
+    m.add(D=Part("C", "1 F", {"p": 1.0}))
     m.bond("n -> D")
 
 
@@ -185,7 +186,7 @@ CASES: list[tuple[Callable[[hb.Model], None], str, str]] = [
     (wrong_start, "HB-M165", "elements.D"),
     (start_unit, "HB-U103", "elements.D.e"),
     (one_way_transformer, "HB-M131", "T"),
-    (mixed_domains, "HB-M134", "L"),
+    (mixed_domains, "HB-M134", "elements.mass.domain"),
     (unknown_domain, "HB-M133", "mass"),
     (signal_cycle, "HB-M122", "signals"),
     (parameter_cycle, "HB-M108", "p"),

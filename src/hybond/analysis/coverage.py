@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import DivergenceOfTime, HybondError, UsageError
 from hybond.model.builder import Model
+from hybond.model.given import check_model
 from hybond.model.graph import AnyMode, FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
 from hybond.names import did_you_mean
@@ -160,6 +161,7 @@ def coverage(
         (on) is left by m: c.e < 2
       c.q from 2 to 3: (on)
     """
+    check_model(model)
     graph = model.flatten() if isinstance(model, Model) else model
     instant = _Instant(graph, dict(at or {}), mode)
     instant.index(quantity)

@@ -19,7 +19,7 @@ def commented_text(conversion: Conversion) -> str:
     Examples
     --------
     >>> from hybond.model.builder import Model
-    >>> from hybond.model.parts import R, Se
+    >>> from hybond.model.constructors import R, Se
     >>> model = Model("lamp", domain="electrical")
     >>> model.add(V1=Se("10 V"), R1=R("5 ohm"))
     >>> model.bond("V1 -> R1")

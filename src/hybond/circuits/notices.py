@@ -30,7 +30,8 @@ class Line:
 
     def refuse(self, why: str, *, code: str, hint: str = "") -> FileError:
         """Return the error that says `why` about this line."""
-        return FileError(f"{why} ({shortened(self.text)})", code=code, where=self.place, hint=hint)
+        error = FileError(f"{why} ({shortened(self.text)})", code=code, where=self.place, hint=hint)
+        return error.said_in(self.file, self.number)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.misfits import in_words, unknown_option
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -34,6 +35,7 @@ VERBS = {
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
     "export": "write a model as a program, or for another tool",
+    "completion": "print what a shell needs to complete verbs and options",
 }
 
 IMPACTS = "law of multiple impacts: newton, newton_simultaneous, poisson, lzb, lzb_hertz"
@@ -45,7 +47,8 @@ class Parser(ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the refusal of a command line (argparse would leave the program)."""
-        raise UsageError(message, code="HB-X101", where=self.prog, hint=f"{self.prog} --help")
+        why, hint = in_words(message, self)
+        raise UsageError(why, code="HB-X101", where=self.prog, hint=hint)
 
 
 def parse(argv: list[str]) -> Namespace:
@@ -66,7 +69,7 @@ def parse(argv: list[str]) -> Namespace:
     hybond.errors.UsageError: HB-X101 at hybond: there is no verb 'rnu'
       try: did you mean 'run'?
     """
-    parser = _parser()
+    parser = parser_of_words()
     if not argv:
         raise UsageError("no verb is given", code="HB-X101", where="hybond", hint="hybond --help")
     if not argv[0].startswith("-") and argv[0] not in VERBS:
@@ -76,10 +79,14 @@ def parse(argv: list[str]) -> Namespace:
             where="hybond",
             hint=did_you_mean(argv[0], VERBS),
         )
-    return parser.parse_args(argv)
+    given, rest = parser.parse_known_args(argv)
+    if rest:
+        raise unknown_option(parser, argv[0], rest)
+    return given
 
 
-def _parser() -> Parser:
+def parser_of_words() -> Parser:
+    """Return the parser of all verbs and options."""
     parser = Parser(
         prog="hybond",
         description="Model, analyse and simulate physical systems as hybrid bond graphs.",
@@ -119,7 +126,9 @@ def _parser() -> Parser:
         help="of --cross: two solvers (default: the model's own, and moreau-jean or radau)",
     )
     check.add_argument(
-        "--json", action="store_true", help="of --cross: print one JSON object and nothing else"
+        "--json",
+        action="store_true",
+        help="print one JSON object with places",
     )
     _settings(check)
 
@@ -295,6 +304,9 @@ def _parser() -> Parser:
         "part", metavar="PART", nargs="?", help="a part, a domain, or a word to look for"
     )
     library.add_argument("--file", action="store_true", help="print its model file")
+
+    shell = _verb(verbs, "completion", 'eval "$(hybond completion bash)"')
+    shell.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
 
     export = _verb(
         verbs,

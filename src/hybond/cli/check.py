@@ -13,11 +13,18 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.report import ahead_lines
 from hybond.causality.report import causality as modes_report
-from hybond.cli.cross import check_options, cross
-from hybond.cli.running import read_graph
+from hybond.cli.cross import VERSION, check_options, cross
+from hybond.cli.lists import check_experiment
+from hybond.cli.record import to_json
+from hybond.cli.refusal import placed
+from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import CausalityError, HybondError
+from hybond.files import load
+from hybond.hints.look import hints_of
+from hybond.model.builder import Model
+from hybond.model.checked import Checked, Hint
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
 
@@ -33,7 +40,11 @@ def check(given: Namespace) -> int:
     check_options(given)
     if given.cross:
         return cross(given)
-    graph = read_graph(given.file, given.settings)
+    model = load(given.file)
+    if given.json:
+        return _as_data(given, model)
+    graph = flatten_with(model, given.settings)
+    check_experiment(graph)
     say(graph.title or graph.name)
     _counts(graph)
     _machines(graph)
@@ -60,12 +71,41 @@ def check(given: Namespace) -> int:
     warnings = sum(not line.startswith(" ") for line in ahead) + len(noted)
     for warning in noted:
         say(f"warning: {warning}")
+    hints = hints_of(model, graph)
+    for hint in hints:
+        say(str(hint))
     for conflict in conflicts:
         complain(str(conflict_error(graph, start, conflict)))
     if not conflicts:
-        plural = "s" if warnings > 1 else ""
-        say(f"fine, with {warnings} warning{plural}" if warnings else "fine")
+        counts = [(warnings, "warning"), (len(hints), "hint")]
+        words = [f"{n} {word}{'s' * (n > 1)}" for n, word in counts if n]
+        say(f"fine, with {' and '.join(words)}" if words else "fine")
     return 2 if conflicts else 0
+
+
+def _as_data(given: Namespace, model: Model) -> int:
+    """Print a check as one JSON object, for editors: refusals and hints with their places."""
+    found: HybondError | None = None
+    hints: tuple[Hint, ...] = ()
+    warnings: list[str] = []
+    try:
+        graph = flatten_with(model, given.settings)
+        check_experiment(graph)
+        hints = hints_of(model, graph)
+        warnings = list(graph.warnings)
+        conflicts = () if _has_laws(graph) else _conflicts(graph)
+        found = next(iter(conflicts), None)
+    except HybondError as error:
+        found = placed(error, given)
+    said = Checked(model.title or model.name, found, hints).to_data()
+    say(to_json({"hybond": VERSION, "file": given.file, **said, "warnings": warnings}).rstrip("\n"))
+    return 0 if found is None else found.exit_code
+
+
+def _conflicts(graph: FlatGraph) -> tuple[HybondError, ...]:
+    start = graph.start_mode
+    causality = causality_of(graph, start, reference=reference_mode(graph))
+    return tuple(conflict_error(graph, start, c) for c in causality.conflicts)
 
 
 def _has_laws(graph: FlatGraph) -> bool:

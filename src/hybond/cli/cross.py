@@ -23,7 +23,7 @@ def check_options(given: Namespace) -> None:
     UsageError
         HB-X101.
     """
-    for option in ("until", "step", "engines", "json"):
+    for option in ("until", "step", "engines"):
         if getattr(given, option) and not given.cross:
             raise UsageError(
                 f"--{option} belongs to --cross",

@@ -111,6 +111,11 @@ def verb(given: Namespace) -> int:
             from hybond.cli.library import library
 
             return library(given)
+        case "completion":
+            from hybond.cli.arguments import parser_of_words
+            from hybond.cli.completion import completion
+
+            return completion(given, parser_of_words())
         case "export":
             from hybond.cli.export import export_model
 
@@ -123,10 +128,10 @@ def verb(given: Namespace) -> int:
 
 def refused(given: Namespace, error: BaseException) -> int:
     """Say what stopped a command, also as the object that ``--json`` promised."""
-    from hybond.cli.refusal import refusal_of
+    from hybond.cli.refusal import placed, refusal_of
 
     interrupted = isinstance(error, KeyboardInterrupt)
-    refusal = None if interrupted else refusal_of(error)
+    refusal = None if interrupted else placed(refusal_of(error), given)
     if getattr(given, "json", False):
         from hybond.cli.record import failure_record, to_json
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
-from hybond.cli.progress import Progress
 from hybond.cli.settings import flatten_with
 from hybond.errors import NumericsError
 from hybond.files import load
 from hybond.model.graph import FlatGraph
+from hybond.progress import Progress
 from hybond.result import Result
 from hybond.simulation import simulate
 

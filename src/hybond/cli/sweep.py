@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from hybond.cli.lists import check_experiment, check_signals, end_time, split
-from hybond.cli.progress import MembersDone
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.settings import changed_with
@@ -19,6 +18,7 @@ from hybond.errors import HybondError, NumericsError
 from hybond.files import load
 from hybond.files.whole import write_whole
 from hybond.names import in_columns
+from hybond.progress import MembersDone
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
 

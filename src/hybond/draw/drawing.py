@@ -145,7 +145,7 @@ def draw(
     Examples
     --------
     >>> from hybond.model.builder import Model
-    >>> from hybond.model.parts import C, I, One
+    >>> from hybond.model.constructors import C, I, One
     >>> m = Model("oscillator", domain="translational")
     >>> m.add(mass=I("1 kg"), spring=C("1 mm/N"), v=One())
     >>> m.bond("v -> mass", "v -> spring")
@@ -216,7 +216,7 @@ def draw_mode(
     Examples
     --------
     >>> from hybond.model.builder import Model
-    >>> from hybond.model.parts import I, One, Se
+    >>> from hybond.model.constructors import I, One, Se
     >>> m = Model("falling", domain="translational")
     >>> m.add(weight=Se("-9.81 N"), ball=I("1 kg"), v=One())
     >>> m.bond("weight -> v -> ball")

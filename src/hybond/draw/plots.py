@@ -70,6 +70,7 @@ def plot_run(
         raise UsageError(
             "no signal to plot",
             code="HB-D103",
+            where="signals",
             hint=f"name one: run.plot({known[0]!r}), or --signals {known[0]}"
             if known
             else "the model has no elements",
@@ -81,6 +82,7 @@ def plot_run(
             raise UsageError(
                 f"the signals have different units ({units}) and cannot share axes",
                 code="HB-D104",
+                where="signals",
                 hint="plot one unit per axes, or leave `ax` out",
             )
         ((unit, chosen),) = groups.items()
@@ -164,9 +166,11 @@ def _stacked(
 def _figure(size: tuple[float, float], *, interactive: bool) -> Figure:
     """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file."""
     if interactive:
-        from matplotlib import pyplot
+        from matplotlib import get_backend, pyplot
 
-        return pyplot.figure(figsize=size)
+        # a notebook shows what is returned, and all that pyplot knows: one picture is enough
+        if "inline" not in get_backend().lower():
+            return pyplot.figure(figsize=size)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Plain
 

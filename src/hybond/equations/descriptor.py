@@ -91,6 +91,7 @@ class Descriptor:
             raise EquationError(
                 "the equations of this mode do not determine all states",
                 code="HB-Q105",
+                where="the equations",
                 hint="hybond analyse tells what is undetermined",
             )
         return found

@@ -102,6 +102,7 @@ class Numbers:
             raise NumericsError(
                 f"the coefficient {e} needs a value of {missing}",
                 code="HB-Q101",
+                where="the equations",
                 hint="give the point at which the equations are wanted, or ask for symbols",
             )
         return value.value
@@ -246,6 +247,7 @@ class Symbols:
                         f"a coefficient has over {LONGEST} terms: a large network of resistors "
                         "has no short formula",
                         code="HB-Q104",
+                        where="the equations",
                         hint="ask for numbers (symbolic=False, --numbers)",
                     )
         return {k: v for k, v in total.items() if not v.is_zero}

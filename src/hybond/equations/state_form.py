@@ -72,6 +72,12 @@ class StateEquations(Generic[T]):
     again: Callable[[], StateEquations[T]] | None = None
     """Derives the long form."""
 
+    def __repr__(self) -> str:
+        return (
+            f"<StateEquations {self.graph.name!r}: {len(self.states)} states, "
+            f"{len(self.inputs)} inputs, {len(self.outputs)} outputs>"
+        )
+
     @property
     def ring(self) -> Ring[T]:
         """The coefficients' kind."""
@@ -437,6 +443,7 @@ def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
             f"{', '.join(name.removeprefix('p:') for name in gone)} is zero in the model, so the "
             "equations do not have it",
             code="HB-Q108",
+            where="the equations",
             hint="derive them anew from the model with the other value",
         )
     known = ring.known(values or {})
@@ -448,12 +455,14 @@ def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
             raise EquationError(
                 "a coefficient divides by what is zero at this point",
                 code="HB-Q107",
+                where="the equations",
                 hint="take a point beside it; the rates there are finite only if the motion is",
             ) from None
         except KeyError as missing:
             raise NumericsError(
                 f"a coefficient reads {missing.args[0]}, which has no value here",
                 code="HB-Q101",
+                where="the equations",
                 hint="give values={...} at the point of interest",
             ) from None
 

@@ -132,6 +132,7 @@ def switch_form(
             raise EquationError(
                 f"the output {e} is not linear in efforts and flows",
                 code="HB-Q102",
+                where="outputs",
                 hint="ask for the efforts and flows that it is made of",
             )
         slopes, rest = found

@@ -72,6 +72,7 @@ class TransferFunctions:
                 raise EquationError(
                     f"a coefficient reads {self.display.name(missing.args[0])}, which has no value",
                     code="HB-Q101",
+                    where="the transfer function",
                     hint="a transfer function belongs to a mode with constant coefficients",
                 ) from None
         return found

@@ -29,7 +29,7 @@ def to_python(model: Model) -> str:
 
     Examples
     --------
-    >>> from hybond.model.parts import C, I, One
+    >>> from hybond.model.constructors import C, I, One
     >>> m = Model("oscillator", domain="translational", parameters={"k": "100 N/m"})
     >>> m.add(mass=I("1 kg", f="1 m/s"), spring=C("1/k"), v=One())
     >>> m.bond("v -> mass", "v -> spring")
@@ -357,4 +357,9 @@ def literal(value: Any) -> str:
         return "[" + ", ".join(literal(v) for v in value) + "]"
     if hasattr(value, "tolist"):  # NumPy's arrays and numbers
         return literal(value.tolist())
-    raise ModelError(f"{value!r} cannot be written to a script", code="HB-E670")
+    raise ModelError(
+        f"{value!r} cannot be written to a script",
+        code="HB-E670",
+        where="the script",
+        hint="write it as a number or a text",
+    )

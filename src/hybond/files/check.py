@@ -170,6 +170,10 @@ def _wrong_type(data: Any, shape: Any, place: Place, message: str) -> FileError:
             words.remove("a whole number")
         if words:
             message = f"{describe(data)}, where {' or '.join(words)}{rest} is needed"
+        if words == ["a list"] and isinstance(data, str):
+            hint = f'write ["{shortened(data)}"]'
+        elif words == ["a table"] and place.path[-2:-1] == ("elements",):
+            hint = 'write the kind of the element: { C = "1 mm/N" }'
         if shape is Waveform:
             hint = 'write { constant = "5 V" }, or a table or pwm: docs/model_files.md'
     return place.refuse(message, code="HB-F112", hint=hint)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from hybond.blocks.fmu import fmu_block
-from hybond.errors import FileError, ModelError
+from hybond.errors import ModelError
 from hybond.files.check import check, describe
 from hybond.files.elements import read_element
 from hybond.files.place import Place, shortened
 from hybond.files.schema import VERSION, File
 from hybond.files.submodel_files import Reading, is_file
 from hybond.model.builder import Model
+from hybond.model.origin import Origin, snapshot
 from hybond.model.parts import InputPart, Integral, MachinePart, Sampled, SubmodelPart
 
 
@@ -93,6 +94,7 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
         with reading.inside(place / "models" / key):
             model.models[key] = read_model(value, place / "models" / key, reading, key)
     model.experiment = dict(data.get("experiment", {}))
+    model.origin = Origin(place.within, snapshot(model))
     model.layout = {key: (x, y) for key, (x, y) in data.get("layout", {}).items()}
     for key, part in model.elements.items():
         if not (isinstance(part, SubmodelPart) and is_file(part.model)):
@@ -109,9 +111,7 @@ def _name(model: Model, name: str, place: Place) -> None:
     try:
         model._new_name(name)
     except ModelError as error:
-        raise FileError(
-            shortened(error.why, 120), code=error.code, where=str(place), hint=error.hint
-        ) from None
+        raise place.refuse(shortened(error.why, 120), code=error.code, hint=error.hint) from None
 
 
 def _dynamic(data: dict[str, Any], place: Place) -> Integral | Sampled:

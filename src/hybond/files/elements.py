@@ -10,6 +10,20 @@ from hybond.files.schema import ELEMENTS
 from hybond.model.parts import Part, SubmodelPart
 from hybond.names import did_you_mean
 
+_MEANT = {
+    **dict.fromkeys(("capacitor", "capacitance", "spring", "tank", "compliance"), "'C'"),
+    **dict.fromkeys(("inductor", "inductance", "mass", "inertia", "coil"), "'I'"),
+    **dict.fromkeys(("resistor", "resistance", "damper", "friction"), "'R'"),
+    **dict.fromkeys(("source", "voltage", "force", "battery"), "'Se' (effort) or 'Sf' (flow)"),
+    **dict.fromkeys(("current", "velocity"), "'Sf'"),
+    **dict.fromkeys(("transformer", "lever", "gear"), "'TF'"),
+    **dict.fromkeys(("gyrator", "motor"), "'GY'"),
+    **dict.fromkeys(("0", "1", "zero", "one", "node"), "'junction' = 0 or 'junction' = 1"),
+    **dict.fromkeys(("model", "part", "library"), "'submodel'"),
+    **dict.fromkeys(("switch", "sw", "diode"), "'junction', which a machine or a law switches"),
+}
+"""What words mean that are no kinds."""
+
 
 def read_element(data: Any, place: Place) -> Part | SubmodelPart:
     """Return the element that `data` describes.
@@ -78,10 +92,11 @@ def _kind(data: dict[str, Any], place: Place) -> str:
             code="HB-F113",
             hint="kinds: " + ", ".join(ELEMENTS),
         )
+    meant = _MEANT.get(strange.lower())
     raise (place / strange).refuse(
         f"{quoted(strange)} is not a kind of element",
         code="HB-F113",
-        hint=did_you_mean(strange, ELEMENTS),
+        hint=f"did you mean {meant}?" if meant else did_you_mean(strange, ELEMENTS),
     )
 
 

@@ -39,7 +39,7 @@ def to_data(model: Model, *, inline: bool = False) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from hybond.model.parts import I
+    >>> from hybond.model.constructors import I
     >>> model = Model("block")
     >>> model.add(mass=I("1 kg"))
     >>> to_data(model)

@@ -44,6 +44,13 @@ def load(path: str | os.PathLike[str]) -> Model:
     >>> model.name, model.elements["mass"]
     ('block', Part(kind='I', value='1 kg', options={}))
     """
+    if not isinstance(path, str | os.PathLike):
+        raise FileError(
+            f"{path!r} is not the name of a file",
+            code="HB-F102",
+            where="path",
+            hint='hb.load("ball.toml")',
+        )
     file = Path(path)
     format = format_of(file)
     source = Source(str(file), read_text(file, str(file)), format)
@@ -82,11 +89,27 @@ def loads(
     Traceback (most recent call last):
         ...
     hybond.errors.FileError: HB-F113 at pad.toml:3: elements.pad.Cx: 'Cx' is not a kind of element
+        3 | pad = { Cx = 1 }
       try: did you mean 'C'?
     """
     if format not in ("toml", "json"):
         raise FileError(
             f"{format!r} is not a format", code="HB-F102", where=where, hint="'toml' or 'json'"
+        )
+    if not isinstance(text, str):
+        raise FileError(
+            f"a {type(text).__name__} is not a text",
+            code="HB-F104",
+            where=where,
+            hint='hb.load("ball.toml") reads a file',
+        )
+    bare = text.strip()
+    if bare.lower().endswith((".toml", ".json")) and not any(c in bare for c in "\n=[{"):
+        raise FileError(
+            "not a hybond model: this is the name of a file",
+            code="HB-F106",
+            where=where,
+            hint=f'hb.load("{bare}")',
         )
     source = Source(where, text, format)
     return _read(parse(source), Place(source), _reading(base), "model")

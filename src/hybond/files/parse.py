@@ -12,7 +12,9 @@ from typing import Any
 
 from hybond.errors import FileError
 from hybond.files import limits
-from hybond.files.place import Format, Source, quoted, shortened
+from hybond.files.place import Format, Source, line_of, quoted, shortened
+from hybond.files.toml_syntax import explain
+from hybond.names import did_you_mean
 
 _TOML_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 _MASKED = re.compile(
@@ -29,6 +31,24 @@ CIRCUITS = (".cir", ".net", ".sp", ".spi", ".ckt", ".spice", ".asc")
 """Endings of SPICE netlists and of schematics that are read as such."""
 BOND_GRAPHS = (".bg",)
 """Endings of files of BondGraphTools."""
+_LOOKED_AT = 1000
+"""Files of a folder among which one that is not there is looked for."""
+_ENDINGS = (".toml", ".json", *CIRCUITS, *BOND_GRAPHS)
+_DIGITS = "a number has more digits than can be read"
+_SHORTER = "write it with fewer digits, as 1e20"
+_JSON = (
+    ("delimiter", "a comma or a colon is missing", "put it before what stands here"),
+    ("property name", "a key in double quotes is missing", 'write "key": value, no comma before }'),
+    ("control character", "a line break or control character in a text", "write it as \\n"),
+    ("unterminated", "a text is not closed", 'close it with "'),
+    ("escape", "an escape that JSON has not", "write \\\\ for a \\"),
+    (
+        "expecting value",
+        "a value is missing",
+        'write a number, "text", true, false, [...] or {...}',
+    ),
+    ("extra data", "something follows the end of the model", "put all of it in one { ... }"),
+)
 _DEEPEST_KEY = 2 * limits.LEVELS + 12
 
 
@@ -46,6 +66,10 @@ def format_of(path: Path) -> Format:
     if suffix == ".json":
         return "json"
     hint = "model files end in .toml or .json"
+    if not suffix and path.name:
+        for ending in (".toml", ".json"):
+            if path.with_suffix(ending).is_file():
+                hint = f"did you mean {path.with_suffix(ending)}?"
     if suffix in CIRCUITS + BOND_GRAPHS:
         hint = f"make one of it first: hybond convert {path.name} {path.stem}.toml"
     raise FileError(
@@ -76,7 +100,7 @@ def read_text(path: Path, name: str) -> str:
                 raise _unreadable(f"it is {what}", name)
             data = file.read(limits.FILE_BYTES + 1)
     except FileNotFoundError:
-        raise _unreadable("there is no such file", name, hint="check the path") from None
+        raise _unreadable("there is no such file", name, hint=_near(path)) from None
     except IsADirectoryError:
         raise _unreadable("it is a directory", name) from None
     except (OSError, ValueError) as error:
@@ -87,6 +111,18 @@ def read_text(path: Path, name: str) -> str:
     return decode_text(data, name)
 
 
+def _near(path: Path) -> str:
+    """Return the files beside `path` that may be meant."""
+    try:
+        with os.scandir(path.parent) as found:
+            names = [f.name for f, _ in zip(found, range(_LOOKED_AT)) if f.name[0] != "."]
+    except OSError:
+        return f"check the path: there is no folder {str(path.parent)!r}"
+    kind = path.suffix.lower()
+    near = [n for n in names if n.lower().endswith(kind) and n.lower().endswith(_ENDINGS)]
+    return (did_you_mean(path.name, near) if len(near) < 40 else "") or "check the path"
+
+
 def _unreadable(why: str, name: str, hint: str = "") -> FileError:
     return FileError(f"cannot read the file: {why}", code="HB-F101", where=name, hint=hint)
 
@@ -94,7 +130,12 @@ def _unreadable(why: str, name: str, hint: str = "") -> FileError:
 def decode_text(data: bytes, name: str) -> str:
     """Return bytes as text (UTF-8, a byte order mark allowed)."""
     if len(data) > limits.FILE_BYTES:
-        raise FileError(f"larger than {limits.FILE_BYTES // 2**20} MiB", code="HB-F103", where=name)
+        raise FileError(
+            f"larger than {limits.FILE_BYTES // 2**20} MiB",
+            code="HB-F103",
+            hint="put parts of it into files of their own",
+            where=name,
+        )
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -118,7 +159,10 @@ def parse(source: Source) -> dict[str, Any]:
     """
     if len(source.text) > limits.FILE_BYTES:
         raise FileError(
-            f"larger than {limits.FILE_BYTES // 2**20} MiB", code="HB-F103", where=source.name
+            f"larger than {limits.FILE_BYTES // 2**20} MiB",
+            code="HB-F103",
+            hint="put parts of it into files of their own",
+            where=source.name,
         )
     if not source.text.strip():
         raise FileError(
@@ -133,11 +177,15 @@ def parse(source: Source) -> dict[str, Any]:
         raise FileError(
             f"more than {limits.NESTING} tables and lists inside one another",
             code="HB-F103",
+            hint="write fewer levels, or [headers] for tables",
             where=source.name,
         ) from None
     if not isinstance(data, dict):
         raise FileError(
-            "not a hybond model: the whole is not a table", code="HB-F106", where=source.name
+            "not a hybond model: the whole is not a table",
+            code="HB-F106",
+            hint="a model begins with hybond = 1",
+            where=source.name,
         )
     return data
 
@@ -152,6 +200,7 @@ def _parse_toml(source: Source) -> Any:
                 f"a key of more than {_DEEPEST_KEY} parts, or more than {_LONG_KEYS} keys of "
                 "more than 20",
                 code="HB-F103",
+                hint="write fewer levels, or [headers] for tables",
                 where=source.name,
             )
     try:
@@ -159,16 +208,19 @@ def _parse_toml(source: Source) -> Any:
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         match = _TOML_PLACE.search(message)
-        where = source.name
-        if match and match[1]:
-            where += f":{match[1]}:{match[2]}"
-        elif match:
-            lines = source.text.split("\n")
-            where += f":{len(lines)}:{len(lines[-1]) + 1}"
-        why = message[: match.start()] if match else message
-        raise _syntax("TOML", why, where) from None
-    except ValueError as error:  # more digits than Python converts
-        raise _syntax("TOML", str(error), source.name) from None
+        lines = source.text.split("\n")
+        line = int(match[1]) if match and match[1] else len(lines)
+        column = int(match[2]) if match and match[2] else len(lines[-1]) + 1
+        at = sum(len(row) + 1 for row in lines[: line - 1]) + column - 1
+        # at the end there may be nothing but empty lines
+        while line > 1 and not lines[line - 1].strip():
+            line -= 1
+            column = len(lines[line - 1]) + 1
+            at = min(at, sum(len(row) + 1 for row in lines[: line - 1]) + column - 1)
+        why, hint = explain(source.text, at, message)
+        raise _syntax("TOML", why, source, line, column, hint) from None
+    except ValueError:  # more digits than Python converts
+        raise _syntax("TOML", _DIGITS, source, None, None, _SHORTER) from None
 
 
 def _parse_json(source: Source) -> Any:
@@ -177,19 +229,41 @@ def _parse_json(source: Source) -> Any:
         if len(data) < len(pairs):
             keys = [key for key, _ in pairs]
             twice = next(key for k, key in enumerate(keys) if key in keys[:k])
-            raise _syntax("JSON", f"the key {quoted(twice)} is there twice", source.name)
+            why = f"the key {quoted(twice)} is there twice"
+            raise _syntax("JSON", why, source, None, None, "take one of them out")
         return data
 
     def constant(word: str) -> float:
-        raise FileError(f"{word} is not a finite number", code="HB-F108", where=source.name)
+        raise FileError(
+            f"{word} is not a finite number",
+            code="HB-F108",
+            where=source.name,
+            hint="write a number",
+        ).said_in(source.name)
 
     try:
         return json.loads(source.text, object_pairs_hook=table, parse_constant=constant)
     except json.JSONDecodeError as error:
-        raise _syntax("JSON", error.msg, f"{source.name}:{error.lineno}:{error.colno}") from None
-    except ValueError as error:  # more digits than Python converts
-        raise _syntax("JSON", str(error), source.name) from None
+        why, hint = _json_words(error.msg)
+        raise _syntax("JSON", why, source, error.lineno, error.colno, hint) from None
+    except ValueError:  # more digits than Python converts
+        raise _syntax("JSON", _DIGITS, source, None, None, _SHORTER) from None
 
 
-def _syntax(language: str, why: str, where: str) -> FileError:
-    return FileError(f"not {language}: {shortened(why, 200)}", code="HB-F105", where=where)
+def _json_words(message: str) -> tuple[str, str]:
+    """Return the reason and the remedy of what the parser of JSON says."""
+    low = message.lower()
+    for said, why, hint in _JSON:
+        if said in low:
+            return why, hint
+    return "the text cannot be read from here on", "look for a missing comma or quote"
+
+
+def _syntax(
+    language: str, why: str, source: Source, line: int | None, column: int | None, hint: str
+) -> FileError:
+    where = source.name + (f":{line}:{column}" if line else "")
+    error = FileError(
+        f"not {language}: {shortened(why, 200)}", code="HB-F105", where=where, hint=hint
+    )
+    return error.said_in(source.name, line, line_of(source, line))

@@ -11,6 +11,8 @@ from hybond.errors import FileError
 Format = Literal["toml", "json"]
 Path = tuple[str | int, ...]
 
+WIDTH = 100
+"""Most characters of a line that a message shows."""
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 
 
@@ -59,7 +61,28 @@ class Place:
 
     def refuse(self, why: str, *, code: str, hint: str = "") -> FileError:
         """Return the error that says `why` at this place."""
-        return FileError(why, code=code, where=str(self), hint=hint)
+        error = FileError(why, code=code, where=str(self), hint=hint)
+        return error.said_in(self.source.name, self.line, line_of(self.source, self.line))
+
+    def within(self, path: Path) -> tuple[str, int | None, str]:
+        """Return the file, the line and the text of what stands at a path from here."""
+        place = Place(self.source, (*self.path, *path))
+        line = place.line
+        return self.source.name, line, line_of(self.source, line)
+
+
+def line_of(source: Source, line: int | None) -> str:
+    r"""Return what a line says, empty if there is none; of a long one the beginning.
+
+    Examples
+    --------
+    >>> line_of(Source("ball.toml", "hybond = 1\n  domain = 'x'\n"), 2)
+    "domain = 'x'"
+    """
+    lines = source.text.split("\n")
+    if line is None or not 1 <= line <= len(lines):
+        return ""
+    return shortened(lines[line - 1].strip(), WIDTH)
 
 
 def dotted(path: Path) -> str:

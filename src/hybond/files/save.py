@@ -43,7 +43,7 @@ def dumps(model: Model, *, format: Format = "toml", inline: bool = False) -> str
 
     Examples
     --------
-    >>> from hybond.model.parts import C, I, One
+    >>> from hybond.model.constructors import C, I, One
     >>> model = Model("oscillator", domain="translational", parameters={"k": "100 N/m"})
     >>> model.add(mass=I("1 kg", f="1 m/s"), spring=C("1/k"), v=One())
     >>> model.bond("v -> mass", "v -> spring")
@@ -64,7 +64,9 @@ def dumps(model: Model, *, format: Format = "toml", inline: bool = False) -> str
     bonds = ["v -> mass", "v -> spring"]
     """
     if format not in ("toml", "json"):
-        raise FileError(f"{format!r} is not a format", code="HB-F102", hint="'toml' or 'json'")
+        raise FileError(
+            f"{format!r} is not a format", code="HB-F102", where="format", hint="'toml' or 'json'"
+        )
     return _text(_checked_data(model, inline=inline), format)
 
 
@@ -150,7 +152,10 @@ def _existing(text: str, file: Path, format: Format) -> dict[str, Any]:
         data = parse(source)
         if data.get("hybond") != VERSION:
             raise FileError(
-                f"not a hybond model of format version {VERSION}", code="HB-F106", where=str(file)
+                f"not a hybond model of format version {VERSION}",
+                code="HB-F106",
+                hint="a model begins with hybond = 1",
+                where=str(file),
             )
         with contextlib.suppress(FileError):
             # A model that is wrong somewhere is edited by its own data, not the canonical data.

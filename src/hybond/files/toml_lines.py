@@ -16,7 +16,7 @@ _TOKEN = re.compile(
     r'|"(?:[^"\\\n]|\\.)*"'
     r"|'[^'\n]*'"
     r"|\#[^\n]*"
-    r"|[\[\]{}=\n]"
+    r"|[\[\]{},=\n]"
     r"|[A-Za-z0-9_-]+",
     re.DOTALL,
 )
@@ -32,6 +32,8 @@ class Statement:
     header: bool
     first: int
     last: int
+    value: int = 0
+    """Where its value begins: characters from the beginning of the text."""
 
 
 def statements(text: str) -> Iterator[Statement]:
@@ -47,12 +49,12 @@ def statements(text: str) -> Iterator[Statement]:
     table: tuple[str, ...] = ()
     keys: list[str] = []  # of the statement being read
     state = ""  # "" before, "header", "key", "value"
-    depth = line = first = 0
+    depth = line = first = start = 0
     for match in _TOKEN.finditer(text + "\n"):
         token = match[0]
         if token == "\n":
             if state == "value" and depth <= 0:
-                yield Statement((*table, *keys), False, first, line)
+                yield Statement((*table, *keys), False, first, line, start)
             if depth <= 0 or state in ("header", "key"):
                 state, keys, depth = "", [], 0
         elif token.startswith("#"):
@@ -66,7 +68,7 @@ def statements(text: str) -> Iterator[Statement]:
             yield Statement(table, True, first, line)
             state, keys = "done", []
         elif token == "=" and state == "key":
-            state = "value"
+            state, start = "value", match.end()
         elif state in ("", "header", "key"):
             if not state:
                 state, first = "key", line
@@ -75,19 +77,60 @@ def statements(text: str) -> Iterator[Statement]:
 
 
 def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
-    """Return the line (from 1) of the statement that says `path`, or the nearest around it."""
-    names = tuple(key for key in path if isinstance(key, str))
-    best: tuple[int, int] | None = None
+    r"""Return the line (from 1) of the statement that says `path`, or the nearest around it.
+
+    Of a value on several lines it is that of the item.
+
+    Examples
+    --------
+    >>> find_line('[graph]\nbonds = [\n "a -> b",\n "b -> c",\n]\n', ("graph", "bonds", 1))
+    4
+    """
+    first = next((k for k, key in enumerate(path) if isinstance(key, int)), len(path))
+    names = tuple(str(key) for key in path[:first])
+    best: Statement | None = None
     inside: int | None = None
     for s in statements(text):
         n = len(s.path)
-        if names[:n] == s.path and (best is None or n > best[0]):
-            best = (n, s.first + 1)
-        elif s.path[: len(names)] == names and inside is None:
+        if names[:n] == s.path and (best is None or n > len(best.path)):
+            best = s
+        elif s.path[:first] == names and inside is None:
             inside = s.first + 1
-    if best and best[0] == len(names):
-        return best[1]
-    return inside or (best[1] if best else None)
+    if best is not None and not best.header and best.last > best.first:
+        rest = path[len(best.path) :]
+        return best.first + 1 + _lines_down(text, best.value, rest)
+    if best and len(best.path) == len(names):
+        return best.first + 1
+    return inside or (best.first + 1 if best else None)
+
+
+def _lines_down(text: str, start: int, path: tuple[str | int, ...]) -> int:
+    """Return how many lines below the beginning of a value the item at `path` in it is."""
+    line = found = deepest = 0
+    stack: list[str | int | None] = []  # the key or index being read at each level
+    for match in _TOKEN.finditer(text, start):
+        token = match[0]
+        if token == "\n":
+            line += 1
+        elif token.startswith("#") or token == "=":
+            pass
+        elif token in "]}":
+            stack = stack[:-1]
+            if not stack:
+                break
+        elif token == ",":
+            stack[-1:] = [stack[-1] + 1 if stack and isinstance(stack[-1], int) else None]
+        else:
+            if stack and stack[-1] is None:
+                stack[-1] = _unquote(token)
+                token = ""
+            depth = len(stack)
+            if depth > deepest and tuple(stack) == path[:depth]:
+                found, deepest = line, depth
+            if token in ("[", "{"):
+                stack.append(0 if token == "[" else None)
+            line += token.count("\n")
+    return found
 
 
 def _unquote(token: str) -> str:

@@ -35,7 +35,9 @@ def find(name: Any) -> Model | None:
         return None
     from hybond.files.load import load
 
-    return load(SHELVES.joinpath(*name.split(".")).with_suffix(".toml"))
+    found = load(SHELVES.joinpath(*name.split(".")).with_suffix(".toml"))
+    found.origin = None  # what is refused in a part is said where the part is used
+    return found
 
 
 def part(name: str) -> Model:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import html
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
+from hybond.model.domains import no_such_domain
+from hybond.model.kinds import KINDS
+from hybond.model.origin import Origin
 from hybond.model.parts import (
     BlockPart,
     InputPart,
@@ -17,8 +22,11 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.names import plural
+from hybond.units import DOMAINS
 
 if TYPE_CHECKING:
+    from hybond.model.checked import Checked
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
@@ -62,6 +70,7 @@ class Model:
         domain: str = "generic",
         parameters: Mapping[str, Value] | None = None,
     ) -> None:
+        _check(name, domain, parameters)
         self.name = name
         self.title = title
         self.about = ""
@@ -82,6 +91,8 @@ class Model:
         """Bond to the node at its stroke; see `pin`."""
         self.reference_states: dict[str, str] = {}
         """Machine to state; see `reference`."""
+        self.origin: Origin | None = None
+        """Where it was read from, if it was."""
         self.indeterminate = "error"
         """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
 
@@ -90,16 +101,19 @@ class Model:
         for name, part in elements.items():
             self._new_name(name)
             if not isinstance(part, Part | SubmodelPart):
-                raise ModelError(
-                    f"{part!r} is not an element",
-                    code="HB-M102",
-                    where=name,
-                    hint="use hybond.Se, Sf, C, I, R, G, TF, GY, Zero, One or Submodel",
-                )
+                raise _no_element(part, name)
             self.elements[name] = part
 
     def bond(self, *chains: str) -> None:
         """Add bonds as they are drawn: ``"a -> b -> c"`` is two bonds."""
+        for k, chain in enumerate(chains, len(self.bonds)):
+            if not isinstance(chain, str):
+                raise ModelError(
+                    f"{chain!r} is not a bond",
+                    code="HB-M109",
+                    where=f"graph.bonds[{k}]",
+                    hint='m.bond("a -> b", "b -> c -> d")',
+                )
         self.bonds.extend(chains)
 
     def parameter(self, **parameters: Value) -> None:
@@ -110,6 +124,14 @@ class Model:
         """Add signals: an expression, an `Integral`, or what is `Sampled`."""
         for name, signal in signals.items():
             self._new_name(name)
+            number = isinstance(signal, Real) and not isinstance(signal, bool)
+            if not number and not isinstance(signal, str | Integral | Sampled):
+                raise ModelError(
+                    f"{signal!r} is not a signal",
+                    code="HB-M110",
+                    where=f"signals.{name}",
+                    hint='write "v.f*F.e", hb.Integral("v.f") or hb.Sampled("v.f", every="1 ms")',
+                )
             self.signals[name] = signal
 
     def input(self, **inputs: InputPart | Value) -> None:
@@ -139,6 +161,30 @@ class Model:
     ) -> None:
         """Add a state machine: the controlled junctions each state switches ON, and its rules."""
         self._new_name(name)
+        where = f"machines.{name}"
+        for state, listed in states.items() if isinstance(states, Mapping) else ():
+            if isinstance(listed, str) or not isinstance(listed, Iterable):
+                what = "a text" if isinstance(listed, str) else "no list of junctions"
+                raise ModelError(
+                    f"the state {state!r} lists {listed!r}, which is {what}",
+                    code="HB-M140",
+                    where=f"{where}.states.{state}",
+                    hint=f"write [{listed!r}]" if isinstance(listed, str) else 'write ["contact"]',
+                )
+        if not isinstance(states, Mapping):
+            raise ModelError(
+                f"states = {states!r} does not say what each state switches ON",
+                code="HB-M140",
+                where=f"{where}.states",
+                hint='states={"open": [], "closed": ["contact"]}',
+            )
+        if isinstance(rules, str):
+            raise ModelError(
+                "the rules are one text",
+                code="HB-M145",
+                where=f"{where}.rules",
+                hint=f"write a list of them: rules=[{rules!r}]",
+            )
         self.machines[name] = MachinePart(
             {k: tuple(v) for k, v in states.items()}, start, tuple(rules)
         )
@@ -196,7 +242,33 @@ class Model:
 
         return flatten(self, parameters or {})
 
-    def draw(self, *, mode: Mapping[str, str] | None = None, numbers: bool = False) -> Any:
+    def check(self) -> Checked:
+        """Return what a check of the model says: a refusal if it has no meaning, and hints.
+
+        Hints are no errors: a storage whose arrow points away, a parameter that nothing uses, a
+        state without a way out. Each has a code with a page, a place and a remedy.
+
+        Examples
+        --------
+        >>> import hybond as hb
+        >>> m = hb.Model("rc", domain="electrical")
+        >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+        >>> m.bond("node -> c", "r -> node")
+        >>> [hint.code for hint in m.check()]
+        ['HB-H101']
+        """
+        from hybond.hints.look import checked
+
+        return checked(self)
+
+    def draw(
+        self,
+        *,
+        mode: Mapping[str, str] | None = None,
+        numbers: bool = False,
+        simplify: bool = False,
+        legend: bool = True,
+    ) -> Any:
         """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
 
         Parameters
@@ -205,6 +277,10 @@ class Model:
             Machines that are left out are in their start state.
         numbers : bool
             Number the bonds.
+        simplify : bool
+            Leave out junctions between two bonds, grounds, and losses of zero.
+        legend : bool
+            Explain the signs that occur.
 
         Raises
         ------
@@ -214,10 +290,11 @@ class Model:
         from hybond.draw import draw_mode
 
         graph = self.flatten()
-        return draw_mode(graph, graph.mode_of(mode or {}), numbers=numbers)
+        chosen = graph.mode_of(mode or {})
+        return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
 
     def _new_name(self, name: str) -> None:
-        if not _NAME.match(name) or name in RESERVED:
+        if not isinstance(name, str) or not _NAME.match(name) or name in RESERVED:
             raise ModelError(
                 f"{name!r} cannot be a name",
                 code="HB-M103",
@@ -233,10 +310,60 @@ class Model:
                 f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"
             )
 
-    def _repr_svg_(self) -> str:
-        return str(self.draw().svg())
+    def __repr__(self) -> str:
+        counts = [
+            (len(self.elements), "element"),
+            (len(self.bonds), "chain of bonds"),
+            (len(self.machines), "machine"),
+        ]
+        words = [f"{n} {plural(word, n)}" for n, word in counts if n]
+        return f"<Model {self.name!r}: {', '.join(words) or 'empty'}>"
+
+    def _repr_html_(self) -> str:
+        try:
+            picture = str(self.draw().svg())
+        except HybondError as error:
+            picture = f"<pre>{html.escape(str(error))}</pre>"
+        title = html.escape(self.title or self.name)
+        return f"<figure><figcaption>{title}</figcaption>{picture}</figure>"
+
+
+def _no_element(part: Any, name: str) -> ModelError:
+    maker = getattr(part, "__name__", "") if callable(part) else ""
+    hint = 'use hb.Se, Sf, C, I, R, G, TF, GY, Zero, One or Submodel: hb.C("1 mF")'
+    if maker in KINDS or maker in ("One", "Zero", "Submodel"):
+        hint = f"call it: hb.{maker}(...)"
+    return ModelError(
+        f"{f'the function {maker}' if maker else repr(part)} is not an element",
+        code="HB-M102",
+        where=f"elements.{name}",
+        hint=hint,
+    )
+
+
+def _check(name: Any, domain: Any, parameters: Any) -> None:
+    """Refuse what no model begins with."""
+    if not isinstance(name, str):
+        raise ModelError(
+            f"{name!r} is not a name",
+            code="HB-M103",
+            where="name",
+            hint='hb.Model("oscillator", domain="translational")',
+        )
+    if domain not in DOMAINS:
+        raise no_such_domain(domain, "domain")
+    if not isinstance(parameters, Mapping | None):
+        raise ModelError(
+            f"parameters = {parameters!r} does not map names to values",
+            code="HB-M107",
+            where="parameters",
+            hint='parameters={"m": "1 kg"}',
+        )
 
 
 def graph_of(model: Model | FlatGraph) -> FlatGraph:
-    """Return the flat graph of a model, or a flat graph as it is."""
+    """Return the flat graph of a model, or a flat graph as it is; HB-S130 for what is neither."""
+    from hybond.model.given import check_model
+
+    check_model(model)
     return model.flatten() if isinstance(model, Model) else model

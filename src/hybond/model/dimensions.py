@@ -26,7 +26,7 @@ from hybond.model.expressions.tree import (
     fold,
     walk,
 )
-from hybond.units import DIMENSIONLESS, Dimension
+from hybond.units import DIMENSIONLESS, Dimension, parse_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,9 @@ class _Scaled:
 
 
 _PLAIN = _Plain()
+_TIME = parse_unit("s")[1]
+RATED = ("sin", "cos", "tan", "exp")
+"""Functions that are taken of a frequency times a time."""
 _Found = Dimension | _Scaled | _Plain | None
 
 
@@ -134,7 +137,10 @@ def _same(args: tuple[Expr, ...], below: list[_Found], verb: str, where: str) ->
 def _number_only(e: Expr, found: _Found, of: str, where: str) -> None:
     if isinstance(found, Dimension) and found != DIMENSIONLESS:
         why = f"{of} takes a plain number, {_shown(e)} is in {found}"
-        hint = f"divide by a reference: ({to_text(e)[:40]})/(1 [{found}])"
+        text = to_text(e)[:40]
+        hint = f"divide by a reference: ({text})/(1 [{found}])"
+        if found == _TIME and of in RATED:
+            hint = f"write {of}(1*{text}), where the 1 is a frequency in rad/s, or {hint}"
         raise UnitError(why, code="HB-U106", where=where, hint=hint)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from hybond.errors import ModelError, UnitError
+from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import parse
@@ -20,9 +20,12 @@ from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
+from hybond.model.located import locate
 from hybond.model.machines import machines_of, switched_by, with_laws_of_junctions
+from hybond.model.misfits import units_of
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
+from hybond.model.paths import with_parts
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.resolve import Resolver
 from hybond.model.sampled import samples_of
@@ -44,8 +47,24 @@ def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = 
     Raises
     ------
     ModelError
-        For anything that has no meaning; `where` is the path in the model.
+        For anything that has no meaning; `where` is the path in the model, and `file`, `line` and
+        `written` what says so in the file that the model was read from.
     """
+    changed, left = with_parts(model, overrides)
+    if slots is not None and changed is not model:
+        # what a law is made of is not known in slots
+        raise ModelError(
+            "parts of the model are set", code="HB-M107", where="parameters", hint="flatten it anew"
+        )
+    try:
+        return _flatten(changed, left, slots, overrides)
+    except HybondError as error:
+        raise locate(error, changed, overrides) from None
+
+
+def _flatten(
+    model: Model, overrides: Mapping[str, Value], slots: Slots | None, asked: Mapping[str, Value]
+) -> FlatGraph:
     opened = open_model(model, overrides, slots)
     with_laws = open_laws(opened)
     switched = switched_by(opened)
@@ -121,6 +140,7 @@ def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = 
         reference=reference_of(opened, machines),
         read=lambda text: resolver.resolve(parse(text, where=text), root, text),
         parametric=lambda k: _parametric(nodes[k], raw_nodes[k], resolver),
+        locate=lambda error: locate(error, model, asked),
     )
     check_readers(graph)
     return fieldless.checked(graph)
@@ -260,11 +280,14 @@ def _integrals(
             whole = dimension * _TIME
             given = starts[path].dimension
             if given is not None and given != whole:
+                made = units_of([part.start, part.rate], scope.parameters)
                 raise UnitError(
-                    f"the start is in {given}, the integral in {whole}",
+                    f"the start {part.start!r} is in {given}, the integral of {part.rate!r} in "
+                    f"{whole}{made}",
                     code="HB-U102",
                     where=f"signals.{path}.start",
-                    hint=f"give it in {whole}",
+                    hint=f"give the start in {whole}"
+                    + (", or mend the unit of the parameter" if made else ""),
                 )
             dimensions[f"s:{k}"] = whole
         dimensions[path] = dimensions[f"s:{k}"]

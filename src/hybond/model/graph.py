@@ -24,15 +24,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from numbers import Integral as Whole
 from typing import TYPE_CHECKING, Any, Literal
 
-from hybond.errors import ModelError
+from hybond.errors import HybondError, ModelError
 from hybond.model.expressions import Compare, Expr
 from hybond.model.inputs import Input
 from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
 from hybond.model.parts import BlockPart
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, plural
 from hybond.units import Dimension, Domain, format_quantity
 
 if TYPE_CHECKING:
@@ -223,7 +224,7 @@ class Kept(dict[Any, Any]):
         return Kept, ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class FlatGraph:
     """A model flattened, checked and resolved: plain data, never changed."""
 
@@ -258,10 +259,19 @@ class FlatGraph:
     """Text of an expression in the model's own names to canonical names."""
     parametric: Callable[[int], Parametric] | None = field(default=None, compare=False, repr=False)
     """The law of the element with this index, in names of parameters."""
+    locate: Callable[[HybondError], HybondError] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """Notes in a refusal which line of a file says what is refused."""
     written: Written | None = field(default=None, compare=False, repr=False)
     """If it is a graph with slots into which numbers were written: that, and the numbers."""
     kept: Kept = field(default_factory=lambda: Kept(), init=False, compare=False, repr=False)
     """What was made of it for runs."""
+
+    def __repr__(self) -> str:
+        counts = ((self.nodes, "node"), (self.bonds, "bond"), (self.machines, "machine"))
+        words = ", ".join(f"{len(group)} {plural(word, len(group))}" for group, word in counts)
+        return f"<FlatGraph {self.name!r}: {words}>"
 
     @property
     def start_mode(self) -> Mode:
@@ -290,7 +300,12 @@ class FlatGraph:
         if not isinstance(states, Mapping):
             mode = tuple(states)
             sizes = [len(m.states) for m in self.machines]
-            if len(mode) != len(sizes) or any(not 0 <= k < n for k, n in zip(mode, sizes)):
+            numbers = all(isinstance(k, Whole) for k in mode)
+            if (
+                len(mode) != len(sizes)
+                or not numbers
+                or any(not 0 <= k < n for k, n in zip(mode, sizes))
+            ):
                 raise ModelError(
                     f"{mode} is no mode of {len(sizes)} machines with {sizes} states",
                     code="HB-M144",

@@ -11,6 +11,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from numbers import Real
 
 from hybond.errors import HybondError, ModelError
 from hybond.model.builder import Model
@@ -24,7 +25,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.expressions.slots import Slots, plain
-from hybond.model.misnamed import check_given, no_such_end
+from hybond.model.misnamed import check_given, no_such_end, no_such_target
 from hybond.model.parts import (
     BlockPart,
     InputPart,
@@ -43,6 +44,7 @@ OPENED = 200_000
 """Elements of a model whose submodels are opened."""
 TOLD = 8
 """Parameters in a circle that a refusal names."""
+_END = re.compile(r"\w+(?:\.\w+)*\Z")
 _BOND = re.compile(r"\s*(?:(?P<label>[A-Za-z_]\w*)\s*:)?(?P<chain>.+)\Z", re.DOTALL)
 
 
@@ -135,11 +137,16 @@ def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None
             f"the model has no parameter {wrong!r}",
             code="HB-M107",
             where=wrong,
-            hint=did_you_mean(wrong, opened.parameters),
+            hint=did_you_mean(wrong, [*dict.fromkeys((*opened.parameters, *opened.nodes))])
+            if wrong not in opened.nodes
+            else f"did you mean '{wrong}.{opened.nodes[wrong].part.kind}'?",
         )
     for bond in opened.bonds:
         for end in (bond.tail, bond.head):
             if end.path not in opened.nodes:
+                for port, target in opened.ports.items():
+                    if target == end.path:
+                        raise no_such_target(port, target, opened.nodes)
                 raise no_such_end(bond.name, end.path, bond.where, opened.nodes, opened.ports)
     return opened
 
@@ -178,7 +185,7 @@ def _open(
         if isinstance(part, Part):
             opened.nodes[path] = Written(scope, part)
             continue
-        inner = _submodel(part, path, known)
+        inner = submodel_of(part, path, known)
         if any(inner is outer for outer in chain):
             raise ModelError(
                 f"the submodel {inner.name!r} contains itself",
@@ -246,7 +253,8 @@ def _connect(part: SubmodelPart, inner: Model, path: str, scope: Scope, opened: 
             opened.signals[own] = (scope, value)
 
 
-def _submodel(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Model:
+def submodel_of(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Model:
+    """Return the model of an instance: given as such, known by name, or a ready part; HB-M105."""
     if isinstance(part.model, Model):
         return part.model
     if part.model in known:
@@ -296,7 +304,7 @@ def _parameters(
         values = {name: slots.follow(join(prefix, name), v) for name, v in values.items()}
     for name in _in_order(written, prefix):
         path = join(prefix, name)
-        found = constant(written[name], values, path)
+        found = constant(written[name], values, path, known=model.parameters.keys() - {name})
         values[name] = found if slots is None else slots.follow(path, found)
     return values
 
@@ -308,6 +316,13 @@ def _in_order(written: Mapping[str, Value], prefix: str) -> Iterator[str]:
     for name, value in written.items():
         plain = not isinstance(value, str) or try_quantity(value) is not None
         used = set() if plain else names(parse(str(value), where=join(prefix, name)))
+        if name in used:
+            raise ModelError(
+                f"the parameter {name} is made of itself",
+                code="HB-M108",
+                where=join(prefix, name),
+                hint="give it a value, or name another parameter",
+            )
         needs = [other for other in used if other in written and other != name]
         waits[name] = len(needs)
         for other in needs:
@@ -345,7 +360,7 @@ def _is_bare(value: Value) -> bool:
 
 def literal(value: Value, where: str) -> Expr:
     """Return a number, a quantity or an expression as a tree."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
+    if isinstance(value, bool) or not isinstance(value, Real | str):
         raise ModelError(
             f"{value!r} is not a number, a quantity or an expression",
             code="HB-M110",
@@ -372,8 +387,16 @@ def without_units(e: Expr) -> Expr:
     return transform(e, lambda n: Number(n.value) if isinstance(n, Number) else n)
 
 
-def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Number:
+def constant(
+    value: Value,
+    parameters: Mapping[str, Number],
+    where: str,
+    *,
+    known: Collection[str] | None = None,
+) -> Number:
     """Return the value of an expression of parameters, in SI, with its dimension.
+
+    What is `known` by name, but has no value yet, may be meant by a name that is wrong.
 
     Raises
     ------
@@ -391,7 +414,8 @@ def constant(value: Value, parameters: Mapping[str, Number], where: str) -> Numb
                 f"{name!r} is not a parameter; a value here is made of parameters and numbers",
                 code="HB-M107",
                 where=where,
-                hint=did_you_mean(name, parameters),
+                hint=did_you_mean(name, parameters if known is None else known)
+                or "write a number, or give the model such a parameter",
             )
     bound = substitute(tree, parameters)
     dimension = infer_dimension(bound, lambda _: None, where=where)
@@ -421,6 +445,20 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
             where=where,
             hint="write the labelled bond on its own",
         )
+    for end in ends:
+        if not _END.match(end):
+            arrows = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
+            hint = 'write "a -> b", and names with letters, digits and _'
+            if "<" in text or "←" in text:
+                hint = 'turn it round: the half arrow of "a -> b" points at b'
+            elif arrows != text and "->" in arrows:
+                hint = f'write "{arrows[:60]}"'
+            raise ModelError(
+                f"{text!r} is not a bond: {end!r} names no element",
+                code="HB-M109",
+                where=where,
+                hint=hint,
+            )
     found = []
     for a, b in pairwise(ends):
         name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"

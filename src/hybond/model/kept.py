@@ -18,6 +18,7 @@ from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph
 from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
+from hybond.model.paths import with_parts
 from hybond.model.written import Writing, Written
 from hybond.units import Dimension, try_quantity
 
@@ -90,6 +91,9 @@ def _has_blocks(graph: FlatGraph) -> bool:
 
 
 def _written(model: Model, known: _Known, parameters: Mapping[str, Value]) -> FlatGraph:
+    changed, left = with_parts(model, parameters)
+    if changed is not model:
+        return flatten(changed, left)
     found = {path: kind_of(value) for path, value in parameters.items()}
     kinds = {path: kind for path, (kind, _) in found.items()}
     given = {path: number for path, (_, number) in found.items()}
@@ -147,7 +151,7 @@ def _content(value: Any) -> Any:
     """Return all that a model consists of, to be compared with what it was."""
     if isinstance(value, Model):
         own = vars(value).items()
-        return tuple((name, _content(part)) for name, part in own if name != OWN)
+        return tuple((name, _content(part)) for name, part in own if name not in (OWN, "origin"))
     if isinstance(value, Mapping):
         return dict, tuple((name, _content(part)) for name, part in value.items())
     if isinstance(value, list | tuple):

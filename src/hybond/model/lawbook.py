@@ -30,6 +30,7 @@ from hybond.model.graph import Node
 from hybond.model.hierarchy import Written, constant, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.laws import Law
+from hybond.model.misfits import declared_elsewhere, units_of
 from hybond.model.resolve import Resolver
 from hybond.units import Dimension, parse_unit
 
@@ -102,13 +103,36 @@ class _Reader:
         )
         found = self.resolver.dimension(tree, self.dimensions, self.where, certain=True)
         if known and expected is not None and found is not None and found != expected:
-            raise UnitError(
-                f"{value!r} is in {found}; this place wants {expected}",
-                code="HB-U103",
-                where=self.where,
-                hint=f"give a value in {expected}, or declare the domain of {self.node.path!r}",
-            )
+            raise self._wrong_unit(value, found, expected)
         return simplify(without_units(tree))
+
+    def _wrong_unit(self, value: Any, found: Dimension, expected: Dimension) -> UnitError:
+        """Return the refusal of a value in a wrong unit, or of the domain that makes it wrong."""
+        path = self.node.path
+        domain = self.node.domain
+        wants = {domain.effort: domain.effort_unit, domain.flow: domain.flow_unit}.get(expected)
+        made = units_of([value], self.scope.parameters)
+        other = declared_elsewhere(self.node, self.resolver, self.scope.model.domain)
+        if other is not None:
+            return UnitError(
+                f"{other!r} is declared {domain.name}, and so is all that bonds and junctions join "
+                f"to it; but {path!r} is of a model that is {self.scope.model.domain}, and "
+                f"{value!r} is in {found}",
+                code="HB-U103",
+                where=f"elements.{other}.domain",
+                hint=f"take the domain of {other!r} out, or put a TF or GY between the domains",
+            )
+        own = self.node.kind not in TWO_PORTS and domain.name != "generic"
+        of = f", {domain.name} as it is" if own else ""
+        hint = f"give a value in {wants or expected}, or declare the domain of {path!r}"
+        if made:
+            hint = f"give the parameter a unit that makes it {wants or expected}"
+        return UnitError(
+            f"{value!r} is in {found}{made}; this place wants {wants or expected}{of}",
+            code="HB-U103",
+            where=self.where,
+            hint=hint,
+        )
 
     def plain(self, value: Any) -> Law:
         """``R = "10 ohm"`` and its like."""
@@ -376,11 +400,13 @@ def start_of(node: Node, written: Written) -> tuple[list[float], str]:
     }[key]
     for n in numbers:
         if n.dimension is not None and wanted is not None and n.dimension != wanted:
+            made = units_of(values, written.scope.parameters)
             raise UnitError(
-                f"the start {key} is given in {n.dimension}; it is in {wanted}",
+                f"the start {key} is given in {n.dimension}; it is in {wanted}{made}",
                 code="HB-U103",
                 where=where,
-                hint=f"give it in {wanted}",
+                hint=f"give it in {wanted}"
+                + (", or mend the unit of the parameter" if made else ""),
             )
     return [n.value for n in numbers], "stored" if key == stored else "co-energy"
 

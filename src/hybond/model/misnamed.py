@@ -43,6 +43,30 @@ def no_such_end(
     return _refusal(bond, path, where, what, hint)
 
 
+def no_such_target(port: str, target: str, nodes: Iterable[str]) -> ModelError:
+    """Return the refusal of a port that leads nowhere: HB-M101.
+
+    Examples
+    --------
+    >>> print(no_such_target("leak.a", "leak.m", ["leak.n", "V"]))
+    HB-M101 at leak.a: the port 'a' leads to 'm', which is not an element of its model
+      try: did you mean 'n'?
+    """
+    owner, _, name = port.rpartition(".")
+    dot = f"{owner}." if owner else ""
+    inside = [n.removeprefix(dot) for n in nodes if n.startswith(dot)]
+    inner = target.removeprefix(dot)
+    hint = did_you_mean(inner, inside)
+    if len(inside) == 1:
+        hint = f"did you mean {inside[0]!r}?"
+    return ModelError(
+        f"the port {name!r} leads to {inner!r}, which is not an element of its model",
+        code="HB-M101",
+        where=port,
+        hint=hint,
+    )
+
+
 def _refusal(bond: str, path: str, where: str, what: str, hint: str) -> ModelError:
     text = f"the bond {bond!r} ends at {path!r}, {what}"
     return ModelError(text, code="HB-M101", where=where, hint=hint)

@@ -3,12 +3,7 @@
 These records hold the text as written (quantities, expressions), not its meaning; `flatten`
 gives them their meaning. They are the same in Python and in a model file.
 
-Examples
---------
->>> Se("10 V")
-Part(kind='Se', value='10 V', options={})
->>> I("m", f="2 m/s").options
-{'f': '2 m/s'}
+`constructors` makes the elements among them.
 """
 
 from __future__ import annotations
@@ -16,6 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+from hybond.calls import called
+from hybond.errors import ModelError
 
 Value = Any
 """A number, a quantity or expression as text, a matrix, or ``{"e": ...}`` / ``{"f": ...}``."""
@@ -136,35 +134,6 @@ class MachinePart:
     rules: Sequence[str] = ()
 
 
-def _one_port(kind: str) -> Callable[..., Part]:
-    def make(value: Value, **options: Any) -> Part:
-        return Part(kind, value, options)
-
-    make.__name__ = kind
-    make.__doc__ = f"Return a {kind} element with this value or law; see `hybond.Model`."
-    return make
-
-
-C = _one_port("C")
-I = _one_port("I")
-R = _one_port("R")
-G = _one_port("G")
-Se = _one_port("Se")
-Sf = _one_port("Sf")
-TF = _one_port("TF")
-GY = _one_port("GY")
-
-
-def Zero(**options: Any) -> Part:
-    """Return a 0-junction: common effort."""
-    return Part("0", None, options)
-
-
-def One(**options: Any) -> Part:
-    """Return a 1-junction: common flow."""
-    return Part("1", None, options)
-
-
 def Block(
     function: Callable[[float, dict[str, float]], Mapping[str, float]],
     /,
@@ -205,6 +174,7 @@ def Block(
     return BlockPart(dict(inputs or {}), dict(values), every, phase, function)
 
 
+@called('hb.Submodel("electrical.diode", V_on="0.7 V")', code="HB-M105", kind=ModelError)
 def Submodel(
     model: Any, /, *, inputs: Mapping[str, Value] | None = None, **parameters: Value
 ) -> SubmodelPart:

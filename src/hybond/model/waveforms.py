@@ -41,7 +41,7 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
             f"an input is one of constant, table, pwm or function; given: {given or 'nothing'}",
             code="HB-M150",
             where=where,
-            hint="keep one of them",
+            hint="keep one of them" if given else 'give one: hb.Input(constant="5 V")',
         )
 
     def number(value: Value, what: str) -> Number:

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hybond.errors import ModelError
+from hybond.model.domains import no_such_domain
 from hybond.model.graph import End
 from hybond.model.hierarchy import Opened, Scope, Written
 from hybond.model.kinds import KINDS, TWO_PORTS
-from hybond.names import did_you_mean, join, port_number
+from hybond.names import join, port_number
 from hybond.units import DOMAINS, Domain
 
 
@@ -181,7 +182,8 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
         if name == domain:
             return
         text = f"{path!r} is {domain} and {other!r} is {name}, but bonds and junctions join them"
-        where = path
+        inside = [n for n, at in zip(nodes, touching) if at and find(at[0]) == root]
+        where = _odd_one(inside) or path
         for k, bond in enumerate(bonds):
             mixed = _mixed(bond, nodes) if find(k) == root else ""
             if mixed:
@@ -208,6 +210,7 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
             declare(said, root, str(own), node.path)
             spoken.setdefault(root, []).append(node.written.scope.prefix)
         else:
+            _domain(node.written.scope.model.domain, node.written.scope.prefix)
             silent.append((root, node.written.scope, node.path))
     for root, scope, path in silent:
         if any(speaker.startswith(scope.prefix) for speaker in spoken.get(root, ())):
@@ -221,6 +224,21 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> li
             declare(default, root, scope.model.domain, path)
     chosen: Mapping[int, tuple[str, str]] = {**default, **said}
     return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]
+
+
+def _odd_one(region: list[RawNode]) -> str:
+    """Return where the domain is declared that the fewest elements of a region have."""
+    declared: dict[str, list[str]] = {}
+    for node in region:
+        own = node.written.part.options.get("domain") if node.written is not None else None
+        if own is not None and node.kind not in TWO_PORTS:
+            declared.setdefault(str(own), []).append(node.path)
+    if not declared:
+        return ""
+    own = [n.written.scope.model.domain for n in region if n.written is not None]
+    # what is not the domain of the model is less likely to be meant
+    least = declared[min(declared, key=lambda d: (own.count(d) > 0, len(declared[d])))]
+    return f"elements.{least[-1]}.domain"
 
 
 def _mixed(bond: RawBond, nodes: list[RawNode]) -> str:
@@ -237,10 +255,5 @@ def _mixed(bond: RawBond, nodes: list[RawNode]) -> str:
 
 def _domain(name: str, path: str) -> Domain:
     if name not in DOMAINS:
-        raise ModelError(
-            f"there is no domain {name!r}",
-            code="HB-M133",
-            where=join(path, "domain"),
-            hint=did_you_mean(name, DOMAINS),
-        )
+        raise no_such_domain(name, join(path, "domain"))
     return DOMAINS[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 Vector = NDArray[np.float64]
+ROWS = 20
+"""Members that a notebook shows."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -202,6 +205,17 @@ class Ensemble:
         sampled = {f"samples:{name}": values for name, values in self.samples.items()}
         grid = {"t": self.t} if len(self.t) and "t" not in columns else {}
         write_arrays(path, columns | grid | sampled)
+
+    def _repr_html_(self) -> str:
+        table = self.table()
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in table)
+        rows = ""
+        for k in range(min(len(self), ROWS)):
+            cells = (f"{v:.6g}" if isinstance(v := c[k], float) else str(v) for c in table.values())
+            rows += "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in cells) + "</tr>"
+        more = f"<p>{len(self) - ROWS} more members</p>" if len(self) > ROWS else ""
+        said = html.escape(repr(self).split("\n")[0][1:-1])
+        return f"<p>{said}</p><table><tr>{head}</tr>{rows}</table>{more}"
 
     def __repr__(self) -> str:
         kinds, counts = np.unique(self.status, return_counts=True)

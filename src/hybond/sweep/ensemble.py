@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond import simulation
+from hybond.calls import called
 from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import Unavailable, library
 from hybond.engine.tables.options import Settings, settings_of
@@ -20,6 +21,7 @@ from hybond.model.builder import Model
 from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.progress import Asked, shown
 from hybond.result import Result
 from hybond.run_options import STEPPING, end_of
 from hybond.simulation import simulate
@@ -44,6 +46,7 @@ _RUN = ("engine", "keep", "fmus")
 """Those that do not say what is computed."""
 
 
+@called('hb.ensemble(model, "1 s", sets={"m": [1.0, 2.0]})')
 def ensemble(
     model: Model,
     until: float | str | None = None,
@@ -53,7 +56,7 @@ def ensemble(
     samples: int | Sequence[float] | Vector | None = None,
     events: bool = False,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Asked = None,
     **options: Any,
 ) -> Ensemble:
     """Simulate a model with many sets of parameters, on all cores.
@@ -82,8 +85,9 @@ def ensemble(
         Whether to keep the times of all events; they are counted in any case.
     workers : int
         Threads. Default: one for each core.
-    progress : callable
-        ``progress(done, total)``, members, in the thread of the call.
+    progress : bool, bar of tqdm or callable
+        True for a bar on stderr with the time to go; a bar of tqdm; or ``progress(done, total)``,
+        members, in the thread of the call.
     **options
         Of `hybond.simulate`, for all members: ``solver``, ``rtol``, ``engine``, ...
 
@@ -134,8 +138,10 @@ def ensemble(
         _times(samples, end),
         events,
     )
-    work = _Work(task, columns, progress)
-    how = work.all(workers or cores())
+    members = len(next(iter(columns.values())))
+    with shown(progress, members, members=True) as looked:
+        work = _Work(task, columns, looked)
+        how = work.all(workers or cores())
     return _gathered(work, how, time.perf_counter() - began)
 
 
@@ -143,7 +149,7 @@ class _Work:
     """The members of one call: what is kept of those that have run, and how the others will."""
 
     def __init__(
-        self, task: Task, columns: Columns, progress: Callable[[int, int], None] | None
+        self, task: Task, columns: Columns, progress: Callable[[int, int], object] | None
     ) -> None:
         self.task = task
         self.columns = columns

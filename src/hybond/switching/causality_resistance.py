@@ -10,8 +10,9 @@ from itertools import product
 from hybond.causality.time_constants import time_constants
 from hybond.errors import ModelError
 from hybond.model.builder import Model
+from hybond.model.constructors import R
 from hybond.model.graph import FlatGraph, Mode
-from hybond.model.parts import Part, R, Value
+from hybond.model.parts import Part, Value
 from hybond.names import did_you_mean
 from hybond.switching.drawn import DrawnBond, add_all, copied
 

@@ -7,7 +7,8 @@ from typing import Literal
 
 from hybond.errors import ModelError
 from hybond.model.builder import Model
-from hybond.model.parts import One, Part, SubmodelPart, Value, Zero
+from hybond.model.constructors import One, Zero
+from hybond.model.parts import Part, SubmodelPart, Value
 from hybond.switching.drawn import (
     DrawnBond,
     add_all,

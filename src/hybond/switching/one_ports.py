@@ -7,8 +7,9 @@ from typing import Literal
 
 from hybond.errors import ModelError
 from hybond.model.builder import Model
+from hybond.model.constructors import TF, One, R
 from hybond.model.kinds import STORAGES
-from hybond.model.parts import TF, One, Part, R, Value
+from hybond.model.parts import Part, Value
 from hybond.switching.drawn import (
     DrawnBond,
     add_all,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybond.model.builder import Model
-from hybond.model.parts import TF, Value
+from hybond.model.constructors import TF
+from hybond.model.parts import Value
 from hybond.switching.drawn import add_all, bonds_of, states_of, switch_on
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hybond.model.builder import Model
-from hybond.model.parts import GY, TF, C, G, I, Integral, One, R, Se, Sf, Zero
+from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
+from hybond.model.parts import Integral
 from hybond.testing.curves import Curve
 
 STORAGES = {"C": ("q", "e"), "I": ("p", "f")}

@@ -24,6 +24,7 @@ from hybond.analysis.cross.verdict import Level, Verdict, agreed, hopeful, level
 from hybond.causality.orientation import base_mode
 from hybond.errors import UsageError
 from hybond.model.builder import Model
+from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
@@ -196,6 +197,7 @@ def cross_check(
     >>> found.engines, found.verdict
     (('rk45', 'moreau-jean'), 'agree')
     """
+    check_model(model)
     graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
     if levels < 2:
         raise UsageError(

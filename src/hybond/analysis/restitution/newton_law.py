@@ -16,8 +16,9 @@ from hybond.analysis.restitution.contact import Contact, find_contact
 from hybond.analysis.restitution.contact_phase import compressive_sign, directional
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.builder import Model
+from hybond.model.constructors import Sf
 from hybond.model.graph import FlatGraph, Machine
-from hybond.model.parts import Integral, MachinePart, Part, Sampled, Sf, SubmodelPart, Value
+from hybond.model.parts import Integral, MachinePart, Part, Sampled, SubmodelPart, Value
 
 
 def newton_law_model(model: Model, junction: str, eps: Value, *, state: str | None = None) -> Model:

@@ -25,6 +25,7 @@ from hybond.analysis.restitution.half_period import (
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Binary, Expr, Name, Number, to_text
+from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.units import parse_unit, try_quantity
@@ -224,6 +225,7 @@ def restitution(
     >>> round(found.rebound("zero compression").value, 6)
     0.995045
     """
+    check_model(model)
     graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
     step = _positive(dt, "s", "dt")
     contact = find_contact(graph, junction, state=state)

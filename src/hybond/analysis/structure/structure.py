@@ -31,6 +31,7 @@ from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import Pencil, analyse
 from hybond.errors import EquationError, HybondError, ModelError, NumericsError, UsageError
 from hybond.model.builder import Model
+from hybond.model.given import check_model
 from hybond.model.graph import MANY, FlatGraph, Mode
 from hybond.model.kinds import SOURCES
 from hybond.model.parts import Value
@@ -103,6 +104,7 @@ def structure(
     loses finite controllability at these values: c1.q, c2.q at s = -1/s
     not observable: c2.q at s = -1/s
     """
+    check_model(model)
     graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
     chosen, selection = _modes(graph, modes, limit)
     sources = _inputs(graph, inputs)

@@ -24,6 +24,8 @@ from hybond.engine.mode.put_back import put_back
 from hybond.engine.words import Floats
 
 DAMPED_STEPS: Final = 200
+SETTLED: Final = 1e-6
+"""A step that is below this part of an unknown leaves nothing of it: the next one is its square."""
 SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
 
@@ -50,18 +52,23 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             return False
         mode.regular = newton_step(e, rows, frees)
         size = largest_of(frees, r)
+        small = True
         last = True
         for j in range(frees):
-            step = work.step.at[j]
-            work.whole.at[j] = step
-            work.weight.at[j] = max(work.weight.at[j], max(math.fabs(r[j]), math.fabs(step)))
-            last = last and math.fabs(step) <= tolerance * size
+            step = math.fabs(work.step.at[j])
+            work.whole.at[j] = work.step.at[j]
+            work.weight.at[j] = max(work.weight.at[j], max(math.fabs(r[j]), step))
+            small = small and step <= tolerance * size
+            last = last and step <= SETTLED * math.fabs(r[j])
+        last = last and small
         part = 1.0
         if not last:
             fit(work.slopes_there, rows * frees)
             for i in range(rows * frees):
                 work.slopes_there.at[i] = work.jacobian.at[i]
             part = helpful_part(e, mode, v, r, rows)
+            # what no part of a step makes smaller is rounding if it is small beside the others
+            last = part == 0.0 and small
         for j in range(frees):
             r[j] -= part * work.whole.at[j]
         if last:

@@ -12,7 +12,7 @@ from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.continuation import continued
-from hybond.engine.mode.damped import damped
+from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import (
@@ -35,8 +35,6 @@ from hybond.engine.words import Floats, Text
 STEPS: Final = 40
 TOLERANCE: Final = 1e-13
 """Newton ends when an update is below this part of the bond variables' size."""
-SETTLED: Final = 1e-6
-"""A step that is below this part of an unknown leaves nothing of it: the next one is its square."""
 BACK: Final = 1e-9
 """Two steps that cancel to within this part of them lead back."""
 SWINGS: Final = 0.1

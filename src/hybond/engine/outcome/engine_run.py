@@ -49,7 +49,7 @@ class EngineRun:
         self,
         model: Prepared,
         *,
-        progress: Callable[[float, int], None] | None = None,
+        progress: Callable[[float, int], object] | None = None,
         keep: int | None = None,
         journal: Journal | None = None,
         runners: Mapping[str, Runner] | None = None,

@@ -10,6 +10,7 @@ from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of
+from hybond.engine.outcome.starts import storage_at_start
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.errors import (
     CausalityError,
@@ -127,6 +128,9 @@ def error_of(
         case "HB-N401":
             kind = DivergenceOfTime
             said = _cycle(fault, graph, explain, broken)
+        case "HB-N302":
+            at_rest = storage_at_start(graph) if refusal.t == 0.0 else None
+            said = at_rest or said_of(refusal, graph, explain, fault.mode) or said
         case "HB-N310":
             said = Said(f"the step that ends at t = {refusal.t:.9g} s does not converge", here)
         case "HB-N402":

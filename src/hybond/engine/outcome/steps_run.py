@@ -39,7 +39,7 @@ class StepsRun:
         settings: Settings,
         maker: EngineChoice,
         *,
-        progress: Callable[[float, int], None] | None = None,
+        progress: Callable[[float, int], object] | None = None,
         runners: Mapping[str, Runner] | None = None,
     ) -> None:
         self.graph = graph

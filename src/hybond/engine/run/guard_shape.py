@@ -14,7 +14,7 @@ from hybond.engine.run.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, TERMS, Locator
+from hybond.engine.run.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -33,9 +33,10 @@ def sample(e: Engine, g: Locator) -> None:
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         for k in range(g.guards):
-            g.truth[k * SAMPLES + i] = 1 if test_here(e, g, k) else 0
-        for a in range(g.atoms):
-            g.shape[a * SAMPLES + i] = atom_here(e, g, a)
+            asleep = g.asleep > 0 and g.side[k] != NO_KINK
+            g.truth[k * SAMPLES + i] = 1 if not asleep and test_here(e, g, k) else 0
+            for a in range(g.atom_first[k], g.atom_first[k + 1]):
+                g.shape[a * SAMPLES + i] = 0.0 if asleep else atom_here(e, g, a)
 
 
 def find_shape(g: Locator) -> None:

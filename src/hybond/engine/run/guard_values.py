@@ -114,6 +114,8 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
 
 def has_crossed(e: Engine, g: Locator, k: int) -> bool:
     """Whether a kink is beyond the zero that the step came towards, by more than rounding."""
+    if g.asleep > 0:
+        return False
     a = g.atom_first[k]
     beyond = -float(g.side[k]) * atom_here(e, g, a)
     if not beyond > ROUNDING * size_here(e, g, a):

@@ -26,6 +26,11 @@ BACK: Final = 3
 """Kinks in a row with a jump behind which the way leads back, so that nobody gets past it."""
 SOON_BACK: Final = 1e-3
 """Part of it after a kink in which that is to blame for steps that become too small."""
+NEXT_TO: Final = 1e-3
+"""Part of a step after which a kink is next to where the step began."""
+CROWD: Final = 8
+"""So many of those in a row are rounding of what is compared, or a place that is all kinks."""
+LONGEST_NAP: Final = 4096
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
 JUMPS: Final = 0.75
@@ -95,9 +100,28 @@ def count_kink(e: Engine, r: Run) -> int:
     r.kinks += 1
     if r.jumps and r.back >= BACK:
         return switches_back(e, r)
+    if r.crowd >= CROWD:
+        r.locator.asleep = r.nap
+        r.nap = min(2 * r.nap, LONGEST_NAP)
+        return OK
     if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
         return switches_back(e, r) if r.jumps else OK
     return OK
+
+
+def see_crowd(e: Engine, r: Run, at: float) -> None:
+    """Count kinks in a row that are found next to where the step begins.
+
+    A flow that follows the root of next to nothing has digits for half of what it is made of: its
+    sign is that of rounding, and would end step after step. Nothing jumps there: the error of the
+    step sees what such a kink does.
+    """
+    near = at - e.step.t0 <= NEXT_TO * (e.step.t1 - e.step.t0)
+    if near and not r.jumps:
+        r.crowd += 1
+        return
+    r.crowd = 0
+    r.nap = 1
 
 
 def see_jump(e: Engine, r: Run, at: float) -> None:

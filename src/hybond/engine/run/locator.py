@@ -103,6 +103,8 @@ class Locator:
     polynomial: Floats
     candidate: Instants
     mark: Instants
+    asleep: int
+    """Steps for which kinks end none: there were too many of them at one place."""
     looked: float
     sized: bool
     """Whether terms of the motion as it is are known there."""

@@ -32,7 +32,13 @@ from hybond.engine.planar.descent import (
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.guard_values import put_on_constraints
-from hybond.engine.run.kinks_passed import count_kink, end_at_kink, see_jump, stuck_at_kink
+from hybond.engine.run.kinks_passed import (
+    count_kink,
+    end_at_kink,
+    see_crowd,
+    see_jump,
+    stuck_at_kink,
+)
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator, watch
 from hybond.engine.run.log import (
@@ -212,6 +218,7 @@ def flow(e: Engine, r: Run) -> int:
         if at < math.inf:
             if m.kinks > 0:
                 see_jump(e, r, at)
+                see_crowd(e, r, at)
             g.held = True
             if land(e, g, instant, end) != OK:
                 if begin_at_edge(e, r) == OK:
@@ -238,6 +245,7 @@ def flow(e: Engine, r: Run) -> int:
                 if e.next_break <= end:
                     return timed_cause(e)
                 return GUARD if end >= e.until else STOPPED
+            g.asleep = max(g.asleep - 1, 0)
             if e.checks.looked == e.t:
                 look_at_guards(e)
             if go_on(e) != OK:

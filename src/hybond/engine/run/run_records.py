@@ -43,6 +43,10 @@ class Run:
     """Whether rates jumped at the last one where that could be told."""
     back: int
     """At how many of the last ones in a row they led back behind such a jump."""
+    crowd: int
+    """Kinks without a jump in a row at which a step ended next to where it began."""
+    nap: int
+    """For how many steps none is looked for where they crowd."""
     rate: Floats
     beside: Floats
     """Rates on both sides of a kink."""
@@ -77,6 +81,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.rate = floats(e.states)
     r.beside = floats(4 * e.states)
     r.kink = -1
+    r.nap = 1
     r.edge_at = -1.0
     r.edge_from = floats(e.states)
     r.slice = -1

@@ -66,7 +66,7 @@ def to_latex(model: Model, *, run: Result | None = None) -> str:
 
     Examples
     --------
-    >>> from hybond.model.parts import C, I, One
+    >>> from hybond.model.constructors import C, I, One
     >>> m = Model("oscillator", domain="translational", title="A mass & a spring")
     >>> m.add(mass=I("1 kg", f="1 m/s"), spring=C("10 mm/N"), v=One())
     >>> m.bond("v -> mass", "v -> spring")

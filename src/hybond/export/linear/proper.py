@@ -57,6 +57,7 @@ def proper(E: Matrix, A: Matrix, B: Matrix, stored: int) -> Proper:
         raise EquationError(
             "the equations of this mode do not determine all variables",
             code="HB-Q105",
+            where="the equations",
             hint="hybond analyse tells what is undetermined",
         ) from None
     a, b, basis, direct, kept = left.a, left.b, left.basis, left.direct, left.kept

@@ -68,6 +68,7 @@ class StateSpace:
             raise UsageError(
                 "python-control is not installed",
                 code="HB-E674",
+                where="python-control",
                 hint="pip install 'hybond[control]'; scipy() needs nothing more",
             ) from None
         return Continuous(

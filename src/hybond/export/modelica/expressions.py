@@ -102,7 +102,10 @@ def _text(e: Expr, resolve: Resolve, prior: bool) -> tuple[str, int]:
         case Table():
             return _text(_as_choice(e), resolve, prior)
     raise ModelError(
-        f"{to_text(e)} has no form in Modelica", code="HB-E680", hint="write it in another way"
+        f"{to_text(e)} has no form in Modelica",
+        code="HB-E680",
+        where="the Modelica text",
+        hint="write it in another way",
     )
 
 
@@ -134,6 +137,7 @@ def _as_choice(e: Table) -> Expr:
         raise ModelError(
             "a table without a value outside its points has no form in Modelica",
             code="HB-E680",
+            where="the Modelica text",
             hint='extrapolate = "linear"',
         )
     pieces: list[Expr] = []

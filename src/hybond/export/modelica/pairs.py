@@ -101,6 +101,7 @@ class Pairs:
             raise ModelError(
                 f"{to_text(e)} of an impulse has no meaning",
                 code="HB-E683",
+                where="the Modelica text",
                 hint="compare the impulse itself: its sign, or its size beside another",
             )
         return None, None
@@ -125,6 +126,7 @@ class Pairs:
             raise ModelError(
                 f"{to_text(e)} of impulses has no meaning",
                 code="HB-E683",
+                where="the Modelica text",
                 hint="compare the impulses themselves",
             )
         left, right = self._finite(e.left, f1), self._finite(e.right, f2)

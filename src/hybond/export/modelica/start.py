@@ -32,7 +32,12 @@ def start_of(graph: FlatGraph) -> Start:
     """
     run = simulate(graph, until=PART * (until_of(graph) or 1.0), on_error="return")
     if not len(run.events):
-        raise run.error or ModelError("the start does not settle", code="HB-E681")
+        raise run.error or ModelError(
+            "the start does not settle",
+            code="HB-E681",
+            where="the Modelica text",
+            hint="give starts and guards that settle: hybond run says what they do",
+        )
     event = run.events[0]
     return Start(event.steps[-1].mode, tuple(float(v) for v in event.after))
 

@@ -79,6 +79,7 @@ class Variables:
                     raise ModelError(
                         f"pre() of the input {graph.inputs[int(index)].path}, which jumps",
                         code="HB-E681",
+                        where="the Modelica text",
                         hint="Modelica has no left limit of an input that is settled this way",
                     )
                 self._input(int(index))

@@ -41,7 +41,7 @@ def to_modelica(model: Model) -> str:
 
     Examples
     --------
-    >>> from hybond.model.parts import C, I, One
+    >>> from hybond.model.constructors import C, I, One
     >>> m = Model("oscillator", domain="translational", parameters={"k": "100 N/m"})
     >>> m.add(mass=I("1 kg", f="1 m/s"), spring=C("1/k"), v=One())
     >>> m.bond("v -> mass", "v -> spring")

@@ -123,7 +123,7 @@ class _Compiler:
             case String(text):
                 why = f'the text "{text}" has no value'
                 hint = 'compare it with the state of a machine: machine.state == "open"'
-                raise ExpressionError(why, code="HB-E106", hint=hint)
+                raise ExpressionError(why, code="HB-E106", where="expression", hint=hint)
         raise TypeError(type(e).__name__)
 
     def index(self, path: str, prior: bool) -> int:
@@ -132,7 +132,9 @@ class _Compiler:
             hint = did_you_mean(path, self.slot)
             if try_quantity("1 " + path) is not None:
                 hint = "a unit of several symbols stands in brackets: 5 [m/s]"
-            raise ExpressionError(f"unknown name {path!r}", code="HB-E105", hint=hint)
+            raise ExpressionError(
+                f"unknown name {path!r}", code="HB-E105", where="expression", hint=hint
+            )
         return at + self.pre_offset if prior else at
 
     def read(self, e: Name, prior: bool) -> Closure:

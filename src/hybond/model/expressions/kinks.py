@@ -80,7 +80,12 @@ def _is_magnitude(e: Expr) -> bool:
 
 
 def _corners(table: Table) -> list[float]:
-    """Return where a table is bent: a point on a straight line is no corner."""
+    """Return where a table is bent: a point on a straight line is no corner.
+
+    Of points that follow from parameters nobody knows whether they are on one.
+    """
+    if any(is_slotted(a) for a in (*table.x, *table.y)):
+        return list(table.x[1:-1])
     points = list(zip(table.x, table.y, strict=True))
     slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(points)]
     sides = zip(table.x[1:-1], pairwise(slopes), strict=True)

@@ -102,6 +102,7 @@ def parse(text: str, *, where: str = "") -> Expr:
     hybond.errors.ExpressionError: HB-E101: expected a value, found the end at column 10
         2 * (x +
                  ^
+      try: write a number, a name or a formula there, or take out what asks for a value
     """
     if len(text) > MAX_LENGTH:
         why = f"the expression has {len(text)} characters, the limit is {MAX_LENGTH}"
@@ -171,7 +172,10 @@ class _Parser:
     def expect(self, text: str, *, opened: _Token) -> None:
         if not self.is_mark(text):
             back = f" to close {opened.text!r} of column {self.column(opened.at)}"
-            self.fail(f"expected {text!r}{back}, found {self.now}", self.now.at)
+            hint = f"write {text} there: {self.text[: self.now.at].strip()[-30:]}{text}"
+            if text in ("then", "else"):
+                hint = "write if c then a else b"
+            self.fail(f"expected {text!r}{back}, found {self.now}", self.now.at, hint=hint)
         self.take()
 
     def column(self, at: int) -> int:
@@ -281,7 +285,8 @@ class _Parser:
             case "if" | "not":
                 hint = "put it in parentheses"
                 self.fail(f"{token} does not bind strongly enough here,", token.at, hint=hint)
-        self.fail(f"expected a value, found {token}", token.at)
+        hint = "write a number, a name or a formula there, or take out what asks for a value"
+        self.fail(f"expected a value, found {token}", token.at, hint=hint)
 
     def number(self, token: _Token) -> Number:
         unit = token.unit
@@ -335,7 +340,9 @@ class _Parser:
         if not least <= len(args) <= most:
             needs = str(least) if least == most else f"{least} to {most}"
             why = f"{token.text} takes {needs} argument{'s' * (most > 1)}, not {len(args)},"
-            self.fail(why, token.at, code="HB-E104")
+            arguments = ", ".join("abcdef"[: max(least, 1)])
+            hint = f"write {token.text}({arguments})"
+            self.fail(why, token.at, code="HB-E104", hint=hint)
         if token.text != "pre":
             return Call(token.text, tuple(args))
         if uses_pre(args[0]):

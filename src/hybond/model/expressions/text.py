@@ -168,7 +168,7 @@ def to_python(e: Expr, *, prefix: str = "math.") -> str:
             first = used.setdefault(mangled, (node.path, prior))
             if first != (node.path, prior):
                 why = f"{first[0]!r} and {node.path!r} both become {mangled!r} in Python"
-                raise ExpressionError(why, code="HB-E109", hint="rename one of them")
+                raise ExpressionError(why, code="HB-E109", where="names", hint="rename one of them")
 
     def write(node: Expr, prior: bool, below: list[str]) -> str:
         return _python(node, below, prior, prefix)

@@ -149,14 +149,16 @@ class Table(Expr):
         hint = "give at least two points with strictly increasing x"
         if self.extrapolate not in ("error", "linear"):
             why = f"extrapolate is {self.extrapolate!r}"
-            raise ExpressionError(why, code="HB-E108", hint="choose 'error' or 'linear'")
+            raise ExpressionError(
+                why, code="HB-E108", where="table", hint="choose 'error' or 'linear'"
+            )
         if len(self.x) != len(self.y) or len(self.x) < 2:
             why = f"a table with {len(self.x)} x values and {len(self.y)} y values"
-            raise ExpressionError(why, code="HB-E108", hint=hint)
+            raise ExpressionError(why, code="HB-E108", where="table", hint=hint)
         for a, b in zip(self.x, self.x[1:], strict=False):
             if not a < b:
                 why = f"the x values {a!r} and {b!r} of a table do not increase"
-                raise ExpressionError(why, code="HB-E108", hint=hint)
+                raise ExpressionError(why, code="HB-E108", where="table", hint=hint)
 
 
 FUNCTIONS: Mapping[str, tuple[int, int]] = {

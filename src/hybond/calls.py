@@ -1,0 +1,97 @@
+"""Calls from Python that do not fit: refused as all else is, with what fits."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from hybond.errors import HybondError, UsageError
+from hybond.names import did_you_mean
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def called(
+    example: str, *, code: str = "HB-S130", kind: type[HybondError] = UsageError
+) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Return a decorator that refuses arguments that a function does not have.
+
+    Parameters
+    ----------
+    example : str
+        A call that fits, for the remedy.
+    code : str
+        The code of the refusal.
+    kind : type of HybondError
+        Its class.
+
+    Examples
+    --------
+    >>> @called('half(x, digits=3)')
+    ... def half(x: float, *, digits: int = 3) -> float:
+    ...     return round(x / 2, digits)
+    >>> half(3.0)
+    1.5
+    >>> half(3.0, digit=1)
+    Traceback (most recent call last):
+        ...
+    hybond.errors.UsageError: HB-S130 at half: there is no argument 'digit'
+      try: did you mean 'digits'? As in half(x, digits=3)
+    """
+
+    def decorate(function: Callable[P, T]) -> Callable[P, T]:
+        signature = inspect.signature(function)
+
+        @wraps(function)
+        def call(*args: P.args, **options: P.kwargs) -> T:
+            try:
+                signature.bind(*args, **options)
+            except TypeError:
+                why, hint = _misfit(function.__name__, signature, args, options)
+                remedy = f"{hint} As in {example}" if hint else example
+                raise kind(why, code=code, where=function.__name__, hint=remedy) from None
+            return function(*args, **options)
+
+        return call
+
+    return decorate
+
+
+def _misfit(
+    owner: str, signature: inspect.Signature, args: tuple[Any, ...], options: dict[str, Any]
+) -> tuple[str, str]:
+    """Return what does not fit, and what may be meant."""
+    own = {n: p for n, p in signature.parameters.items() if n != "self"}
+    methods = len(signature.parameters) - len(own)
+    positional = [
+        n for n, p in own.items() if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+    ]
+    unknown = [n for n in options if n not in own]
+    if unknown:
+        known = [n for n, p in own.items() if p.kind is not p.POSITIONAL_ONLY]
+        return f"there is no argument {unknown[0]!r}", did_you_mean(unknown[0], known)
+    given = len(args) - methods
+    if given > len(positional):
+        rest = [n for n, p in own.items() if p.kind is p.KEYWORD_ONLY]
+        extra = f"{args[methods + len(positional)]!r}"
+        takes = {0: "no value", 1: "one value"}.get(len(positional), f"{len(positional)} values")
+        named = ", ".join(f"{n}=..." for n in rest[:3])
+        hint = f"write the name before it: {named}." if rest else ""
+        if not positional:
+            hint = f"hb.{owner}()."
+        return f"it takes {takes} without a name; {extra[:60]} is one more", hint
+    for name in options:
+        if name in positional[:given]:
+            return f"{name} is given twice", "give it once."
+    missing = [
+        n
+        for k, (n, p) in enumerate(own.items())
+        if p.default is p.empty
+        and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)
+        and n not in options
+        and not (n in positional and k < given)
+    ]
+    return f"the {missing[0] if missing else 'argument'} is missing", ""

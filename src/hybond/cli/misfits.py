@@ -1,0 +1,60 @@
+"""What is wrong with a command line, in words, and what may be meant."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentParser, _SubParsersAction
+from collections.abc import Sequence
+
+from hybond.errors import UsageError
+from hybond.names import did_you_mean
+
+_VALUE = re.compile(r"argument (?P<option>\S+): invalid (?P<kind>\w+) value: '(?P<value>.*)'")
+_MISSING = re.compile(r"the following arguments are required: (?P<names>.+)")
+_NO_VALUE = re.compile(r"argument (?P<option>\S+): expected one argument")
+_TWO = re.compile(r"argument (?P<one>\S+): not allowed with argument (?P<other>\S+)")
+_KINDS = {"float": ("a number", "1e-6"), "int": ("a whole number", "10")}
+
+
+def in_words(message: str, parser: ArgumentParser) -> tuple[str, str]:
+    """Return the reason and the remedy of what the parser of options says.
+
+    Examples
+    --------
+    >>> in_words("argument --rtol: invalid float value: 'x'", ArgumentParser(prog="hybond run"))
+    ("--rtol 'x' is not a number", 'write --rtol 1e-6; hybond run --help')
+    """
+    help = f"{parser.prog} --help"
+    if match := _VALUE.match(message):
+        what, such = _KINDS.get(match["kind"], ("what is needed", "..."))
+        option = match["option"]
+        return f"{option} {match['value']!r} is not {what}", f"write {option} {such}; {help}"
+    if match := _MISSING.match(message):
+        example = (parser.epilog or "").split("\n")
+        such = example[1].strip() if len(example) > 1 else help
+        return f"{match['names']} is missing", f"{such}; {help}"
+    if match := _NO_VALUE.match(message):
+        return f"{match['option']} needs a value", help
+    if match := _TWO.match(message):
+        return f"{match['one']} is not allowed with {match['other']}", f"leave one out; {help}"
+    return message, help
+
+
+def unknown_option(parser: ArgumentParser, verb: str, rest: Sequence[str]) -> UsageError:
+    """Return the refusal of words that a verb does not take: HB-X101."""
+    verbs = next(a for a in parser._actions if isinstance(a, _SubParsersAction))
+    own = verbs.choices.get(verb)
+    word = rest[0]
+    help = f"hybond {verb} --help"
+    if own is None or not word.startswith("-"):
+        why = f"{word!r} is one word more than {verb} takes"
+        hint = f"put a value with spaces in quotes; {help}"
+        return UsageError(why, code="HB-X101", where=f"hybond {verb}", hint=hint)
+    name = word.split("=", 1)[0]
+    near = did_you_mean(name, own._option_string_actions)
+    return UsageError(
+        f"{verb} has no option {name}",
+        code="HB-X101",
+        where=f"hybond {verb}",
+        hint=f"{near if near.startswith('did') else ''} {help}".strip(),
+    )
