@@ -27,6 +27,11 @@ WRONG = {
         6,
     ),
     "a root of a negative number": (GOOD + "R2 a 0 {(-8)^(1/3)}\n", "HB-F131", 4),
+    "a pulse as long as the run": (
+        "V1 a 0 PULSE(0 5 0 1u 1u 0 1m)\nR1 a 0 1\n.tran 1u 5m\n",
+        "HB-F140",
+        2,
+    ),
     "half an expression": (GOOD + "R2 a 0 {1+}\n", "HB-F131", 4),
     "an unknown function": (GOOD + "R2 a 0 {system(1)}\n", "HB-F131", 4),
     "a division by zero": (GOOD + "R2 a 0 {1/0}\n", "HB-F131", 4),

@@ -78,7 +78,7 @@ def test_an_unexpected_failure_asks_for_a_report(
     def broken(*args: Any) -> None:
         raise ZeroDivisionError("of the developers' own making")
 
-    monkeypatch.setattr("hybond.cli.running.load", broken)
+    monkeypatch.setattr("hybond.cli.netlists.load", broken)
     done = shell("run", "ball.toml", "--json")
     assert done.code == 3
     assert done.err.startswith("HB-X001") and "please report" in done.err

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
+from hybond.circuits.fitting import Tangent
 from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf, leaves_of
@@ -53,8 +54,8 @@ class Conversion:
     """What ``.meas`` asks for: `measure(run, conversion.measures)` computes it."""
     steps: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Of ``.step``: parameters of the model and their values; all combinations are meant."""
-    diodes: tuple[tuple[str, float, float], ...] = ()
-    """Diodes taken as tangents: junction, current at which, A, and emission voltage N Vt, V."""
+    diodes: tuple[Tangent, ...] = ()
+    """Diodes that were taken as tangents: `fits(run, conversion.diodes)` says which do not fit."""
 
 
 def read_circuit(
@@ -223,10 +224,10 @@ class _Making:
             (self.parameters[step.name], values_of(step, self.opened)) for step in self.deck.steps
         )
 
-    def diodes(self) -> tuple[tuple[str, float, float], ...]:
+    def diodes(self) -> tuple[Tangent, ...]:
         """Return the diodes that were taken as tangents."""
         return tuple(
-            (name, self.current, self.leaves[k].emission)
+            Tangent(name, self.current, self.leaves[k].emission)
             for k, name in self.woven.junctions.items()
             if self.leaves[k].emission
         )

@@ -426,4 +426,4 @@ def _worded(key: str) -> bool:
 
 def _outputs(text: str) -> list[str]:
     words = re.findall(r"[A-Za-z]+\s*\([^()]*\)|\S+", text)
-    return [w.replace(" ", "") for w in words if w.lower() not in ("tran", "all")]
+    return [w.replace(" ", "") for w in words if w.lower() not in ("tran", "all", "alli", "allv")]

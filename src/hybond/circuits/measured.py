@@ -129,6 +129,12 @@ def _one(run: Result, one: Wanted, known: Mapping[str, float | None]) -> float |
     return high[1] - low[1]
 
 
+def mean_product(run: Result, signal: str, begin: float, power: int) -> float:
+    """Return the integral of a power of a signal from `begin` to the end of a run."""
+    t, weights = _nodes(run, begin, run.t_end)
+    return float(weights @ _values(run, signal, t) ** power)
+
+
 def _values(run: Result, signal: str, t: Vector) -> Vector:
     return np.asarray(run[signal].at(t.tolist()), dtype=float)
 

@@ -71,7 +71,9 @@ class _Reading:
             rows = cards_of(rows, str(self.top))
             name = f"{self.top} as a netlist"
         title = rows[0].strip() if rows else ""
-        if title.startswith(".") or (_ELEMENT.match(title) and not title.startswith("*")):
+        if title.lower().startswith(".title"):
+            title = title[6:].strip()
+        elif title.startswith(".") or (_ELEMENT.match(title) and not title.startswith("*")):
             self.notices.add(
                 Line(name, 1, title),
                 "the first line of a netlist is its title, although it looks like a card",

@@ -43,8 +43,8 @@ def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
     --------
     >>> line = Line("x.net", 9, ".tran 0 5m 0 1u startup")
     >>> found = read_transient("0 5m 0 1u startup", line, Notices())
-    >>> found.step, found.stop, found.startup
-    (Number(1e-06), Number(0.005), True)
+    >>> str(found.step), str(found.stop), found.startup
+    ('1e-06', '0.005', True)
     """
     words = words_of(rest, line)
     flags = {w.lower() for w in words} & {"uic", "startup", "steady", "nodiscard"}

@@ -113,9 +113,15 @@ def _pulse(
         raise _impossible(branch, "a time of the pulse is negative", "check the times")
     corners = [([delay], low), ([delay, rise], high)]
     if not width.number:  # it lasts as long as the run: a step that stays
-        width = clock.stop
-        if not period.number or not width.number:
-            return _table(branch, corners, None, texts, unit)
+        rising = rise.number + fall.number
+        if period.number and rising + clock.stop.number > period.number * (1 + 1e-12):
+            raise _impossible(
+                branch,
+                "a pulse without a width lasts as long as the run to some simulators, and no time "
+                f"at all to others; its period is {period.number:g} s",
+                "write the width that is meant, such as 1n, or leave the period out",
+            )
+        return _table(branch, corners, None, texts, unit)
     corners += [([delay, rise, width], high), ([delay, rise, width, fall], low)]
     if not period.number:
         return _table(branch, corners, None, texts, unit)

@@ -218,7 +218,7 @@ def parser_of_words() -> Parser:
         "hybond run ball.toml --set m=2kg --plot ball.png",
         "hybond run ball.toml --json --at '0.5, 800 ms' --signals height,ball.p",
     )
-    run.add_argument("file", metavar="FILE", help="a model file")
+    run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
     _settings(run)
     _solver(run)
     _limits(run)
@@ -230,6 +230,11 @@ def parser_of_words() -> Parser:
         help="what is sampled, written by --out and plotted by --plot",
     )
     run.add_argument("--out", metavar="FILE", help="write the run as .csv, .npz or .json")
+    run.add_argument(
+        "--diode-current",
+        metavar="I",
+        help="of netlists: where diodes become straight lines (default: 1 A)",
+    )
     run.add_argument("--plot", metavar="FILE", help="plot the run as .png, .svg or .pdf")
     run.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
@@ -278,7 +283,8 @@ def parser_of_words() -> Parser:
     convert.add_argument(
         "source",
         metavar="IN",
-        help="a model file (.toml, .json), a SPICE netlist (.cir, .net, .sp, .ckt, .spice), or a "
+        help="a model file (.toml, .json), a SPICE netlist (.cir, .net, .sp, .spi, .ckt, .spice), "
+        "a schematic of LTspice (.asc), or a "
         "file of BondGraphTools (.bg)",
     )
     convert.add_argument("target", metavar="OUT", help="the file to write, .toml or .json")

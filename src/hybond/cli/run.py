@@ -6,10 +6,12 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from hybond.cli.lists import check_signals, end_time, sample_times, split
+from hybond.cli.lists import check_experiment, check_signals, end_time, sample_times, split
+from hybond.cli.netlists import measurements, notes, print_measurements, read_model
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
-from hybond.cli.running import exit_code, read_graph, simulate_with
+from hybond.cli.running import exit_code, simulate_with
+from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.engine.outcome.step_error import GOOD
@@ -28,22 +30,32 @@ def run(given: Namespace) -> int:
     table = check_target(given.out, TABLES, "--out")
     plot = check_target(given.plot, PICTURES, "--plot")
     check_target(given.journal, (".csv",), "--journal")
-    graph = read_graph(given.file, given.settings)
+    model, conversion = read_model(given.file, given.diode_current)
+    graph = flatten_with(model, given.settings)
+    check_experiment(graph)
     until = end_time(graph, given.until)
     times = sample_times(given.at or [], until)
     signals = check_signals(graph, split(given.signals or []), "--signals")
 
     result = simulate_with(graph, until, given)
+    measured = measurements(result, conversion)
+    suggested = notes(result, conversion)
 
     problems = write_all(result, table, plot, given.file, signals)
     names = signals or (default_names(result) if times else [])
     if given.json:
-        notes = [f"{p.code} at {p.where}: {p.why}" for p in problems]
-        text = to_json(run_record(result, given.file, times, names, notes))
+        said = [f"{p.code} at {p.where}: {p.why}" for p in problems]
+        record = run_record(result, given.file, times, names, [*suggested, *said])
+        if conversion is not None:
+            record["measurements"] = measured
+        text = to_json(record)
         given.json = False  # what fails from here on must not put a second object there
         sys.stdout.write(text)
     else:
         _print(result, times, names)
+        print_measurements(measured)
+        for note in suggested:
+            say(f"note: {note}")
     for refusal in (result.error, *problems):
         if refusal is not None:
             complain(str(refusal))

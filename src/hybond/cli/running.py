@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
+from hybond.cli.netlists import read_model
 from hybond.cli.settings import flatten_with
 from hybond.errors import NumericsError
-from hybond.files import load
 from hybond.model.graph import FlatGraph
 from hybond.progress import Progress
 from hybond.result import Result
@@ -17,13 +17,13 @@ from hybond.simulation import simulate
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
-    """Return the flat graph of a model file with the settings of ``--set``.
+    """Return the flat graph of a model file or netlist with the settings of ``--set``.
 
     Raises
     ------
     HybondError
     """
-    graph = flatten_with(load(file), settings)
+    graph = flatten_with(read_model(file)[0], settings)
     check_experiment(graph)
     return graph
 

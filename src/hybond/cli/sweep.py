@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hybond.cli.lists import check_experiment, check_signals, end_time, split
+from hybond.cli.netlists import read_model
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.settings import changed_with
@@ -15,7 +16,6 @@ from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
 from hybond.errors import HybondError, NumericsError
-from hybond.files import load
 from hybond.files.whole import write_whole
 from hybond.names import in_columns
 from hybond.progress import MembersDone
@@ -32,8 +32,12 @@ TOLD = 3
 def sweep(given: Namespace) -> int:
     """Simulate all members; print a table, or one JSON object; write the file asked for."""
     target = check_target(given.out, TABLES, "--out")
-    varied = columns(given.vary, together=given.together)
-    model, fixed = changed_with(load(given.file), given.settings)
+    read, conversion = read_model(given.file)
+    vary = given.vary
+    if not vary and conversion is not None:  # the netlist says itself what varies
+        vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
+    varied = columns(vary, together=given.together)
+    model, fixed = changed_with(read, given.settings)
     graph = model.flatten(parameters=fixed)
     check_experiment(graph)
     until = end_time(graph, given.until)

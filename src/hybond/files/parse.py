@@ -71,7 +71,7 @@ def format_of(path: Path) -> Format:
             if path.with_suffix(ending).is_file():
                 hint = f"did you mean {path.with_suffix(ending)}?"
     if suffix in CIRCUITS + BOND_GRAPHS:
-        hint = f"make one of it first: hybond convert {path.name} {path.stem}.toml"
+        hint = f"make a model of it first: hybond convert {path.name} {path.stem}.toml"
     raise FileError(
         f"{suffix!r} is not a kind of model file" if suffix else "the file name has no suffix",
         code="HB-F102",

@@ -1,0 +1,74 @@
+"""Netlists where a model file is asked for: converted, with their warnings on stderr."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hybond.cli.streams import complain, say
+from hybond.errors import UsageError
+from hybond.files import load
+from hybond.files.parse import CIRCUITS
+from hybond.model.builder import Model
+from hybond.result import Result
+
+if TYPE_CHECKING:
+    from hybond.circuits.circuit import Conversion
+
+
+def read_model(file: str, current: str | None = None) -> tuple[Model, Conversion | None]:
+    """Return the model of a model file or netlist; of a netlist its conversion, too.
+
+    Parameters
+    ----------
+    current : str or None
+        Of ``--diode-current``.
+
+    Raises
+    ------
+    HybondError
+    """
+    if Path(file).suffix.lower() not in CIRCUITS:
+        if current:
+            raise UsageError(
+                "--diode-current is for netlists", code="HB-X101", where=file, hint="leave it out"
+            )
+        return load(file), None
+    from hybond.circuits.circuit import read_circuit
+
+    conversion = read_circuit(file, diode_current=current or 1.0)
+    for warning in conversion.warnings:
+        complain(f"warning: {warning}")
+    return conversion.model, conversion
+
+
+def measurements(run: Result, conversion: Conversion | None) -> dict[str, float | None]:
+    """Return what ``.meas`` asks for."""
+    if conversion is None or not conversion.measures:
+        return {}
+    from hybond.circuits.measured import measure
+
+    return measure(run, conversion.measures)
+
+
+def notes(run: Result, conversion: Conversion | None) -> list[str]:
+    """Return what a run of a netlist suggests: diodes that carry another current."""
+    if conversion is None:
+        return []
+    from hybond.circuits.fitting import fits
+
+    found = [str(fit) for fit in fits(run, conversion.diodes)]
+    if conversion.steps:
+        found.append(".step is run at its first value, or at that of .param; hybond sweep runs all")
+    return found
+
+
+def print_measurements(values: Mapping[str, float | None]) -> None:
+    """Print measurements, one a line."""
+    width = max(map(len, values), default=0)
+    for name, value in values.items():
+        shown = "nothing to measure" if value is None else f"{value:.6g}"
+        say(f"  {name:{width}} = {shown}")
+    if values:
+        say()
