@@ -225,7 +225,7 @@ def _symbol(
     badge: Badge | None,
 ) -> Symbol:
     said = node.said
-    parameter = _typeset(said)
+    parameter = typeset(said)
     if node.kind == "G" and parameter:
         # Drawn as R like in the textbooks: the value must say that it is a conductance.
         parameter = f"G = {parameter}"
@@ -263,12 +263,12 @@ _POWER = re.compile(r"\^(\(-?\d+\)|-?\d+)(?![\d.])")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def _typeset(text: str) -> str:
+def typeset(text: str) -> str:
     """Write ``m/(N*s^2)`` the way it is printed: ``m/(N·s²)``.
 
     Examples
     --------
-    >>> _typeset("10 m/(N*s^2)"), _typeset("3 kg*m**-1"), _typeset("x^2.5")
+    >>> typeset("10 m/(N*s^2)"), typeset("3 kg*m**-1"), typeset("x^2.5")
     ('10 m/(N·s²)', '3 kg·m⁻¹', 'x^2.5')
     """
     text = text.replace("**", "^")

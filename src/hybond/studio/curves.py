@@ -1,0 +1,170 @@
+"""What plots show of a run: as many points as there are pixels, no spike lost.
+
+Of each pixel the least and the greatest value are given, beside the data; stride sampling would
+lose impulses and ripple.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.draw.impulses import impulses_of
+from hybond.draw.mode_strip import lanes, stays
+from hybond.model.expressions import Name
+from hybond.result import Result
+from hybond.studio.levels import Data
+
+Vector = NDArray[np.float64]
+
+WIDEST = 4000
+"""Most pixels of a plot."""
+STAYS = 400
+"""Stays in states up to which each is told; beyond, how much of each pixel is spent where."""
+
+
+def curve(run: Result, name: str, t0: float, t1: float, width: int) -> dict[str, Any]:
+    """Return one signal between two times.
+
+    Parameters
+    ----------
+    run : Result
+    name : str
+        A signal, or an expression of signals.
+    t0, t1 : float
+        s.
+    width : int
+        Pixels.
+
+    Returns
+    -------
+    dict
+        ``t`` and ``y``, null for what is not determined and between pieces that do not touch;
+        ``impulses``, pairs of time and area; ``unit``.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> seen = curve(hb.simulate(m, until="1 s"), "c.e", 0.0, 1.0, 100)
+    >>> seen["unit"], seen["y"][0], round(seen["y"][-1], 3), len(seen["t"]) <= 202
+    ('V', 10.0, 3.679, True)
+    """
+    signal = run[name]
+    t, y = signal.t, signal.y
+    first, last = np.searchsorted(t, (t0, t1), side="left")[0], np.searchsorted(t, t1, side="right")
+    first, last = max(int(first) - 1, 0), min(int(last) + 1, len(t))
+    t, y = reduced(t[first:last], y[first:last], max(16, min(int(width), WIDEST)))
+    areas = impulses_of(run, name)
+    inside = areas[(areas[:, 0] >= t0) & (areas[:, 0] <= t1)]
+    if len(inside) > width:
+        inside = inside[np.argsort(-np.abs(inside[:, 1]))[:width]]
+    return {
+        "name": name,
+        "unit": signal.unit,
+        "t": t.tolist(),
+        "y": numbers(y),
+        "impulses": inside.tolist(),
+    }
+
+
+def reduced(t: Vector, y: Vector, width: int) -> tuple[Vector, Vector]:
+    """Return the least and the greatest point of each of `width` pieces, in their order.
+
+    Examples
+    --------
+    >>> t = np.arange(10000.0)
+    >>> y = np.zeros(10000)
+    >>> y[4321] = 1.0
+    >>> a, b = reduced(t, y, 50)
+    >>> len(a) <= 4 * 50 + 2, float(a[b == 1.0][0])
+    (True, 4321.0)
+    """
+    n = len(t)
+    if n <= 4 * width or not t[-1] > t[0]:
+        return t, y
+    edges = np.searchsorted(t, np.linspace(t[0], t[-1], width + 1)[1:-1])
+    starts = np.unique(np.concatenate(([0], edges, [n])))
+    kept = [np.array([0, n - 1])]
+    for a, b in zip(starts[:-1].tolist(), starts[1:].tolist()):
+        part = y[a:b]
+        if np.isnan(part).all():
+            kept.append(np.array([a, b - 1]))
+            continue
+        kept.append(np.array([a, a + int(np.nanargmin(part)), a + int(np.nanargmax(part)), b - 1]))
+    chosen = np.unique(np.concatenate(kept))
+    return t[chosen], y[chosen]
+
+
+def numbers(values: Sequence[float] | Vector) -> list[float | None]:
+    """Return values that JSON can hold: null for what is none.
+
+    Examples
+    --------
+    >>> numbers([1.0, float("nan"), float("inf")])
+    [1.0, None, None]
+    """
+    return [float(v) if math.isfinite(v) else None for v in values]
+
+
+def strip(run: Result, t0: float, t1: float, width: int) -> list[dict[str, Any]]:
+    """Return the lanes of the machines between two times: their stays, or shares of pixels."""
+    found = []
+    width = max(16, min(int(width), WIDEST))
+    for m in lanes(run)[0]:
+        machine = run.graph.machines[m]
+        all_stays = [s for s in stays(run, m) if s[1] >= t0 and s[0] <= t1]
+        lane: dict[str, Any] = {"machine": machine.path, "states": list(machine.states)}
+        if len(all_stays) <= STAYS:
+            lane["stays"] = [[a, b, k] for a, b, k in all_stays]
+        else:
+            edges = np.linspace(t0, t1, width + 1)
+            lane["shares"] = [
+                np.round(_share(all_stays, k, edges), 3).tolist()
+                for k in range(len(machine.states))
+            ]
+        found.append(lane)
+    return found
+
+
+def _share(all_stays: Sequence[tuple[float, float, int]], state: int, edges: Vector) -> Vector:
+    """Return the part of each pixel that is spent in a state."""
+    times = np.array([t for a, b, _ in all_stays for t in (a, b)])
+    spent = np.array([(b - a) * (k == state) for a, b, k in all_stays])
+    total = np.repeat(np.cumsum(spent), 2)
+    total[0::2] -= spent
+    share = np.diff(np.interp(edges, times, total)) / np.diff(edges)
+    return np.asarray(np.clip(share, 0.0, 1.0))
+
+
+def at_cursor(run: Result, t: float, side: str, bonds: Sequence[int]) -> dict[str, Any]:
+    """Return effort and flow of bonds at a time, and the states of the machines there."""
+    t = min(max(t, run.t_begin), run.t_end)
+    left = side == "left"
+    run.sample([t], [], side="left" if left else "right")
+    number = run._segment_at(t, "left" if left else "right")
+    names = [Name(f"{v}:{b}") for b in bonds for v in "ef"]
+    states = dict(zip((m.path for m in run.graph.machines), run.segments[number].mode))
+    values = run.signals.of_points(
+        run.trace.segments, np.array([number], dtype=np.intp), np.array([t]), names
+    )
+    pairs = numbers([float(v[0]) for v in values])
+    return {
+        "t": t,
+        "mode": {m.path: m.states[states[m.path]] for m in run.graph.machines},
+        "values": {
+            str(b): [pairs[2 * k], pairs[2 * k + 1]] for k, b in enumerate(bonds)
+        },
+    }
+
+
+def units_of(run: Result, bonds: Sequence[int]) -> Data:
+    """Return the units of effort and flow of bonds."""
+    domains = {b: run.graph.bonds[b].domain for b in bonds}
+    return {str(b): [d.effort_unit, d.flow_unit] for b, d in domains.items()}

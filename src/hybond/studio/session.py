@@ -1,0 +1,507 @@
+"""A session: one document, its runs, and who looks at them; messages in, messages out.
+
+A page asks (``{"id": 7, "ask": "edit", ...}``) and is answered (``{"id": 7, ...}`` or
+``{"id": 7, "error": {...}}``); what happens meanwhile is told to all (``{"tell": "progress"}``).
+Nothing here knows how messages travel.
+"""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from hybond._version import __version__
+from hybond.cli.examples import examples_folder, models_in
+from hybond.errors import FileError, HybondError, UsageError
+from hybond.files.load import loads
+from hybond.files.toml_text import toml_text
+from hybond.model.builder import Model
+from hybond.studio.curves import at_cursor, curve, strip, units_of
+from hybond.studio.document import EMPTY, Document, Lock
+from hybond.studio.edits import cut_out
+from hybond.studio.instants import events
+from hybond.studio.journal import Journal
+from hybond.studio.levels import level_of, table
+from hybond.studio.problems import problem_of, problems
+from hybond.studio.runs import Runs
+from hybond.studio.stock import stock
+from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
+from hybond.studio.view import view
+
+Message = dict[str, Any]
+PANELS = ("parameters", "inputs", "signals", "machines", "blocks", "experiment", "ports")
+
+
+class Session:
+    """What a page talks to.
+
+    Parameters
+    ----------
+    file : Path or None
+        The model file; None for a model that is only in memory.
+    text : str
+        What is edited without a file, or in one that does not exist yet.
+    root : Path or None
+        The folder from which files are opened; that of the file by default.
+    journal : bool
+        Whether edits are written down in case the program ends.
+
+    Examples
+    --------
+    >>> session = Session(None)
+    >>> add = {"id": 1, "ask": "edit", "edit": {"do": "add", "element": {"junction": 1}}}
+    >>> answer = session.handle(add)
+    >>> answer["id"], [n["kind"] for n in answer["view"]["nodes"]], answer["canUndo"]
+    (1, ['1'], True)
+    """
+
+    def __init__(
+        self,
+        file: Path | None = None,
+        *,
+        text: str = EMPTY,
+        root: Path | None = None,
+        journal: bool = True,
+        on_change: Callable[[str], None] | None = None,
+    ) -> None:
+        self.root = (root or (file.parent if file is not None else Path.cwd())).resolve()
+        self._journal = journal
+        self._on_change = on_change
+        self._listeners: list[Callable[[Message], None]] = []
+        self._busy = threading.RLock()
+        self._known: tuple[int, Meaning] | None = None
+        self.lock: Lock | None = None
+        self.runs = Runs(self.tell)
+        self.document = self._open(file, text)
+
+    # -- who listens
+
+    def listen(self, listener: Callable[[Message], None]) -> Callable[[], None]:
+        """Tell this listener what happens; return what stops it."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener) if listener in self._listeners else None
+
+    def tell(self, message: Message) -> None:
+        """Tell all listeners."""
+        for listener in list(self._listeners):
+            listener(message)
+
+    # -- questions
+
+    def handle(self, message: Mapping[str, Any]) -> Message:
+        """Answer one message; a refusal is an answer too."""
+        number = message.get("id")
+        ask = ASKS.get(str(message.get("ask")))
+        try:
+            if ask is None:
+                raise UsageError(
+                    f"there is no question {message.get('ask')!r}", code="HB-W101", where="ask"
+                )
+            with self._busy:
+                answer = ask(self, message)
+            return {"id": number, **answer}
+        except HybondError as error:
+            return {"id": number, "error": problem_of(error, self.document.data)}
+        except (TypeError, ValueError, KeyError, AttributeError, LookupError) as error:
+            said = UsageError(
+                f"the message cannot be read: {type(error).__name__}: {error}",
+                code="HB-W101",
+                where=str(message.get("ask")),
+            )
+            return {"id": number, "error": said.to_dict()}
+
+    def settle(self) -> None:
+        """Write what the last edit has changed; called when nobody waits for an answer."""
+        with self._busy:
+            unsaved = self.document.unsaved
+            self.document.settle()
+            if self.document.unsaved != unsaved:
+                self.tell({"tell": "saved", "unsaved": self.document.unsaved})
+
+    def close(self) -> None:
+        """Write what is left, stop what runs, let another write."""
+        self.runs.cancel()
+        with self._busy:
+            self.document.close()
+            if self.lock is not None:
+                self.lock.release()
+
+    # -- answers
+
+    def look(self, message: Mapping[str, Any]) -> Message:
+        """Return all that the page shows of the level and mode that it has open."""
+        document = self.document
+        if document.changed_outside():
+            self.tell({"tell": "changed", "revision": document.revision, "outside": True})
+        path = str(message.get("level") or "")
+        seen = view(document.data, path)
+        if seen is None:
+            path, seen = "", view(document.data, "")
+        known = self.meaning()
+        asked = message.get("mode")
+        mode = mode_of(known, asked if isinstance(asked, dict) else None)
+        try:
+            drawn = strokes(known, mode, path)
+        except HybondError as error:
+            drawn = {"bonds": {}, "nodes": {}, "conflicts": [error.to_dict()]}
+        found = problems(document.data, known, drawn.pop("conflicts"))
+        if document.error is not None:
+            found = [problem_of(document.error, document.data)]
+        level = level_of(document.data, path)
+        graph = known.graph
+        machines = []
+        if graph is not None:
+            now = graph.start_mode if mode is None else mode
+            machines = [
+                {
+                    "path": m.path,
+                    "states": list(m.states),
+                    "state": m.states[now[m.index]],
+                    "law": "" if m.law is None else m.law.kind,
+                }
+                for m in graph.machines
+            ]
+        return {
+            "revision": document.revision,
+            "file": document.name,
+            "title": document.data.get("title", ""),
+            "inMemory": document.file is None,
+            "writable": self.writable,
+            "unsaved": document.unsaved,
+            "canUndo": document.can_undo,
+            "canRedo": document.can_redo,
+            "view": seen,
+            "strokes": drawn,
+            "machines": machines,
+            "problems": found,
+            "whole": known.whole,
+            "panels": {k: table({} if level is None else level.data, k) for k in PANELS},
+        }
+
+    def edit(self, message: Mapping[str, Any]) -> Message:
+        """Do an edit and look at what it made."""
+        self._must_write()
+        edit = message.get("edit")
+        if not isinstance(edit, dict):
+            raise UsageError("there is no edit", code="HB-W101", where="edit")
+        self.document.edit(edit)
+        return self._changed(message)
+
+    def replace(self, message: Mapping[str, Any]) -> Message:
+        """Take another text."""
+        self._must_write()
+        self.document.replace(str(message["text"]))
+        return self._changed(message)
+
+    def undo(self, message: Mapping[str, Any]) -> Message:
+        """Go back by one edit."""
+        self._must_write()
+        self.document.undo()
+        return self._changed(message)
+
+    def redo(self, message: Mapping[str, Any]) -> Message:
+        """Go forward again."""
+        self._must_write()
+        self.document.redo()
+        return self._changed(message)
+
+    def text(self, message: Mapping[str, Any]) -> Message:
+        """Return the text of the file."""
+        return {"text": self.document.text, "revision": self.document.revision}
+
+    def copy(self, message: Mapping[str, Any]) -> Message:
+        """Return elements with their bonds as the text of a model file."""
+        names = {str(n) for n in message.get("names", ())}
+        cut = cut_out(self.document.data, str(message.get("level") or ""), names)
+        return {"text": toml_text({"hybond": 1, **cut}) if cut else ""}
+
+    def paste(self, message: Mapping[str, Any]) -> Message:
+        """Put in what a text in the clipboard says."""
+        from hybond.files.parse import parse
+        from hybond.files.place import Source
+
+        data = parse(Source("clipboard", str(message.get("text", ""))))
+        edit = {"do": "paste", "data": data, "by": message.get("by"), "level": message.get("level")}
+        before = set(self._names(message))
+        answer = self.edit({**message, "edit": edit})
+        return {**answer, "pasted": [n for n in self._names(message) if n not in before]}
+
+    def arrange(self, message: Mapping[str, Any]) -> Message:
+        """Lay a level out anew, but for what is kept where it is."""
+        path = str(message.get("level") or "")
+        kept = {str(n) for n in message.get("keep", ())}
+        level = level_of(self.document.data, path)
+        if level is None or not level.editable:
+            raise UsageError("this level cannot be arranged", code="HB-W101", where=path)
+        loose = {**level.data, "layout": {k: v for k, v in table(level.data, "layout").items() if k in kept}}
+        seen = view(loose if not path else {"elements": loose.get("elements", {}), "graph": loose.get("graph", {}), "layout": loose["layout"], "models": self.document.data.get("models", {})}, "")
+        assert seen is not None
+        at = {n["name"]: [n["x"], n["y"]] for n in seen["nodes"]}
+        return self.edit({**message, "edit": {"do": "move", "at": at, "level": path}})
+
+    def stock(self, message: Mapping[str, Any]) -> Message:
+        """Return what the palette offers, and what can be opened."""
+        return {**stock(), "version": __version__, "files": self._files(), "examples": _examples()}
+
+    def open(self, message: Mapping[str, Any]) -> Message:
+        """Open another file of the folder, an example as a copy, or an empty model."""
+        if message.get("example"):
+            name = str(message["example"])
+            if name not in _examples():
+                raise UsageError(f"there is no example {name!r}", code="HB-W104", where="example")
+            text = (examples_folder() / f"{name}.toml").read_text(encoding="utf-8")
+            self._take(self._open(None, text))
+        elif message.get("file"):
+            self._take(self._open(self._inside(str(message["file"])), EMPTY))
+        else:
+            self._take(self._open(None, EMPTY))
+        return self._changed(message)
+
+    def save_as(self, message: Mapping[str, Any]) -> Message:
+        """Keep the model in a file of the folder from now on."""
+        file = self._inside(str(message["file"]))
+        if file.exists() and not message.get("replace"):
+            raise UsageError(
+                f"{file.name} is there already",
+                code="HB-W104",
+                where=file.name,
+                hint="take another name, or open it",
+            )
+        text = self.document.text
+        if file.exists():
+            file.unlink()
+        self._take(self._open(file, text))
+        self.document.revision += 1
+        self.document._save()
+        if self.document.unsaved:
+            raise FileError(
+                f"cannot write the file: {self.document.unsaved}",
+                code="HB-F119",
+                where=str(file),
+                hint="check that the directory is there and yours",
+            )
+        return self._changed(message)
+
+    def run(self, message: Mapping[str, Any]) -> Message:
+        """Begin a run of the model as it is."""
+        model = self.meaning().model
+        known = self.meaning()
+        if known.error is not None or model is None:
+            raise known.error or UsageError("there is no model", code="HB-W103", where="run")
+        until = message.get("until") or None
+        options = message.get("options") or {}
+        running = self.runs.start(
+            model, until=until, options=options, revision=self.document.revision
+        )
+        return {"run": running.number}
+
+    def cancel(self, message: Mapping[str, Any]) -> Message:
+        """Stop what runs."""
+        self.runs.cancel()
+        return {}
+
+    def summaries(self, message: Mapping[str, Any]) -> Message:
+        """Return the runs that are kept."""
+        return {"runs": [r.summary() for r in self.runs.kept.values()]}
+
+    def curves(self, message: Mapping[str, Any]) -> Message:
+        """Return signals and lanes of a run between two times."""
+        run = self.runs.result(message.get("run"))
+        t0, t1 = float(message.get("t0", 0.0)), float(message.get("t1", run.t_end))
+        width = int(message.get("width", 800))
+        found = []
+        for name in [str(n) for n in message.get("names", ())][:32]:
+            try:
+                found.append(curve(run, name, t0, t1, width))
+            except HybondError as error:
+                found.append({"name": name, "error": error.to_dict()})
+        return {"curves": found, "strip": strip(run, t0, t1, width) if message.get("strip") else []}
+
+    def events(self, message: Mapping[str, Any]) -> Message:
+        """Return some events of a run."""
+        run = self.runs.result(message.get("run"))
+        first = int(message.get("first", 0))
+        return {
+            "events": events(run, first, int(message.get("count", 100))),
+            "total": len(run.events),
+        }
+
+    def cursor(self, message: Mapping[str, Any]) -> Message:
+        """Return values on the bonds of a level at a time, and its strokes in the mode there.
+
+        With ``mode`` the strokes are those of that mode, one of the modes of an instant.
+        """
+        run = self.runs.result(message.get("run"))
+        known, path = self.meaning(), str(message.get("level") or "")
+        bonds = _numbers(known, path)
+        if known.graph is None or not known.whole or len(known.graph.bonds) != len(run.graph.bonds):
+            bonds = {}
+        found = at_cursor(
+            run, float(message["t"]), str(message.get("side", "right")), list(bonds.values())
+        )
+        units = units_of(run, list(bonds.values()))
+        values = {
+            key: {"e": found["values"][str(b)][0], "f": found["values"][str(b)][1],
+                  "units": units[str(b)]}
+            for key, b in bonds.items()
+        }
+        states = message.get("mode") if isinstance(message.get("mode"), dict) else found["mode"]
+        drawn = strokes(known, mode_of(known, states), path)
+        return {"t": found["t"], "mode": states, "values": values, "strokes": drawn}
+
+    def equations(self, message: Mapping[str, Any]) -> Message:
+        """Return the equations of all modes as text."""
+        from hybond.equations.derive import state_equations
+
+        known = self.meaning()
+        if known.error is not None or known.graph is None:
+            raise known.error or UsageError("there is no model", code="HB-W103", where="equations")
+        return {"text": str(state_equations(known.graph))}
+
+    def picture(self, message: Mapping[str, Any]) -> Message:
+        """Return the printed drawing in the mode that is shown: svg, pdf, png or tex."""
+        from hybond.draw import draw_mode
+
+        form = str(message.get("form", "svg"))
+        known = self.meaning()
+        if known.graph is None or not known.whole:
+            raise known.error or UsageError("there is no model", code="HB-W103", where="picture")
+        asked = message.get("mode")
+        mode = mode_of(known, asked if isinstance(asked, dict) else None)
+        drawing = draw_mode(known.graph, known.graph.start_mode if mode is None else mode)
+        with tempfile.TemporaryDirectory() as folder:
+            file = drawing.save(Path(folder, f"drawing.{form}"))
+            content = base64.b64encode(file.read_bytes()).decode()
+        return {"content": content, "name": f"{Path(self.document.name).stem}.{form}"}
+
+    # -- inside
+
+    @property
+    def writable(self) -> bool:
+        """Whether this session is the one that writes the file."""
+        return self.lock is None or self.lock.held
+
+    def meaning(self) -> Meaning:
+        """Return what the data mean; kept until they change."""
+        document = self.document
+        if self._known is None or self._known[0] != document.revision:
+            base = str(document.file.parent if document.file is not None else self.root)
+            self._known = (document.revision, meaning(document.data, base=base, where=document.name))
+        return self._known[1]
+
+    def _changed(self, message: Mapping[str, Any]) -> Message:
+        answer = self.look(message)
+        self.tell(
+            {"tell": "changed", "revision": self.document.revision, "by": message.get("client")}
+        )
+        if self._on_change is not None:
+            self._on_change(self.document.text)
+        return answer
+
+    def _names(self, message: Mapping[str, Any]) -> list[str]:
+        level = level_of(self.document.data, str(message.get("level") or ""))
+        return [] if level is None else list(table(level.data, "elements"))
+
+    def _must_write(self) -> None:
+        if not self.writable:
+            raise UsageError(
+                f"{self.document.name} is open in another studio, which writes it",
+                code="HB-W105",
+                where=self.document.name,
+                hint="close that one, or keep yours under another name",
+            )
+
+    def _open(self, file: Path | None, text: str) -> Document:
+        if file is not None and file.suffix.lower() != ".toml":
+            raise UsageError(
+                f"the studio edits .toml files, not {file.suffix or 'files without an ending'}",
+                code="HB-W104",
+                where=file.name,
+                hint=f"hybond convert {file.name} {file.stem}.toml",
+            )
+        if self.lock is not None:
+            self.lock.release()
+            self.lock = None
+        journal = None
+        if file is not None and self._journal:
+            journal = Journal(file)
+            self.lock = Lock(journal.path.with_suffix(".lock"))
+            if not self.lock.held:
+                journal = None
+        return Document(file, text, journal)
+
+    def _take(self, document: Document) -> None:
+        revision = self.document.revision
+        self.document.close()
+        self.document = document
+        document.revision = revision + 1
+        self._known = None
+
+    def _inside(self, name: str) -> Path:
+        """Return a file of the folder; HB-W104 for one that is not there."""
+        file = (self.root / name).resolve()
+        if not file.is_relative_to(self.root) or "\0" in name:
+            raise UsageError(
+                f"{name!r} is not in the folder {self.root}",
+                code="HB-W104",
+                where="file",
+                hint="start the studio in the folder of the file",
+            )
+        return file
+
+    def _files(self) -> list[str]:
+        found = sorted(p.name for p in self.root.glob("*.toml"))
+        return found[:500]
+
+
+def _examples() -> list[str]:
+    try:
+        return sorted(f.stem for f in models_in(examples_folder()) if f.suffix == ".toml")
+    except HybondError:
+        return []
+
+
+def _numbers(known: Meaning, path: str) -> dict[str, int]:
+    """Return the numbers of the bonds of a level in the graph, by what the page calls them."""
+    prefix = f"{path}.graph.bonds[" if path else "graph.bonds["
+    found, last, arrow = {}, "", 0
+    for k, written in enumerate(known.bonds):
+        arrow = arrow + 1 if written.where == last else 0
+        last = written.where
+        if written.where.startswith(prefix):
+            found[f"{written.where[len(prefix) : -1]}.{arrow}"] = k
+    return found
+
+
+def model_of(text: str, base: Path) -> Model:
+    """Return the model that a text says."""
+    return loads(text, base=base)
+
+
+ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
+    "look": Session.look,
+    "edit": Session.edit,
+    "replace": Session.replace,
+    "undo": Session.undo,
+    "redo": Session.redo,
+    "text": Session.text,
+    "copy": Session.copy,
+    "paste": Session.paste,
+    "arrange": Session.arrange,
+    "stock": Session.stock,
+    "open": Session.open,
+    "save as": Session.save_as,
+    "run": Session.run,
+    "cancel": Session.cancel,
+    "runs": Session.summaries,
+    "curves": Session.curves,
+    "events": Session.events,
+    "cursor": Session.cursor,
+    "equations": Session.equations,
+    "picture": Session.picture,
+}
+"""What may be asked."""
