@@ -35,6 +35,7 @@ VERBS = {
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
     "export": "write a model as a program, or for another tool",
+    "studio": "draw, run and look at models in the browser",
     "completion": "print what a shell needs to complete verbs and options",
 }
 
@@ -310,6 +311,13 @@ def parser_of_words() -> Parser:
         "part", metavar="PART", nargs="?", help="a part, a domain, or a word to look for"
     )
     library.add_argument("--file", action="store_true", help="print its model file")
+
+    page = _verb(verbs, "studio", "hybond studio ball.toml", "hybond studio")
+    page.add_argument("file", metavar="FILE", nargs="?", help="a model file, new or there already")
+    page.add_argument(
+        "--port", type=int, default=0, metavar="N", help="listen on this port (default: a free one)"
+    )
+    page.add_argument("--no-browser", action="store_true", help="print the address, open nothing")
 
     shell = _verb(verbs, "completion", 'eval "$(hybond completion bash)"')
     shell.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")

@@ -111,6 +111,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.library import library
 
             return library(given)
+        case "studio":
+            from hybond.cli.studio import studio
+
+            return studio(given)
         case "completion":
             from hybond.cli.arguments import parser_of_words
             from hybond.cli.completion import completion

@@ -158,9 +158,7 @@ def at_cursor(run: Result, t: float, side: str, bonds: Sequence[int]) -> dict[st
     return {
         "t": t,
         "mode": {m.path: m.states[states[m.path]] for m in run.graph.machines},
-        "values": {
-            str(b): [pairs[2 * k], pairs[2 * k + 1]] for k, b in enumerate(bonds)
-        },
+        "values": {str(b): [pairs[2 * k], pairs[2 * k + 1]] for k, b in enumerate(bonds)},
     }
 
 

@@ -237,8 +237,21 @@ class Session:
         level = level_of(self.document.data, path)
         if level is None or not level.editable:
             raise UsageError("this level cannot be arranged", code="HB-W101", where=path)
-        loose = {**level.data, "layout": {k: v for k, v in table(level.data, "layout").items() if k in kept}}
-        seen = view(loose if not path else {"elements": loose.get("elements", {}), "graph": loose.get("graph", {}), "layout": loose["layout"], "models": self.document.data.get("models", {})}, "")
+        loose = {
+            **level.data,
+            "layout": {k: v for k, v in table(level.data, "layout").items() if k in kept},
+        }
+        seen = view(
+            loose
+            if not path
+            else {
+                "elements": loose.get("elements", {}),
+                "graph": loose.get("graph", {}),
+                "layout": loose["layout"],
+                "models": self.document.data.get("models", {}),
+            },
+            "",
+        )
         assert seen is not None
         at = {n["name"]: [n["x"], n["y"]] for n in seen["nodes"]}
         return self.edit({**message, "edit": {"do": "move", "at": at, "level": path}})
@@ -345,8 +358,11 @@ class Session:
         )
         units = units_of(run, list(bonds.values()))
         values = {
-            key: {"e": found["values"][str(b)][0], "f": found["values"][str(b)][1],
-                  "units": units[str(b)]}
+            key: {
+                "e": found["values"][str(b)][0],
+                "f": found["values"][str(b)][1],
+                "units": units[str(b)],
+            }
             for key, b in bonds.items()
         }
         states = message.get("mode") if isinstance(message.get("mode"), dict) else found["mode"]
@@ -390,7 +406,10 @@ class Session:
         document = self.document
         if self._known is None or self._known[0] != document.revision:
             base = str(document.file.parent if document.file is not None else self.root)
-            self._known = (document.revision, meaning(document.data, base=base, where=document.name))
+            self._known = (
+                document.revision,
+                meaning(document.data, base=base, where=document.name),
+            )
         return self._known[1]
 
     def _changed(self, message: Mapping[str, Any]) -> Message:

@@ -172,7 +172,11 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     for symbol in shown.symbols:
         if not symbol.path.startswith(start) or "." in symbol.path[len(start) :]:
             continue
-        about = {"off": symbol.off, "derivative": symbol.derivative, "controlled": symbol.controlled}
+        about = {
+            "off": symbol.off,
+            "derivative": symbol.derivative,
+            "controlled": symbol.controlled,
+        }
         told = {k: True for k, v in about.items() if v}
         if symbol.parameter and symbol.kind not in ("0", "1"):
             told["says"] = symbol.parameter

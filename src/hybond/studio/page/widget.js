@@ -1,0 +1,5948 @@
+// node_modules/preact/dist/preact.mjs
+var e, t, n, r, i, a, o, s, c, l, u = Symbol.for("pv"), d = {}, f = [], p = /^m(i|n|o|s|text|space)$/, m = Array.isArray, h = f.slice, g = Object.assign;
+function _(e) {
+	e && e.parentNode && e.remove();
+}
+function v(n, r, i, a, o) {
+	var s = {
+		type: n,
+		props: r,
+		key: i,
+		ref: a,
+		__k: null,
+		__: null,
+		__b: 0,
+		__e: null,
+		__c: null,
+		constructor: u,
+		__v: o || ++t,
+		__i: -1,
+		__u: 0
+	};
+	return !o && e.vnode && e.vnode(s), s;
+}
+function y() {
+	return { current: null };
+}
+function b(e) {
+	return e.children;
+}
+function x(e, t) {
+	this.props = e, this.context = t, this.__g = 0;
+}
+function S(e, t) {
+	if (t == null) return e.__ && S(e.__, e.__i + 1);
+	for (var n; t < e.__k.length; t++) if ((n = e.__k[t]) && n.__e) return n.__e;
+	return typeof e.type != "function" || e.props.__P ? null : S(e);
+}
+function C(t) {
+	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, ae(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
+}
+function w(e) {
+	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
+		return t && (e.__e = t.__e);
+	}), w(e);
+}
+function T(t) {
+	(8 & t.__g || (t.__g |= 8, n.push(t), i++)) && r == e.debounceRendering || ((r = e.debounceRendering) || queueMicrotask)(E);
+}
+function E() {
+	try {
+		for (var e, t = 1; n.length;) n.length > t && n.sort(a), e = n.shift(), t = n.length, 8 & e.__g && C(e);
+	} finally {
+		(i = n.length) && (r || queueMicrotask)(E);
+	}
+}
+function D(e, t, n, r, i, a, o, s, c, l, u) {
+	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
+	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	return n.__e = _, c;
+}
+function O(e, t, n, r, i) {
+	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, y = 0, x = 0, C = e.__k = Array(i);
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = ee(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
+	if (x) {
+		for (d = [], f = [], a = 0; a < i; a++) if ((o = C[a]) && 16 & o.__u) {
+			for (y = 0, p = d.length; y < p;) d[h = y + p >> 1] < o.__i ? y = h + 1 : p = h;
+			d[y] = o.__i, f[a] = y + 1;
+		}
+		for (y = d.length; a--;) f[a] && (f[a] == y ? y-- : C[a].__u |= 4);
+	}
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), P(s, s));
+	return r;
+}
+function k(e, t, n, r) {
+	var i, a, o, s;
+	if (typeof e.type == "function") {
+		if (e.props.__P) return t;
+		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = k(i[a], t, n, !1));
+		return t;
+	}
+	for (t && !t.parentNode && (t = S(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
+	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
+	return t;
+}
+function ee(e, t, n, r) {
+	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
+	if (s === null && a == null || c && a == s.key && o == s.type) return n;
+	if (r > +!!c) {
+		for (i = n - 1; i >= 0; i--) if ((s = t[i]) && !(2 & s.__u) && a == s.key && o == s.type) return i;
+		for (i = n + 1; i < t.length; i++) if ((s = t[i]) && !(2 & s.__u) && a == s.key && o == s.type) return i;
+	}
+	return -1;
+}
+function A(e, t, n) {
+	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
+}
+function j(e, t, n, r, i) {
+	var a, o;
+	if (t == "style") {
+		if (typeof n == "string") e.style.cssText = n;
+		else {
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || A(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || A(e.style, t, n[t]);
+		}
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	else {
+		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
+		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
+			e[t] = n ?? "";
+			return;
+		} catch {}
+		if (typeof n == "function") return;
+		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
+	}
+}
+function te(t) {
+	return function(n) {
+		var r = this.__e;
+		if (r) {
+			if (r = r[t], n[o] == null) n[o] = c++;
+			else if (n[o] < this.__a[t]) return;
+			return r(e.event ? e.event(n) : n);
+		}
+	};
+}
+function ne(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, C, w, T, E, O, k, ee, A, j, te, ne, ae, N, F, I = n.type;
+	if (n.constructor !== u) return null;
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
+		v = s.length;
+		try {
+			if (E = n.props, O = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new I(E, ee) : (n.__c = y = new x(E, ee), y.constructor = I, y.render = oe), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== C && O && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
+					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
+						e && (e.__ = n);
+					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = S(r);
+					break n;
+				}
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), O && y.componentDidUpdate && y.__h.push(function() {
+					y.componentDidUpdate(C, w, T);
+				});
+			} else O && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, j = O ? 25 : 0;
+			do
+				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++j < 25);
+			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), te = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && P(e, e);
+			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+		} catch (t) {
+			if (s.length = v, n.__v = null, l || o) {
+				if (t && t.then) {
+					if (n.__u |= 128 | l, o) {
+						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
+						for (; N < o.length; N++) if (F = o[N]) {
+							if (o[N] = null, ne) {
+								if (F == ae) break;
+							} else {
+								if (F.nodeType != 8) break;
+								F.data.startsWith("$s") && (ae = re(ne = F));
+							}
+						}
+					}
+					if (!ne) {
+						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
+						ne = c;
+					}
+					(p = re(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
+				} else o && o.some(_);
+			} else n.__e = r.__e;
+			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
+		}
+	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
+	return (p = e.diffed) && p(n), c;
+}
+function re(e, t) {
+	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
+		if (e.nodeType == 8) {
+			if (e.data.startsWith("$s")) n++;
+			else if (e.data.startsWith("/$s") && !--n) return e;
+		}
+		t && t.push(e);
+	}
+}
+function ie(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
+}
+function ae(t, n, r) {
+	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
+	e.__c && e.__c(n, t), t.some(function(n) {
+		try {
+			t = n.__h, n.__h = [], t.some(function(e) {
+				e.call(n);
+			});
+		} catch (t) {
+			e.__e(t, n.__v);
+		}
+	});
+}
+function M(t, n, r, i, a, o, s, c, l, u) {
+	var f, g, v, y, b, x, C, w, T = r.props || d, E = n.props, O = n.type;
+	if (O == "svg" ? a = "http://www.w3.org/2000/svg" : O == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
+		for (f = 0; f < o.length; f++) if ((b = o[f]) && (O ? b.localName == O : b.nodeType == 3)) {
+			t = b, o[f] = null;
+			break;
+		}
+	}
+	if (!t) {
+		if (w = u.ownerDocument || document, !O) return w.createTextNode(E);
+		t = w.createElementNS(a, O, E.is ? E : u), c &&= (e.__m && e.__m(n, o), !1), o = null;
+	}
+	if (O) {
+		if (u = O == "template" && t.content || t, o = O == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || j(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || j(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || j(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && j(t, f, C, T[f], a));
+	} else T === E || c && t.data == E || (t.data = E);
+	return t;
+}
+function N(t, n, r, i) {
+	try {
+		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
+	} catch (t) {
+		e.__e(t, r);
+	}
+}
+function P(t, n, r) {
+	var i, a, o, s;
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
+		if (i.componentWillUnmount) try {
+			i.componentWillUnmount();
+		} catch (t) {
+			e.__e(t, n);
+		}
+		i.__P = i.__n = null;
+	}
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && P(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+}
+function oe(e, t, n) {
+	return this.constructor(e, n);
+}
+function F(t, n) {
+	var r, i, a, o;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), ae(a, n.__k, o), n.__k.props.children = null;
+}
+e = { __e: function(e, t, n, r) {
+	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
+		a.__g |= 4;
+		try {
+			if ((s = (o = a.constructor) && o.getDerivedStateFromError) && a.setState(o.getDerivedStateFromError(e)), a.componentDidCatch && (a.componentDidCatch(e, r || {}), s = 1), s && 8 & a.__g) return void (a.__g |= 2);
+		} catch (t) {
+			e = t;
+		}
+	}
+	throw i = 0, e;
+} }, t = 0, x.prototype.setState = function(e, t) {
+	var n = this.__s;
+	n && n != this.state || (n = this.__s = g({}, this.state)), typeof e == "function" && (e = e(g({}, n), this.props)), e && (g(n, e), this.__v && (t && this.__k.push(t), T(this)));
+}, x.prototype.forceUpdate = function(e) {
+	this.__v && (this.__g |= 4, e && this.__h.push(e), T(this));
+}, x.prototype.render = b, n = [], i = 0, a = function(e, t) {
+	return e.__v.__b - t.__v.__b;
+}, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
+// src/geometry.ts
+var I = 5.5, se = 35 * Math.PI / 180;
+function ce(e, t) {
+	return {
+		x0: e.x0 - t,
+		y0: e.y0 - t,
+		x1: e.x1 + t,
+		y1: e.y1 + t
+	};
+}
+function le(e, [t, n]) {
+	let r = 0, i = 1, a = [[
+		t[0],
+		n[0] - t[0],
+		e.x0,
+		e.x1
+	], [
+		t[1],
+		n[1] - t[1],
+		e.y0,
+		e.y1
+	]];
+	for (let [e, t, n, o] of a) {
+		if (t === 0) {
+			if (!(n < e && e < o)) return null;
+			continue;
+		}
+		let a = (n - e) / t, s = (o - e) / t;
+		r = Math.max(r, Math.min(a, s)), i = Math.min(i, Math.max(a, s));
+	}
+	return r < i ? [r, i] : null;
+}
+function ue(e, t) {
+	let n = Math.hypot(e, t), r = -t / n, i = e / n;
+	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
+}
+function de(e, t, n, r, i = 0) {
+	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
+	if (s === 0) return {
+		tail: n,
+		head: r,
+		barb: [r, r]
+	};
+	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, I), [u, d]), p = le(ce(t, I), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	h <= m && (m = .35, h = .65);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(se), S = b * Math.sin(se);
+	return {
+		tail: g,
+		head: _,
+		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
+	};
+}
+function fe(e, t) {
+	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
+	if (n === 0 && r === 0) return [e.head, e.head];
+	let [i, a] = ue(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
+}
+var pe = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), me = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function he(e, t, n = !1) {
+	let r = 0;
+	for (let t of e) pe.has(t) ? r += .42 : me.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	return r * t * (n ? 1.1 : 1);
+}
+var ge = .73;
+function _e(e, t, [n, r]) {
+	let i = Math.max(he(e, 19, !0) / 2, 6);
+	t && (i += 6);
+	let a = {
+		x0: n - i,
+		y0: r - ge * 19 / 2 - 1,
+		x1: n + i,
+		y1: r + ge * 19 / 2 + (t ? 3 : 1)
+	};
+	return t ? ce(a, 2) : a;
+}
+function ve(e, t) {
+	let n = /* @__PURE__ */ new Set();
+	for (let [r, i] of t) {
+		let t = r - e[0], a = i - e[1];
+		Math.abs(a) >= .3 * Math.abs(t) && n.add(a > 0 ? "s" : "n"), Math.abs(t) >= .3 * Math.abs(a) && n.add(t > 0 ? "e" : "w");
+	}
+	return n;
+}
+// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+var ye = Symbol.for("pv"), be = 0;
+Array.isArray;
+function L(t, n, r, i, a, o) {
+	n ||= {};
+	var s, c, l = n;
+	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
+	var u = {
+		type: t,
+		props: l,
+		key: r,
+		ref: s,
+		__k: null,
+		__: null,
+		__b: 0,
+		__e: null,
+		__c: null,
+		constructor: ye,
+		__v: --be,
+		__i: -1,
+		__u: 0
+	};
+	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
+}
+// src/shapes.tsx
+var xe = [100, 84];
+function R(e, t) {
+	return [e * xe[0], t * xe[1]];
+}
+var z = 18;
+function Se(e) {
+	let t = Math.max(1, Math.ceil((e.ports?.length ?? 0) / 2)), n = e.ports ?? [], r = Math.max(0, ...n.filter((e, t) => t % 2 == 0).map((e) => he(e, 9))), i = Math.max(0, ...n.filter((e, t) => t % 2 == 1).map((e) => he(e, 9)));
+	return [Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), r + i + 26), 22 + t * z];
+}
+function Ce(e) {
+	let [t, n] = Se(e), r = /* @__PURE__ */ new Map();
+	return (e.ports ?? []).forEach((e, i) => {
+		let a = Math.floor(i / 2);
+		r.set(e, [i % 2 ? t / 2 : -t / 2, -n / 2 + 24 + a * z]);
+	}), r;
+}
+function we(e, t, n) {
+	if (e.kind === "part") {
+		let [t, r] = Se(e);
+		return {
+			x0: n[0] - t / 2,
+			y0: n[1] - r / 2,
+			x1: n[0] + t / 2,
+			y1: n[1] + r / 2
+		};
+	}
+	return _e(e.letters, t, n);
+}
+function Te(e, t, n, r) {
+	if (e.kind === "part") {
+		let n = t.slice(e.name.length + 1), i = Ce(e).get(n);
+		if (i) {
+			let e = [r[0] + i[0], r[1] + i[1]];
+			return [e, {
+				x0: e[0] - 1,
+				y0: e[1] - 1,
+				x1: e[0] + 1,
+				y1: e[1] + 1
+			}];
+		}
+	}
+	return [r, we(e, n, r)];
+}
+var Ee = ([[e, t], [n, r]]) => ({
+	x1: e,
+	y1: t,
+	x2: n,
+	y2: r
+});
+function De(e, t) {
+	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
+	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
+		x: n,
+		y: r + (t > 0 ? -6 : 17),
+		"text-anchor": "middle"
+	} : {
+		x: n - 9 * t,
+		y: r + 4,
+		"text-anchor": t > 0 ? "end" : "start"
+	};
+}
+function Oe(e, t) {
+	for (let n in e) if (e[n] !== t[n]) return !0;
+	return !1;
+}
+var ke = class extends x {
+	shouldComponentUpdate(e) {
+		return Oe(e, this.props);
+	}
+	render(e) {
+		let [t, n] = Te(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty]), [r, i] = Te(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy]), a = de(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ L("g", {
+			class: "bond" + (e.selected ? " selected" : "") + s,
+			"data-bond": e.bond.key,
+			"data-text": e.bond.text,
+			children: [
+				/* @__PURE__ */ L("line", {
+					class: "reach",
+					...Ee([a.tail, a.head])
+				}),
+				e.flow !== 0 && /* @__PURE__ */ L("line", {
+					class: "power",
+					...Ee(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
+				}),
+				/* @__PURE__ */ L("line", {
+					class: "line",
+					...Ee([a.tail, a.head])
+				}),
+				/* @__PURE__ */ L("line", {
+					class: "line barb",
+					...Ee(a.barb)
+				}),
+				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+					class: "stroke" + (u.has(e) ? " derivative" : ""),
+					"data-end": e,
+					...Ee(fe(a, e))
+				})),
+				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
+					"data-end": e,
+					...Ee(fe(a, e))
+				})),
+				o?.conflict && /* @__PURE__ */ L("path", {
+					class: "cross",
+					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
+				}),
+				e.effort && /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("text", {
+					class: "value",
+					...De(a, 1),
+					children: e.effort
+				}), /* @__PURE__ */ L("text", {
+					class: "value",
+					...De(a, -1),
+					children: e.rate
+				})] })
+			]
+		});
+	}
+};
+function Ae(e, t, n) {
+	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
+	return a === "s" ? {
+		x: s,
+		y: t.y1 - e.y + 13,
+		anchor: "middle"
+	} : a === "n" ? {
+		x: s,
+		y: t.y0 - e.y - 4 - o + 13,
+		anchor: "middle"
+	} : a === "e" ? {
+		x: t.x1 - e.x + 4,
+		y: 4 - o / 2 + 8,
+		anchor: "start"
+	} : a === "w" ? {
+		x: t.x0 - e.x - 4,
+		y: 4 - o / 2 + 8,
+		anchor: "end"
+	} : {
+		x: 10,
+		y: -10 - o + 13,
+		anchor: "start"
+	};
+}
+var je = class extends x {
+	shouldComponentUpdate(e) {
+		return Oe(e, this.props);
+	}
+	render(e) {
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = we(t, r, [e.x, e.y]), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+			{
+				role: "name",
+				text: t.name
+			},
+			...o ? [{
+				role: "parameter",
+				text: o
+			}] : [],
+			...t.machine ? [{
+				role: "machine",
+				text: `[${t.machine}]`
+			}] : [],
+			...t.law ? [{
+				role: "law",
+				text: t.law
+			}] : [],
+			...t.outside ? [{
+				role: "machine",
+				text: `port ${t.outside.join(", ")}`
+			}] : []
+		], c = Ae(e, i, s.length), l = ge * 19 / 2, [u, d] = t.kind === "part" ? Se(t) : [0, 0];
+		return /* @__PURE__ */ L("g", {
+			class: a,
+			"data-node": t.name,
+			transform: `translate(${e.x},${e.y})`,
+			children: [
+				t.kind === "part" ? /* @__PURE__ */ L(b, { children: [
+					/* @__PURE__ */ L("rect", {
+						class: "frame",
+						x: -u / 2,
+						y: -d / 2,
+						width: u,
+						height: d,
+						rx: 6
+					}),
+					/* @__PURE__ */ L("text", {
+						class: "title",
+						y: -d / 2 + 14,
+						"text-anchor": "middle",
+						children: t.letters
+					}),
+					[...Ce(t)].map(([e, [n, r]]) => /* @__PURE__ */ L("g", {
+						class: "port",
+						"data-port": `${t.name}.${e}`,
+						children: [
+							/* @__PURE__ */ L("circle", {
+								class: "hit",
+								cx: n,
+								cy: r,
+								r: 9
+							}),
+							/* @__PURE__ */ L("circle", {
+								cx: n,
+								cy: r,
+								r: 3
+							}),
+							/* @__PURE__ */ L("text", {
+								x: n < 0 ? n + 6 : n - 6,
+								y: r + 3,
+								"text-anchor": n < 0 ? "start" : "end",
+								children: e
+							})
+						]
+					}))
+				] }) : /* @__PURE__ */ L(b, { children: [
+					/* @__PURE__ */ L("rect", {
+						class: "reach",
+						x: i.x0 - e.x - 6,
+						y: i.y0 - e.y - 6,
+						width: i.x1 - i.x0 + 12,
+						height: i.y1 - i.y0 + 12
+					}),
+					r && /* @__PURE__ */ L("rect", {
+						class: "switch",
+						x: i.x0 - e.x,
+						y: i.y0 - e.y,
+						width: i.x1 - i.x0,
+						height: i.y1 - i.y0,
+						rx: 6
+					}),
+					/* @__PURE__ */ L("text", {
+						class: "letters",
+						x: r ? -4 : 0,
+						y: l,
+						"text-anchor": "middle",
+						children: t.letters
+					}),
+					r && /* @__PURE__ */ L("text", {
+						class: "subscript",
+						x: he(t.letters, 19, !0) / 2 - 3.5,
+						y: l + 3.5,
+						children: "c"
+					})
+				] }),
+				s.map((e, n) => /* @__PURE__ */ L("text", {
+					class: e.role,
+					x: c.x,
+					y: (t.kind === "part" ? d / 2 + 13 : c.y) + 13 * n,
+					"text-anchor": t.kind === "part" ? "middle" : c.anchor,
+					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
+				})),
+				e.selected && /* @__PURE__ */ L("g", {
+					class: "handle",
+					"data-handle": t.name,
+					children: [
+						/* @__PURE__ */ L("circle", {
+							class: "hit",
+							cx: i.x1 - e.x + 12,
+							cy: i.y0 - e.y - 8,
+							r: 14
+						}),
+						/* @__PURE__ */ L("circle", {
+							cx: i.x1 - e.x + 12,
+							cy: i.y0 - e.y - 8,
+							r: 6
+						}),
+						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+					]
+				})
+			]
+		});
+	}
+}, Me = class extends Error {
+	problem;
+	constructor(e) {
+		super(e.why), this.problem = e;
+	}
+}, Ne = class {
+	count = 0;
+	waiting = /* @__PURE__ */ new Map();
+	held = [];
+	carrier = null;
+	onTold = () => {};
+	client = Math.random().toString(36).slice(2, 10);
+	ask(e, t = {}) {
+		let n = ++this.count, r = {
+			...t,
+			id: n,
+			ask: e,
+			client: this.client
+		};
+		return new Promise((e, t) => {
+			this.waiting.set(n, {
+				done: e,
+				failed: t
+			}), this.carrier ? this.carrier.send(r) : this.held.push(r);
+		});
+	}
+	connected(e) {
+		this.carrier = e;
+		let t = this.held;
+		this.held = [];
+		for (let n of t) e.send(n);
+	}
+	lost() {
+		this.carrier = null;
+		for (let { failed: e } of this.waiting.values()) e(/* @__PURE__ */ Error("the studio was left"));
+		this.waiting.clear();
+	}
+	received(e) {
+		if (typeof e.id == "number") {
+			let t = this.waiting.get(e.id);
+			if (this.waiting.delete(e.id), !t) return;
+			e.error ? t.failed(new Me(e.error)) : t.done(e);
+		} else this.onTold(e);
+	}
+}, Pe = {
+	connected: !1,
+	look: null,
+	stock: null,
+	level: "",
+	mode: null,
+	nodes: /* @__PURE__ */ new Set(),
+	bonds: /* @__PURE__ */ new Set(),
+	tab: "item",
+	bondFrom: null,
+	drawing: !1,
+	notice: null,
+	run: null,
+	runs: [],
+	running: null,
+	cursor: null,
+	instant: null,
+	plotted: [],
+	span: [0, 1],
+	adding: !1,
+	bottom: !1,
+	panel: "",
+	dark: null,
+	flowing: !1
+}, Fe = class {
+	transport;
+	state = Pe;
+	listeners = /* @__PURE__ */ new Set();
+	queue = Promise.resolve();
+	constructor(e) {
+		this.transport = e, e.onTold = (e) => this.told(e);
+	}
+	subscribe(e) {
+		return this.listeners.add(e), () => this.listeners.delete(e);
+	}
+	set(e) {
+		this.state = {
+			...this.state,
+			...e
+		};
+		for (let e of this.listeners) e();
+	}
+	async begin() {
+		this.set({ connected: !0 }), await this.look(), this.state.stock || this.set({ stock: await this.transport.ask("stock") });
+		let { runs: e } = await this.transport.ask("runs");
+		this.set({ runs: e });
+		let t = e[e.length - 1];
+		t && !this.state.run && this.show(t);
+	}
+	where() {
+		return {
+			level: this.state.level,
+			mode: this.state.mode
+		};
+	}
+	async look() {
+		await this.taking(this.transport.ask("look", this.where()));
+	}
+	async taking(e) {
+		try {
+			let t = await e;
+			return this.take(t), t;
+		} catch (e) {
+			return this.refused(e), null;
+		}
+	}
+	refused(e) {
+		e instanceof Me ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+			code: "",
+			where: "",
+			why: String(e),
+			try: ""
+		} });
+	}
+	take(e) {
+		let t = new Set(e.view.nodes.map((e) => e.name)), n = new Set(e.view.bonds.map((e) => e.key));
+		this.set({
+			look: e,
+			level: e.view.path,
+			nodes: new Set([...this.state.nodes].filter((e) => t.has(e))),
+			bonds: new Set([...this.state.bonds].filter((e) => n.has(e))),
+			bondFrom: this.state.bondFrom && t.has(this.state.bondFrom) ? this.state.bondFrom : null
+		});
+	}
+	told(e) {
+		if (e.tell === "changed") e.by !== this.transport.client && e.revision !== this.state.look?.revision && this.look();
+		else if (e.tell === "progress") this.set({ running: e });
+		else if (e.tell === "finished") {
+			let t = e;
+			this.set({
+				running: null,
+				runs: [...this.state.runs.filter((e) => e.run !== t.run), t]
+			}), this.show(t), t.error && this.set({ notice: t.error });
+		} else e.tell === "saved" && this.state.look && this.set({ look: {
+			...this.state.look,
+			unsaved: String(e.unsaved)
+		} });
+	}
+	show(e) {
+		let t = this.state.plotted.filter((t) => e.names?.includes(t));
+		this.set({
+			run: e,
+			plotted: t.length ? this.state.plotted : (e.plot ?? []).slice(0, 4),
+			span: [e.tBegin ?? 0, e.tEnd ?? 1],
+			cursor: null,
+			instant: null,
+			bottom: !0
+		});
+	}
+	edit(e) {
+		let t = this.queue.then(() => this.taking(this.transport.ask("edit", {
+			...this.where(),
+			edit: {
+				level: this.state.level,
+				...e
+			}
+		})));
+		return this.queue = t, this.set({
+			cursor: null,
+			instant: null
+		}), t;
+	}
+	ask(e, t = {}) {
+		let n = this.queue.then(() => this.taking(this.transport.ask(e, {
+			...this.where(),
+			...t
+		})));
+		return this.queue = n, n;
+	}
+	undo = () => this.ask("undo");
+	redo = () => this.ask("redo");
+	async add(e, t, n) {
+		let r = new Set(this.state.look?.view.nodes.map((e) => e.name)), i = n ?? this.freePlace(), a = (await this.edit({
+			do: "add",
+			element: e,
+			stem: t,
+			at: i
+		}))?.view.nodes.find((e) => !r.has(e.name));
+		a && this.set({
+			nodes: /* @__PURE__ */ new Set([a.name]),
+			bonds: /* @__PURE__ */ new Set(),
+			tab: "item"
+		});
+	}
+	freePlace() {
+		let e = this.state.look?.view.nodes ?? [];
+		if (!e.length) return [0, 0];
+		let t = e.find((e) => this.state.nodes.has(e.name)) ?? e[e.length - 1], n = (t, n) => e.some((e) => Math.abs(e.x - t) < .6 && Math.abs(e.y - n) < .6), r = Math.round(t.x), i = Math.round(t.y);
+		for (let [e, t] of [
+			[1, 0],
+			[0, -1],
+			[0, 1],
+			[-1, 0],
+			[1, -1],
+			[1, 1],
+			[2, 0]
+		]) if (!n(r + e, i + t)) return [r + e, i + t];
+		for (let e = 3;; e++) if (!n(r + e, i)) return [r + e, i];
+	}
+	async bond(e, t) {
+		let n = new Set(this.state.look?.view.bonds.map((e) => e.key)), r = (await this.edit({
+			do: "bond",
+			tail: e,
+			head: t
+		}))?.view.bonds.find((e) => !n.has(e.key));
+		r && this.set({
+			bonds: /* @__PURE__ */ new Set([r.key]),
+			nodes: /* @__PURE__ */ new Set()
+		}), this.set({ bondFrom: null });
+	}
+	remove() {
+		let { nodes: e, bonds: t } = this.state;
+		(e.size || t.size) && this.edit({
+			do: "remove",
+			names: [...e],
+			bonds: [...t]
+		});
+	}
+	reverse() {
+		this.state.bonds.size && this.edit({
+			do: "reverse",
+			bonds: [...this.state.bonds]
+		});
+	}
+	async copy() {
+		let e = [...this.state.nodes];
+		if (!e.length) return "";
+		let { text: t } = await this.transport.ask("copy", {
+			...this.where(),
+			names: e
+		});
+		return t;
+	}
+	async duplicate() {
+		let e = await this.copy();
+		e && await this.paste(e);
+	}
+	async paste(e) {
+		let t = await this.ask("paste", {
+			text: e,
+			by: [1, 1]
+		});
+		t?.pasted && this.set({
+			nodes: new Set(t.pasted),
+			bonds: /* @__PURE__ */ new Set()
+		});
+	}
+	open(e) {
+		this.set({
+			level: e,
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			cursor: null,
+			instant: null
+		}), this.look();
+	}
+	setMode(e, t) {
+		let n = Object.fromEntries((this.state.look?.machines ?? []).map((e) => [e.path, e.state]));
+		this.set({
+			mode: {
+				...n,
+				[e]: t
+			},
+			cursor: null,
+			instant: null
+		}), this.look();
+	}
+	select(e) {
+		e && (this.set({
+			nodes: new Set(e.nodes ?? []),
+			bonds: new Set(e.bonds ?? [])
+		}), e.entry?.[0] === "machines" ? this.set({ tab: "machines" }) : e.entry && this.set({ tab: "model" }));
+	}
+	async start(e) {
+		try {
+			let { run: t } = await this.transport.ask("run", e ? { until: e } : {});
+			this.set({
+				running: {
+					run: t,
+					t: 0,
+					events: 0
+				},
+				bottom: !0
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	cancel = () => void this.transport.ask("cancel").catch(() => {});
+	cursorCount = 0;
+	async moveCursor(e, t = "right", n) {
+		let r = this.state.run;
+		if (!r) return;
+		let i = ++this.cursorCount;
+		try {
+			let a = await this.transport.ask("cursor", {
+				run: r.run,
+				t: e,
+				side: t,
+				mode: n ?? null,
+				level: this.state.level
+			});
+			i === this.cursorCount && this.set({ cursor: a });
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	showInstant(e, t) {
+		this.set({ instant: {
+			event: e,
+			step: t
+		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
+	}
+};
+function Ie(e, t = 4) {
+	if (e === null) return "—";
+	if (e === 0) return "0";
+	let n = Math.abs(e);
+	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
+}
+var Le = [
+	[1e9, "G"],
+	[1e6, "M"],
+	[1e3, "k"],
+	[1, ""],
+	[.001, "m"],
+	[1e-6, "µ"],
+	[1e-9, "n"],
+	[1e-12, "p"]
+];
+function Re(e, t) {
+	if (e === null) return "—";
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ie(e)} ${t}`.trim();
+	let [n, r] = Le.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Le[Le.length - 1];
+	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
+}
+// src/canvas.tsx
+var ze = class extends x {
+	svg = y();
+	state = {
+		sight: {
+			x: 60,
+			y: 120,
+			k: 1
+		},
+		gesture: null,
+		moved: [0, 0]
+	};
+	pointers = /* @__PURE__ */ new Map();
+	fitted = "";
+	lastTap = {
+		time: 0,
+		node: ""
+	};
+	watch = new ResizeObserver(() => this.resized());
+	size = [0, 0];
+	touched = !1;
+	componentDidMount() {
+		this.listen(), this.fitOnce();
+	}
+	componentWillUnmount() {
+		this.watch.disconnect(), this.svg.current?.removeEventListener("wheel", this.wheel);
+	}
+	listening = null;
+	listen() {
+		let e = this.svg.current;
+		e && e !== this.listening && (this.listening = e, e.addEventListener("wheel", this.wheel, { passive: !1 }), this.watch.observe(e));
+	}
+	resized() {
+		let e = this.svg.current?.getBoundingClientRect();
+		if (!e || e.width === this.size[0] && e.height === this.size[1]) return;
+		let [t, n] = this.size;
+		if (this.size = [e.width, e.height], !this.touched) this.fit();
+		else if (t) {
+			let r = this.state.sight;
+			this.setState({ sight: {
+				...r,
+				x: r.x + (e.width - t) / 2,
+				y: r.y + (e.height - n) / 2
+			} });
+		}
+	}
+	componentDidUpdate() {
+		this.listen(), this.fitOnce();
+	}
+	fitOnce() {
+		let e = this.props.state.look;
+		if (!e) return;
+		let t = `${e.file}:${e.view.path}`;
+		this.fitted !== t && e.view.nodes.length && (this.fitted = t, this.touched = !1, this.fit());
+	}
+	fit = () => {
+		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
+		if (!t) return;
+		let n = t.getBoundingClientRect();
+		if (!e.length || !n.width) {
+			this.setState({ sight: {
+				x: n.width / 2,
+				y: n.height / 2,
+				k: 1
+			} });
+			return;
+		}
+		let r = e.map((e) => e.x * xe[0]), i = e.map((e) => e.y * xe[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		this.setState({ sight: {
+			k: l,
+			x: n.width / 2 - l * (a + o) / 2,
+			y: n.height / 2 - l * (s + c) / 2
+		} });
+	};
+	zoom(e, t) {
+		this.touched = !0;
+		let n = this.svg.current.getBoundingClientRect(), [r, i] = t ?? [n.width / 2, n.height / 2], { x: a, y: o, k: s } = this.state.sight, c = Math.max(.05, Math.min(6, s * e));
+		this.setState({ sight: {
+			k: c,
+			x: r - (r - a) * c / s,
+			y: i - (i - o) * c / s
+		} });
+	}
+	wheel = (e) => {
+		e.preventDefault();
+		let t = this.svg.current.getBoundingClientRect();
+		if (e.shiftKey && !e.ctrlKey) {
+			let t = this.state.sight;
+			this.setState({ sight: {
+				...t,
+				x: t.x - e.deltaY,
+				y: t.y - e.deltaX
+			} });
+		} else this.zoom(Math.exp(-e.deltaY * .0015), [e.clientX - t.left, e.clientY - t.top]);
+	};
+	local(e) {
+		let t = this.svg.current.getBoundingClientRect();
+		return [e.clientX - t.left, e.clientY - t.top];
+	}
+	inGraph([e, t]) {
+		let { x: n, y: r, k: i } = this.state.sight;
+		return [(e - n) / i, (t - r) / i];
+	}
+	under(e, t = "") {
+		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
+			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
+			if (e && e.split(".")[0] !== t) return e;
+			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
+			if (r && r !== t) return r;
+		}
+		return "";
+	}
+	down = (e) => {
+		let { store: t, state: n } = this.props, r = this.local(e);
+		if (this.pointers.set(e.pointerId, r), this.svg.current.focus({ preventScroll: !0 }), this.pointers.size === 2) {
+			let [[e, t], [n, r]] = [...this.pointers];
+			this.setState({
+				gesture: {
+					kind: "pinch",
+					ids: [e, n],
+					last: [t, r]
+				},
+				moved: [0, 0]
+			});
+			return;
+		}
+		let i = e.target, a = e.shiftKey || e.ctrlKey || e.metaKey, o = i.closest("[data-handle]")?.getAttribute("data-handle"), s = i.closest("[data-port]")?.getAttribute("data-port"), c = i.closest("[data-node]")?.getAttribute("data-node"), l = i.closest("[data-bond]")?.getAttribute("data-bond"), u = o ?? s ?? (c && (e.altKey || n.drawing) ? c : void 0);
+		if (e.button === 1 || e.button === 0 && e.metaKey && !c && !l) this.begin(e, {
+			kind: "pan",
+			last: r,
+			id: e.pointerId,
+			moved: !1
+		});
+		else if (e.button !== 0) return;
+		else if (u && n.look?.view.editable) this.begin(e, {
+			kind: "wire",
+			from: u,
+			now: this.inGraph(r),
+			target: "",
+			id: e.pointerId
+		});
+		else if (c) {
+			if (n.bondFrom && n.bondFrom !== c) {
+				t.bond(n.bondFrom, this.under(e) || c);
+				return;
+			}
+			if (!n.nodes.has(c)) t.set({
+				nodes: a ? /* @__PURE__ */ new Set([...n.nodes, c]) : /* @__PURE__ */ new Set([c]),
+				bonds: a ? n.bonds : /* @__PURE__ */ new Set(),
+				tab: n.tab === "problems" || n.tab === "text" ? n.tab : "item"
+			});
+			else if (a) {
+				let e = new Set(n.nodes);
+				e.delete(c), t.set({ nodes: e });
+				return;
+			}
+			this.begin(e, {
+				kind: "press",
+				node: c,
+				start: this.inGraph(r),
+				at: r,
+				id: e.pointerId,
+				add: a
+			});
+		} else if (l) {
+			let e = new Set(a ? n.bonds : []);
+			a && n.bonds.has(l) ? e.delete(l) : e.add(l), t.set({
+				bonds: e,
+				nodes: a ? n.nodes : /* @__PURE__ */ new Set(),
+				tab: "item"
+			});
+		} else e.pointerType === "touch" ? this.begin(e, {
+			kind: "pan",
+			last: r,
+			id: e.pointerId,
+			moved: !1
+		}) : (a || t.set({
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			bondFrom: null
+		}), this.begin(e, {
+			kind: "box",
+			start: this.inGraph(r),
+			now: this.inGraph(r),
+			id: e.pointerId,
+			add: a
+		}));
+	};
+	begin(e, t) {
+		t.kind !== "press" && this.svg.current.setPointerCapture(e.pointerId), this.setState({
+			gesture: t,
+			moved: [0, 0]
+		});
+	}
+	move = (e) => {
+		let { gesture: t, sight: n } = this.state, r = this.local(e);
+		if (t && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
+			if (t.kind === "pinch") {
+				let [e, r] = t.ids.map((e) => this.pointers.get(e)), [i, a] = t.last, o = Math.hypot(i[0] - a[0], i[1] - a[1]), s = Math.hypot(e[0] - r[0], e[1] - r[1]), c = Math.max(.05, Math.min(6, n.k * s / Math.max(o, 1))), [l, u] = [(e[0] + r[0]) / 2, (e[1] + r[1]) / 2], [d, f] = [(i[0] + a[0]) / 2, (i[1] + a[1]) / 2];
+				this.setState({
+					sight: {
+						k: c,
+						x: l - (d - n.x) * c / n.k,
+						y: u - (f - n.y) * c / n.k
+					},
+					gesture: {
+						...t,
+						last: [e, r]
+					}
+				});
+			} else if (t.id === e.pointerId) {
+				if (t.kind === "press") {
+					if (Math.hypot(r[0] - t.at[0], r[1] - t.at[1]) < 5 || !this.props.state.look?.view.editable) return;
+					this.svg.current.setPointerCapture(e.pointerId);
+					let n = [...this.props.state.nodes];
+					this.setState({ gesture: {
+						kind: "drag",
+						names: n,
+						start: t.start,
+						id: t.id
+					} });
+				} else if (t.kind === "drag") {
+					let [e, n] = this.inGraph(r);
+					this.setState({ moved: [e - t.start[0], n - t.start[1]] });
+				} else if (t.kind === "pan") this.setState({
+					sight: {
+						...n,
+						x: n.x + r[0] - t.last[0],
+						y: n.y + r[1] - t.last[1]
+					},
+					gesture: {
+						...t,
+						last: r,
+						moved: !0
+					}
+				});
+				else if (t.kind === "box") this.setState({ gesture: {
+					...t,
+					now: this.inGraph(r)
+				} });
+				else if (t.kind === "wire") {
+					let n = this.under(e, t.from.split(".")[0]);
+					this.setState({ gesture: {
+						...t,
+						now: this.inGraph(r),
+						target: n
+					} });
+				}
+			}
+		}
+	};
+	up = (e) => {
+		let { gesture: t, moved: n } = this.state, { store: r, state: i } = this.props;
+		if (this.pointers.delete(e.pointerId), t) {
+			if (t.kind === "pinch") this.setState({ gesture: null });
+			else if (t.id === e.pointerId) {
+				if (t.kind === "press") {
+					let e = performance.now(), n = e - this.lastTap.time < 400 && this.lastTap.node === t.node;
+					this.lastTap = {
+						time: e,
+						node: t.node
+					}, n ? this.enter(t.node) : !t.add && i.nodes.size > 1 && r.set({ nodes: /* @__PURE__ */ new Set([t.node]) });
+				} else if (t.kind === "drag") {
+					let a = e.altKey ? .05 : .25, o = {};
+					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
+						let t = e.x + n[0] / xe[0], r = e.y + n[1] / xe[1];
+						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
+					}
+					this.place(o), r.edit({
+						do: "move",
+						at: o
+					});
+				} else if (t.kind === "box") {
+					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
+						let [r, i] = R(t.x, t.y);
+						return r >= e && r <= n && i >= a && i <= o;
+					}).map((e) => e.name);
+					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
+				} else if (t.kind === "wire") {
+					let n = this.under(e, t.from.split(".")[0]) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...Ve(t.now, this.centre(t.from))) < 30 && r.set({ bondFrom: t.from });
+				} else t.kind === "pan" && !t.moved && r.set({
+					nodes: /* @__PURE__ */ new Set(),
+					bonds: /* @__PURE__ */ new Set(),
+					bondFrom: null
+				});
+				this.setState({
+					gesture: null,
+					moved: [0, 0]
+				});
+			}
+		}
+	};
+	place(e) {
+		let { store: t, state: n } = this.props, r = n.look, i = r.view.nodes.map((t) => e[t.name] ? {
+			...t,
+			x: e[t.name][0],
+			y: e[t.name][1]
+		} : t);
+		t.set({ look: {
+			...r,
+			view: {
+				...r.view,
+				nodes: i
+			}
+		} });
+	}
+	centre(e) {
+		let t = this.props.state.look.view.nodes.find((t) => t.name === e.split(".")[0]);
+		return t ? R(t.x, t.y) : [0, 0];
+	}
+	enter(e) {
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
+		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
+	}
+	key = (e) => {
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = He[e.key];
+		if (o && e.altKey && n.nodes.size) {
+			let i = e.shiftKey ? .25 : 1, a = {};
+			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
+			this.place(a), t.edit({
+				do: "move",
+				at: a
+			});
+		} else if (o && !i) {
+			let e = a ?? r[0];
+			if (!e) return;
+			let n = a ? Ue(r, a, o) : e;
+			n && t.set({
+				nodes: /* @__PURE__ */ new Set([n.name]),
+				bonds: /* @__PURE__ */ new Set(),
+				tab: "item"
+			});
+		} else if (e.key === "Tab" && !i) return;
+		else if ((e.key === "[" || e.key === "]") && n.look) {
+			let r = n.look.view.bonds.filter((e) => !a || e.tail === a.name || e.head === a.name), i = r.length ? r : n.look.view.bonds, o = i[(i.findIndex((e) => n.bonds.has(e.key)) + (e.key === "]" ? 1 : -1) + i.length) % i.length];
+			o && t.set({
+				bonds: /* @__PURE__ */ new Set([o.key]),
+				tab: "item"
+			});
+		} else if (e.key === "Escape") t.set({
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			bondFrom: null,
+			cursor: null,
+			instant: null,
+			adding: !1
+		});
+		else if (e.key === "Enter" && n.bondFrom && a && a.name !== n.bondFrom) t.bond(n.bondFrom, a.name);
+		else if (e.key === "Enter" && a) this.enter(a.name);
+		else if (e.key === "b" && !i && a) t.set({ bondFrom: a.name });
+		else if (e.key === "r" && !i && n.bonds.size) t.reverse();
+		else if (e.key === "a" && !i) t.set({ adding: !0 });
+		else if (e.key === "f" && !i) this.fit();
+		else if (e.key === "+" || e.key === "=") this.zoom(1.25);
+		else if (e.key === "-") this.zoom(.8);
+		else if (e.key === "a" && i) t.set({ nodes: new Set(r.map((e) => e.name)) });
+		else if (e.key === "d" && i) t.duplicate();
+		else if (e.key === "Delete" || e.key === "Backspace") t.remove();
+		else if (e.key === "PageUp" && n.level) t.open(n.level.split(".").slice(0, -1).join("."));
+		else return;
+		e.preventDefault();
+	};
+	dropped = (e) => {
+		let t = e.dataTransfer?.getData("application/x-hybond");
+		if (!t) return;
+		e.preventDefault();
+		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
+		this.props.store.add(n, r, [Math.round(i / xe[0] * 4) / 4, Math.round(a / xe[1] * 4) / 4]);
+	};
+	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
+		let a = e.look;
+		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
+		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
+		for (let e of a.view.nodes) {
+			let [t, n] = R(e.x, e.y);
+			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
+		}
+		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
+		for (let e of a.view.bonds) {
+			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
+			let t = [...e.ends].sort().join("|");
+			f.set(t, [...f.get(t) ?? [], e.key]);
+		}
+		let p = e.cursor?.values, m = p ? Math.max(1e-300, ...Object.values(p).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, h = r?.kind === "wire" ? r.target.split(".")[0] : "";
+		return /* @__PURE__ */ L("div", {
+			class: "canvas",
+			onDragOver: (e) => e.preventDefault(),
+			onDrop: this.dropped,
+			children: [
+				/* @__PURE__ */ L("svg", {
+					ref: this.svg,
+					tabIndex: 0,
+					role: "application",
+					"aria-label": `Bond graph ${a.title || a.file}: ${a.view.nodes.length} elements, ${a.view.bonds.length} bonds. Arrow keys select, a adds, b bonds, Delete removes.`,
+					"aria-describedby": "chosen",
+					onPointerDown: this.down,
+					onPointerMove: this.move,
+					onPointerUp: this.up,
+					onPointerCancel: this.up,
+					onKeyDown: this.key,
+					class: e.flowing ? "flowing" : "",
+					children: [
+						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
+							id: "dots",
+							width: xe[0] / 4,
+							height: xe[1] / 4,
+							patternUnits: "userSpaceOnUse",
+							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
+							children: /* @__PURE__ */ L("circle", {
+								cx: 0,
+								cy: 0,
+								r: .7,
+								class: "dot"
+							})
+						}), /* @__PURE__ */ L("marker", {
+							id: "signal",
+							viewBox: "0 0 8 8",
+							refX: 7,
+							refY: 4,
+							markerWidth: 7,
+							markerHeight: 7,
+							orient: "auto",
+							children: /* @__PURE__ */ L("path", {
+								d: "M0,1L8,4L0,7z",
+								class: "signalhead"
+							})
+						})] }),
+						n.k > .45 && /* @__PURE__ */ L("rect", {
+							class: "paper",
+							width: "100%",
+							height: "100%",
+							fill: "url(#dots)"
+						}),
+						/* @__PURE__ */ L("g", {
+							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
+							children: [
+								a.view.modulations.map((e) => {
+									let t = l.get(e.from), n = l.get(e.to);
+									if (!t || !n) return null;
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = de(we(t, u(t), r), we(n, u(n), i), r, i, 7);
+									return /* @__PURE__ */ L("line", {
+										class: "signal",
+										x1: a.tail[0],
+										y1: a.tail[1],
+										x2: a.head[0],
+										y2: a.head[1],
+										"marker-end": "url(#signal)"
+									});
+								}),
+								a.view.bonds.map((t) => {
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), h = p?.[t.key];
+									return /* @__PURE__ */ L(ke, {
+										bond: t,
+										tail: r,
+										head: i,
+										tx: a[0],
+										ty: a[1],
+										hx: s[0],
+										hy: s[1],
+										tailControlled: u(r),
+										headControlled: u(i),
+										shift: d.indexOf(t.key) - (d.length - 1) / 2,
+										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
+										selected: e.bonds.has(t.key),
+										effort: h && n.k > .6 ? Re(h.e, h.units[0]) : "",
+										rate: h && n.k > .6 ? Re(h.f, h.units[1]) : "",
+										flow: e.flowing && h ? (h.e ?? 0) * (h.f ?? 0) / m : 0
+									}, t.key + t.text);
+								}),
+								a.view.nodes.map((t) => /* @__PURE__ */ L(je, {
+									node: t,
+									x: c.get(t.name)[0],
+									y: c.get(t.name)[1],
+									state: o.nodes[t.name],
+									selected: e.nodes.has(t.name),
+									target: h === t.name || e.bondFrom === t.name,
+									taken: [...ve(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+								}, t.name)),
+								r?.kind === "wire" && /* @__PURE__ */ L("line", {
+									class: "wire",
+									x1: Te(l.get(r.from.split(".")[0]), r.from, !1, c.get(r.from.split(".")[0]))[0][0],
+									y1: Te(l.get(r.from.split(".")[0]), r.from, !1, c.get(r.from.split(".")[0]))[0][1],
+									x2: r.now[0],
+									y2: r.now[1]
+								}),
+								r?.kind === "box" && /* @__PURE__ */ L("rect", {
+									class: "marquee",
+									x: Math.min(r.start[0], r.now[0]),
+									y: Math.min(r.start[1], r.now[1]),
+									width: Math.abs(r.now[0] - r.start[0]),
+									height: Math.abs(r.now[1] - r.start[1])
+								})
+							]
+						})
+					]
+				}),
+				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+					class: "wiretext",
+					role: "status",
+					children: [
+						r.from,
+						" ",
+						"->",
+						" ",
+						r.target || "…"
+					]
+				}),
+				e.instant && /* @__PURE__ */ L(Be, {
+					store: t,
+					state: e
+				}),
+				e.bondFrom && /* @__PURE__ */ L("div", {
+					class: "wiretext",
+					role: "status",
+					children: [
+						e.bondFrom,
+						" ",
+						"->",
+						" ",
+						[...e.nodes].find((t) => t !== e.bondFrom) ?? "…",
+						": choose the other end"
+					]
+				}),
+				/* @__PURE__ */ L("div", {
+					class: "views",
+					children: [
+						/* @__PURE__ */ L("button", {
+							title: "Zoom in (+)",
+							"aria-label": "Zoom in",
+							onClick: () => this.zoom(1.25),
+							children: "+"
+						}),
+						/* @__PURE__ */ L("button", {
+							title: "Zoom out (-)",
+							"aria-label": "Zoom out",
+							onClick: () => this.zoom(.8),
+							children: "−"
+						}),
+						/* @__PURE__ */ L("button", {
+							title: "Show all (f)",
+							"aria-label": "Show all",
+							onClick: this.fit,
+							children: "⤢"
+						})
+					]
+				}),
+				/* @__PURE__ */ L(We, {
+					state: e,
+					sight: n
+				}),
+				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+					class: "crumbs",
+					"aria-label": "Submodel",
+					children: [
+						/* @__PURE__ */ L("button", {
+							onClick: () => t.open(""),
+							children: a.title || a.file
+						}),
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(b, { children: [" › ", /* @__PURE__ */ L("button", {
+							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
+							children: e
+						})] })),
+						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+							" (",
+							a.view.name,
+							", a ready part: to look at)"
+						] })
+					]
+				})
+			]
+		});
+	}
+};
+function Be({ store: e, state: t }) {
+	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
+	return /* @__PURE__ */ L("div", {
+		class: "wiretext instant " + i.kind,
+		role: "status",
+		children: [
+			/* @__PURE__ */ L("button", {
+				"aria-label": "Mode before",
+				disabled: r === 0,
+				onClick: () => e.showInstant(n, r - 1),
+				children: "◂"
+			}),
+			"t = ",
+			Re(n.t, "s"),
+			", mode ",
+			r + 1,
+			" of ",
+			n.steps.length,
+			": ",
+			/* @__PURE__ */ L("b", { children: i.kind }),
+			" ",
+			/* @__PURE__ */ L("small", { children: [
+				"(",
+				a,
+				")"
+			] }),
+			/* @__PURE__ */ L("button", {
+				"aria-label": "Mode after",
+				disabled: r + 1 === n.steps.length,
+				onClick: () => e.showInstant(n, r + 1),
+				children: "▸"
+			})
+		]
+	});
+}
+var Ve = (e, t) => [e[0] - t[0], e[1] - t[1]], He = {
+	ArrowLeft: [-1, 0],
+	ArrowRight: [1, 0],
+	ArrowUp: [0, -1],
+	ArrowDown: [0, 1]
+};
+function Ue(e, t, [n, r]) {
+	let i, a = Infinity;
+	for (let o of e) {
+		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
+		if (e <= .01) continue;
+		let c = e + 2.5 * s;
+		c < a && ([i, a] = [o, c]);
+	}
+	return i;
+}
+function We({ state: e, sight: t }) {
+	let n = e.look.view.nodes;
+	if (n.length < 25) return null;
+	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
+		x: -t.x / t.k / xe[0],
+		y: -t.y / t.k / xe[1]
+	};
+	return /* @__PURE__ */ L("svg", {
+		class: "minimap",
+		viewBox: `${a} ${o} ${s} ${c}`,
+		"aria-hidden": "true",
+		children: [n.map((e) => /* @__PURE__ */ L("circle", {
+			cx: e.x,
+			cy: e.y,
+			r: s / 90
+		})), /* @__PURE__ */ L("rect", {
+			x: l.x,
+			y: l.y,
+			width: 900 / t.k / xe[0],
+			height: 500 / t.k / xe[1]
+		})]
+	});
+}
+// node_modules/preact/hooks/dist/hooks.mjs
+var Ge, B, Ke, qe, Je = Object.is, Ye = 0, Xe = [], Ze = [], V = e, Qe = V.__b, $e = V.__r, et = V.diffed, tt = V.__c, nt = V.unmount, rt = V.__;
+function it(e, t) {
+	V.__h && V.__h(B, e, Ye || t), Ye = 0;
+	var n = B.__H || (B.__H = {
+		__: [],
+		__h: []
+	});
+	return e >= n.__.length && n.__.push({}), n.__[e];
+}
+function H(e) {
+	return Ye = 1, at(ht, e);
+}
+function at(e, t, n) {
+	var r = it(Ge++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : ht(void 0, t), function(e) {
+		var t = (r.__N || r.__)[0], n = r.t(t, e);
+		Je(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
+			var r = this.__H;
+			if (!r) return !0;
+			var a = !1, o = this.props != e;
+			if (r.__.some(function(e) {
+				e.__N && (a = !0, Je(e.__[0], e.__N[0]) || (o = !0));
+			}), i) {
+				var s = i.call(this, e, t, n);
+				return a ? s || o : s;
+			}
+			return !a || o;
+		};
+	}
+	return r.__;
+}
+function U(e, t) {
+	var n = it(Ge++, 3);
+	!V.__s && mt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+}
+function ot(e) {
+	return Ye = 5, st(function() {
+		return { current: e };
+	}, []);
+}
+function st(e, t) {
+	var n = it(Ge++, 7);
+	return mt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+}
+function ct() {
+	var e;
+	do {
+		for (; e = Ze.shift();) try {
+			ft(e);
+		} catch (t) {
+			V.__e(t, { __: (e = e.__P) && e.__v });
+		}
+		for (; e = Xe.shift();) {
+			var t = e.__H;
+			if (e.__P && t) try {
+				t.__h.some(ft), t.__h.some(pt), t.__h = [];
+			} catch (n) {
+				t.__h = [], V.__e(n, e.__v);
+			}
+		}
+	} while (Ze.length);
+}
+V.__b = function(e) {
+	B = null, Qe && Qe(e);
+}, V.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), rt && rt(e, t);
+}, V.__r = function(e) {
+	$e && $e(e), Ge = 0;
+	var t = (B = e.__c).__H;
+	t && (Ke == B ? B.__h = [] : (t.__h.some(ft), t.__h.some(pt), Ge = 0), t.__h = [], t.__.some(function(e) {
+		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
+	})), Ke = B;
+}, V.diffed = function(e) {
+	et && et(e);
+	var t = e.__c;
+	t && t.__H && (t.__H.__h.length && dt(Xe.push(t)), t.__H.__.some(function(e) {
+		e.u && (e.__H = e.u);
+	})), Ke = B = null;
+}, V.__c = function(e, t) {
+	t.some(function(e) {
+		try {
+			e.__h.some(ft), e.__h = e.__h.filter(function(e) {
+				return !e.__ || pt(e);
+			});
+		} catch (t) {
+			e.__h = [function() {
+				throw t;
+			}];
+		}
+	}), tt && tt(e, t);
+}, V.unmount = function(e) {
+	nt && nt(e);
+	var t, n, r = e.__c;
+	r && r.__H && (r.__H.__.some(function(r) {
+		try {
+			if (r.__P && r.__c) {
+				if (n === void 0) {
+					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
+					n &&= n.__c;
+				}
+				r.__P = n, dt(Ze.push(r));
+			} else ft(r);
+		} catch (e) {
+			t = e;
+		}
+	}), r.__H = void 0, t && V.__e(t, r.__v));
+};
+var lt = typeof requestAnimationFrame == "function";
+function ut(e) {
+	var t, n = function() {
+		clearTimeout(r), lt && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	lt && (t = requestAnimationFrame(n));
+}
+function dt(e) {
+	e != 1 && qe == V.requestAnimationFrame || ((qe = V.requestAnimationFrame) || ut)(ct);
+}
+function ft(e) {
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
+}
+function pt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
+}
+function mt(e, t) {
+	return !e || e.length != t.length || t.some(function(t, n) {
+		return !Je(t, e[n]);
+	});
+}
+function ht(e, t) {
+	return typeof t == "function" ? t(e) : t;
+}
+// src/events.tsx
+var gt = 100;
+function _t({ store: e, state: t }) {
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
+	U(() => s(0), [c?.run]), U(() => {
+		if (!c || c.tEnd === void 0) return r([]);
+		let t = !1;
+		return e.transport.ask("events", {
+			run: c.run,
+			first: o,
+			count: gt
+		}).then((e) => {
+			t || (r(e.events), a(e.total));
+		}).catch((t) => e.refused(t)), () => {
+			t = !0;
+		};
+	}, [c?.run, o]);
+	let l = t.instant?.event.event;
+	return /* @__PURE__ */ L("section", {
+		class: "events",
+		tabIndex: 0,
+		"aria-label": "Events",
+		children: [
+			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+				class: "status " + c.status,
+				children: [
+					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					", ",
+					i,
+					" events, ",
+					Re(c.took, "s"),
+					c.method ? `, ${c.method}` : ""
+				]
+			}),
+			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+				class: "warning",
+				children: e
+			})),
+			i > gt && /* @__PURE__ */ L("p", { children: [
+				/* @__PURE__ */ L("button", {
+					disabled: o === 0,
+					onClick: () => s(Math.max(0, o - gt)),
+					children: "◂"
+				}),
+				" ",
+				o + 1,
+				" to ",
+				Math.min(o + gt, i),
+				" of ",
+				i,
+				" ",
+				/* @__PURE__ */ L("button", {
+					disabled: o + gt >= i,
+					onClick: () => s(o + gt),
+					children: "▸"
+				})
+			] }),
+			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+				class: n.event === l ? "open" : "",
+				children: [/* @__PURE__ */ L("button", {
+					"data-event": n.event,
+					"aria-expanded": n.event === l,
+					onClick: () => e.showInstant(n, 0),
+					children: [
+						/* @__PURE__ */ L("b", { children: Re(n.t, "s") }),
+						" ",
+						/* @__PURE__ */ L("i", { children: n.cause }),
+						" ",
+						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", vt(n)] })
+					]
+				}), n.event === l && /* @__PURE__ */ L(yt, {
+					store: e,
+					state: t,
+					event: n
+				})]
+			})) })
+		]
+	});
+}
+function vt(e) {
+	let t = (t) => e.steps.filter((e) => e.kind === t).length;
+	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
+}
+function yt({ store: e, state: t, event: n }) {
+	let r = t.instant.step, i = n.steps[r];
+	return /* @__PURE__ */ L("div", {
+		class: "detail",
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "row",
+				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+					class: "stepbutton " + t.kind,
+					"aria-pressed": i === r,
+					"data-step": i,
+					onClick: () => e.showInstant(n, i),
+					children: [
+						i + 1,
+						". ",
+						t.kind
+					]
+				}))
+			}),
+			/* @__PURE__ */ L("p", { children: [
+				"mode: ",
+				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
+				i.kind === "mythical" && " (lasts no time, stores nothing)",
+				i.kind === "pinnacle" && " (lasts no time, writes the state)"
+			] }),
+			i.fired.map((e) => /* @__PURE__ */ L("p", {
+				class: "fired",
+				children: [
+					/* @__PURE__ */ L("b", { children: e.machine }),
+					": ",
+					e.source,
+					" → ",
+					e.target,
+					", because ",
+					/* @__PURE__ */ L("code", { children: e.why })
+				]
+			})),
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+				"impulses",
+				i.kind === "mythical" ? " (on trial)" : "",
+				":",
+				" ",
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ie(t, 6)} δ`).join(", ")
+			] }),
+			i.energy && /* @__PURE__ */ L("p", { children: [
+				"energy ",
+				i.energy.before,
+				" → ",
+				i.energy.after,
+				"; supplied ",
+				i.energy.source,
+				", lost ",
+				i.energy.lost
+			] }),
+			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+		]
+	});
+}
+// src/fields.tsx
+var bt = 0;
+function xt(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++bt}`), i = ot(!1);
+	return U(() => {
+		i.current || n(e.value);
+	}, [e.value]), /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("input", {
+		"aria-label": e.label,
+		value: t,
+		disabled: e.disabled,
+		placeholder: e.placeholder,
+		spellcheck: !1,
+		autocomplete: "off",
+		list: e.list ? r : void 0,
+		"data-first": e.first ? "" : void 0,
+		onFocus: () => i.current = !0,
+		onInput: (e) => n(e.currentTarget.value),
+		onBlur: () => {
+			i.current = !1, t !== e.value && e.onWrite(t);
+		},
+		onKeyDown: (t) => {
+			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
+		}
+	}), e.list && /* @__PURE__ */ L("datalist", {
+		id: r,
+		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+	})] });
+}
+function St(e) {
+	let t = e.trim();
+	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
+}
+// src/item.tsx
+var Ct = {
+	C: ["q", "e"],
+	I: ["p", "f"]
+}, wt = {
+	diode: [],
+	thyristor: ["gate"],
+	unilateral: [
+		"gap",
+		"restitution",
+		"stiffness"
+	],
+	coulomb: ["limit", "breakaway"],
+	relay: ["limit"]
+};
+function Tt({ store: e, state: t }) {
+	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
+	if (r.length === 1) return /* @__PURE__ */ L(kt, {
+		store: e,
+		state: t,
+		node: r[0]
+	});
+	if (i.length === 1 && !r.length) {
+		let r = i[0], a = t.cursor?.values[r.key];
+		return /* @__PURE__ */ L("section", { children: [
+			/* @__PURE__ */ L("h2", { children: "Bond" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(xt, {
+				label: "Bond",
+				first: !0,
+				value: r.text,
+				disabled: !n.view.editable,
+				onWrite: (n) => void Et(e, t, r.key, n)
+			})] }),
+			a && /* @__PURE__ */ L("p", { children: [
+				"effort ",
+				Re(a.e, a.units[0]),
+				", flow ",
+				Re(a.f, a.units[1]),
+				", power",
+				" ",
+				a.e === null || a.f === null ? "—" : Re(a.e * a.f, "W")
+			] }),
+			/* @__PURE__ */ L("div", {
+				class: "row",
+				children: [/* @__PURE__ */ L("button", {
+					onClick: () => e.reverse(),
+					children: "Turn round (r)"
+				}), /* @__PURE__ */ L("button", {
+					onClick: () => e.remove(),
+					children: "Delete"
+				})]
+			})
+		] });
+	}
+	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+		r.length,
+		" elements, ",
+		i.length,
+		" bonds"
+	] }), /* @__PURE__ */ L("div", {
+		class: "row",
+		children: [
+			/* @__PURE__ */ L("button", {
+				onClick: () => Dt(e, r, "y"),
+				children: "In a row"
+			}),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Dt(e, r, "x"),
+				children: "In a column"
+			}),
+			/* @__PURE__ */ L("button", {
+				onClick: () => void e.duplicate(),
+				children: "Duplicate"
+			}),
+			/* @__PURE__ */ L("button", {
+				onClick: () => e.remove(),
+				children: "Delete"
+			})
+		]
+	})] }) : /* @__PURE__ */ L(Ot, {
+		store: e,
+		state: t
+	});
+}
+async function Et(e, t, n, r) {
+	let [i] = n.split(".").map(Number);
+	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
+		do: "write bond",
+		chain: i,
+		text: r
+	}) : (await e.edit({
+		do: "remove",
+		names: [],
+		bonds: [n]
+	}), r.trim() && await e.edit({
+		do: "write bond",
+		text: r
+	}));
+}
+function Dt(e, t, n) {
+	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
+	e.edit({
+		do: "move",
+		at: a
+	});
+}
+function Ot({ store: e, state: t }) {
+	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
+		do: "set",
+		path: t,
+		value: n
+	});
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Model" }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(xt, {
+			label: "Title",
+			first: !0,
+			value: n.title,
+			disabled: !n.view.editable,
+			onWrite: (e) => i(["title"], e)
+		})] }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+			disabled: !n.view.editable,
+			value: n.view.domain,
+			onChange: (e) => i(["domain"], e.currentTarget.value),
+			children: r.map((e) => /* @__PURE__ */ L("option", {
+				value: e.name,
+				children: [
+					e.name,
+					" ",
+					e.effort && `(${e.effort}, ${e.flow})`
+				]
+			}))
+		})] }),
+		/* @__PURE__ */ L("p", {
+			class: "hint",
+			children: [
+				"Put elements down from the palette, or press ",
+				/* @__PURE__ */ L("kbd", { children: "a" }),
+				" and write ",
+				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				". Drag from the handle of a selected element to bond it, or press ",
+				/* @__PURE__ */ L("kbd", { children: "b" }),
+				". Strokes follow each edit."
+			]
+		})
+	] });
+}
+function kt({ store: e, state: t, node: n }) {
+	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
+		do: "set",
+		path: [
+			"elements",
+			n.name,
+			...t
+		],
+		value: r
+	}), o = (t) => void e.edit({
+		do: "rename",
+		old: n.name,
+		new: t.trim()
+	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(xt, {
+			label: "Name",
+			first: s || n.kind === "part",
+			value: n.name,
+			disabled: r,
+			onWrite: o
+		})] }),
+		!s && n.kind !== "part" && /* @__PURE__ */ L(At, {
+			node: n,
+			off: r,
+			set: a
+		}),
+		Ct[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(xt, {
+			label: `Start value ${e}`,
+			value: Nt(i[e]),
+			disabled: r,
+			placeholder: "0",
+			onWrite: (t) => a([e], St(t))
+		})] })),
+		s && /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+				disabled: r,
+				value: n.kind,
+				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
+				children: [/* @__PURE__ */ L("option", {
+					value: "0",
+					children: "0, common effort"
+				}), /* @__PURE__ */ L("option", {
+					value: "1",
+					children: "1, common flow"
+				})]
+			})] }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+				disabled: r,
+				value: Nt(i.law),
+				onChange: (e) => a(["law"], e.currentTarget.value || null),
+				children: [/* @__PURE__ */ L("option", {
+					value: "",
+					children: "none"
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+					value: e,
+					children: e
+				}))]
+			})] }),
+			(wt[Nt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(xt, {
+				label: e,
+				value: Nt(i[e]),
+				disabled: r,
+				onWrite: (t) => a([e], St(t))
+			})] })),
+			/* @__PURE__ */ L(jt, {
+				store: e,
+				state: t,
+				node: n
+			})
+		] }),
+		n.kind === "part" && /* @__PURE__ */ L(b, { children: [
+			c && /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: c.title
+			}),
+			Object.entries({
+				...c?.parameters,
+				...i.parameters
+			}).map(([e]) => {
+				let t = i.parameters?.[e];
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(xt, {
+					label: e,
+					value: Nt(t),
+					disabled: r,
+					placeholder: c?.parameters[e],
+					onWrite: (t) => a(["parameters", e], St(t))
+				})] });
+			}),
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(xt, {
+				label: `Input ${e}`,
+				value: Nt(i.inputs?.[e]),
+				disabled: r,
+				placeholder: "an expression",
+				list: Pt(t),
+				onWrite: (t) => a(["inputs", e], St(t))
+			})] })),
+			n.known && /* @__PURE__ */ L("button", {
+				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
+				children: "Open"
+			})
+		] }),
+		/* @__PURE__ */ L("div", {
+			class: "row",
+			children: [
+				/* @__PURE__ */ L("button", {
+					disabled: r,
+					onClick: () => e.set({ bondFrom: n.name }),
+					children: "Bond (b)"
+				}),
+				/* @__PURE__ */ L("button", {
+					disabled: r,
+					onClick: () => void e.duplicate(),
+					children: "Duplicate"
+				}),
+				/* @__PURE__ */ L("button", {
+					disabled: r,
+					onClick: () => e.remove(),
+					children: "Delete"
+				})
+			]
+		})
+	] });
+}
+function At({ node: e, off: t, set: n }) {
+	let r = e.entry[e.kind];
+	if (typeof r == "object" && r && !Array.isArray(r)) {
+		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(xt, {
+			label: `Law, ${i} =`,
+			first: !0,
+			value: a,
+			disabled: t,
+			onWrite: (t) => n([e.kind, i], t)
+		})] });
+	}
+	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "A field or a table: edit it in the text."
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(xt, {
+		label: "Value",
+		first: !0,
+		value: Nt(r),
+		disabled: t,
+		onWrite: (t) => {
+			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
+			n([e.kind], r ? { [r[1]]: r[2] } : St(t) ?? 1);
+		}
+	})] });
+}
+function jt({ store: e, state: t, node: n }) {
+	let r = t.look;
+	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+		class: "link",
+		onClick: () => e.set({ tab: "machines" }),
+		children: n.machine
+	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+		disabled: !r.view.editable,
+		onClick: () => void e.edit({
+			do: "set",
+			path: ["machines", Mt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			value: {
+				states: {
+					on: [n.name],
+					off: []
+				},
+				start: "on",
+				rules: []
+			}
+		}).then(() => e.set({ tab: "machines" })),
+		children: "Let a state machine switch it"
+	});
+}
+function Mt(e, t) {
+	if (!e.includes(t)) return t;
+	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
+}
+function Nt(e) {
+	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
+}
+function Pt(e) {
+	let t = e.look;
+	if (!t) return [];
+	let n = ["time"];
+	for (let e of t.view.nodes) n.push(`${e.name}.e`, `${e.name}.f`), e.kind === "C" && n.push(`${e.name}.q`), e.kind === "I" && n.push(`${e.name}.p`);
+	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
+}
+// src/machines.tsx
+function Ft(e) {
+	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
+	return t ? {
+		source: t[1],
+		target: t[2],
+		guard: t[3]
+	} : null;
+}
+function It({ store: e, state: t }) {
+	let n = t.look, r = Object.entries(n.panels.machines);
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ L(Lt, {
+			store: e,
+			state: t,
+			name: n,
+			machine: r
+		}, n)),
+		n.view.editable && /* @__PURE__ */ L("button", {
+			onClick: () => {
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Mt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				e.edit({
+					do: "set",
+					path: ["machines", a],
+					value: {
+						states: {
+							on: i ? [i.name] : [],
+							off: []
+						},
+						start: "on",
+						rules: []
+					}
+				});
+			},
+			children: "New machine"
+		}),
+		/* @__PURE__ */ L("p", {
+			class: "hint",
+			children: [
+				"In guards ",
+				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				" is the value before the instant (a priori ",
+				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				"), ",
+				/* @__PURE__ */ L("code", { children: "x" }),
+				" the one that holds after it (a posteriori ",
+				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				")."
+			]
+		})
+	] });
+}
+function Lt({ store: e, state: t, name: n, machine: r }) {
+	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
+		do: "set",
+		path: ["machines", n],
+		value: t
+	}), d = (e, t) => u({
+		...r,
+		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
+	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
+	return /* @__PURE__ */ L("div", {
+		class: "machine",
+		"data-machine": n,
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "row",
+				children: [/* @__PURE__ */ L(xt, {
+					label: `Name of machine ${n}`,
+					value: n,
+					disabled: a,
+					onWrite: (t) => void e.edit({
+						do: "rename",
+						old: n,
+						new: t.trim()
+					})
+				}), !a && /* @__PURE__ */ L("button", {
+					class: "small",
+					"aria-label": `Delete machine ${n}`,
+					onClick: () => void e.edit({
+						do: "set",
+						path: ["machines", n],
+						value: null
+					}),
+					children: "✕"
+				})]
+			}),
+			/* @__PURE__ */ L(Rt, {
+				machine: r,
+				now: s,
+				onState: (t) => e.setMode(o, t)
+			}),
+			c.map((e) => /* @__PURE__ */ L("div", {
+				class: "row state",
+				children: [
+					/* @__PURE__ */ L("input", {
+						type: "radio",
+						name: `start-${n}`,
+						"aria-label": `${n} starts in ${e}`,
+						title: "start state",
+						checked: r.start === e,
+						disabled: a,
+						onChange: () => u({
+							...r,
+							start: e
+						})
+					}),
+					/* @__PURE__ */ L(xt, {
+						label: `State ${e} of ${n}`,
+						value: e,
+						disabled: a,
+						onWrite: (t) => {
+							let n = t.trim();
+							if (!n) {
+								let { [e]: t, ...n } = r.states;
+								return u({
+									...r,
+									states: n,
+									start: r.start === e ? Object.keys(n)[0] : r.start
+								});
+							}
+							u({
+								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
+								start: r.start === e ? n : r.start,
+								rules: l.map((t) => {
+									let r = Ft(t);
+									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
+								})
+							});
+						}
+					}),
+					/* @__PURE__ */ L("span", {
+						class: "on",
+						children: "ON"
+					}),
+					/* @__PURE__ */ L(xt, {
+						label: `Junctions that state ${e} of ${n} switches on`,
+						value: (r.states[e] ?? []).join(", "),
+						disabled: a,
+						list: f,
+						placeholder: "none",
+						onWrite: (t) => u({
+							...r,
+							states: {
+								...r.states,
+								[e]: t.split(/[\s,]+/).filter(Boolean)
+							}
+						})
+					})
+				]
+			})),
+			l.map((e, r) => {
+				let i = Ft(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ L("div", {
+					class: "row rule",
+					children: [i ? /* @__PURE__ */ L(b, { children: [
+						/* @__PURE__ */ L("select", {
+							disabled: a,
+							"aria-label": "From",
+							value: i.source,
+							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+						}),
+						"→",
+						/* @__PURE__ */ L("select", {
+							disabled: a,
+							"aria-label": "To",
+							value: i.target,
+							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+						}),
+						/* @__PURE__ */ L(xt, {
+							label: `Guard ${r + 1} of ${n}`,
+							value: i.guard,
+							disabled: a,
+							list: Pt(t),
+							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
+						}),
+						/* @__PURE__ */ L("span", {
+							class: "reads " + (o ? "prior" : "after"),
+							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
+							children: o ? "x⁻" : "x⁺"
+						})
+					] }) : /* @__PURE__ */ L(xt, {
+						label: `Rule ${r + 1} of ${n}`,
+						value: e,
+						disabled: a,
+						onWrite: (e) => d(r, e)
+					}), !a && /* @__PURE__ */ L("button", {
+						class: "small",
+						"aria-label": `Delete rule ${r + 1} of ${n}`,
+						onClick: () => d(r, null),
+						children: "✕"
+					})]
+				});
+			}),
+			!a && /* @__PURE__ */ L("div", {
+				class: "row",
+				children: [/* @__PURE__ */ L("button", {
+					onClick: () => u({
+						...r,
+						states: {
+							...r.states,
+							[Mt(c, "state")]: []
+						}
+					}),
+					children: "Add state"
+				}), /* @__PURE__ */ L("button", {
+					disabled: c.length < 2,
+					onClick: () => {
+						let e = c.find((e) => !l.some((t) => Ft(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						u({
+							...r,
+							rules: [...l, `${e} -> ${t} when time >= 1`]
+						});
+					},
+					children: "Add rule"
+				})]
+			})
+		]
+	});
+}
+function Rt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Ft).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ L("svg", {
+		class: "diagram",
+		viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
+		role: "group",
+		"aria-label": "States and rules",
+		children: [
+			/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+				id: "rulehead",
+				viewBox: "0 0 8 8",
+				refX: 7,
+				refY: 4,
+				markerWidth: 7,
+				markerHeight: 7,
+				orient: "auto",
+				children: /* @__PURE__ */ L("path", {
+					d: "M0,1L8,4L0,7z",
+					class: "rulehead"
+				})
+			}) }),
+			a.map((e) => {
+				let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
+				if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+					class: "arc",
+					d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
+					"marker-end": "url(#rulehead)",
+					children: /* @__PURE__ */ L("title", { children: e.guard })
+				});
+				let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
+				return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+					class: "arc",
+					d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
+					"marker-end": "url(#rulehead)",
+					children: /* @__PURE__ */ L("title", { children: e.guard })
+				}), /* @__PURE__ */ L("text", {
+					class: "guard",
+					x: (t + n) / 2,
+					y: .78 * c + (s < 0 ? -3 : 10),
+					"text-anchor": "middle",
+					children: l
+				})] });
+			}),
+			r.map((r) => /* @__PURE__ */ L("g", {
+				class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
+				role: "button",
+				tabIndex: 0,
+				"aria-label": `Show state ${r}`,
+				"aria-pressed": r === t,
+				onClick: () => n(r),
+				onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
+				children: [
+					/* @__PURE__ */ L("rect", {
+						x: i(r) - 38,
+						y: -14,
+						width: 76,
+						height: 28,
+						rx: 8
+					}),
+					/* @__PURE__ */ L("text", {
+						x: i(r),
+						y: 4,
+						"text-anchor": "middle",
+						children: r.length > 11 ? r.slice(0, 10) + "…" : r
+					}),
+					r === e.start && /* @__PURE__ */ L("circle", {
+						cx: i(r) - 38,
+						cy: -14,
+						r: 4
+					})
+				]
+			}))
+		]
+	});
+}
+// src/panels.tsx
+function zt({ store: e, state: t }) {
+	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
+		do: "set",
+		path: t,
+		value: n
+	}), o = (i, o, s) => {
+		let c = Object.entries(n.panels[i]);
+		return /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ L(Vt, {
+				store: e,
+				state: t,
+				section: i,
+				name: n,
+				value: r
+			}, n)),
+			!r && /* @__PURE__ */ L("button", {
+				onClick: () => {
+					let e = {
+						parameters: "k",
+						signals: "y",
+						inputs: "u"
+					}[i], t = [
+						...Object.keys(n.panels.parameters),
+						...n.view.nodes.map((e) => e.name),
+						...n.view.signals.map((e) => e.name)
+					];
+					a([i, Mt(t, e)], s);
+				},
+				children: "Add"
+			})
+		] });
+	};
+	return /* @__PURE__ */ L("section", { children: [
+		o("parameters", "Parameters", 1),
+		o("signals", "Signals", "time"),
+		o("inputs", "Inputs", { constant: 1 }),
+		!t.level && /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("h2", { children: "Run" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(xt, {
+				label: "Until",
+				value: Nt(i.until),
+				placeholder: "1 s",
+				onWrite: (e) => void a(["experiment", "until"], St(e))
+			})] }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
+				value: Nt(i.solver),
+				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
+				children: [/* @__PURE__ */ L("option", {
+					value: "",
+					children: "auto"
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+					value: e.name,
+					title: e.about,
+					children: e.name
+				}))]
+			})] }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(xt, {
+				label: "Relative tolerance",
+				value: Nt(i.rtol),
+				placeholder: "1e-8",
+				onWrite: (e) => void a(["experiment", "rtol"], St(e))
+			})] })
+		] })
+	] });
+}
+var Bt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function Vt({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Bt.exec(Nt(i)) : null, [c] = H(() => s && Number(s[1]) || 1);
+	return /* @__PURE__ */ L("div", {
+		class: "entry",
+		"data-entry": r,
+		children: [/* @__PURE__ */ L("label", { children: [
+			/* @__PURE__ */ L(xt, {
+				label: `Name ${r}`,
+				value: r,
+				disabled: a,
+				onWrite: (t) => void e.edit({
+					do: "rename",
+					old: r,
+					new: t.trim()
+				})
+			}),
+			o ? /* @__PURE__ */ L(xt, {
+				label: r,
+				value: Nt(i),
+				disabled: a,
+				list: n === "signals" ? Pt(t) : void 0,
+				onWrite: (t) => void e.edit({
+					do: "set",
+					path: [n, r],
+					value: St(t)
+				})
+			}) : /* @__PURE__ */ L(Ht, {
+				store: e,
+				path: [n, r],
+				value: i,
+				off: a
+			}),
+			!a && /* @__PURE__ */ L("button", {
+				class: "small",
+				"aria-label": `Delete ${r}`,
+				onClick: () => void e.edit({
+					do: "set",
+					path: [n, r],
+					value: null
+				}),
+				children: "✕"
+			})
+		] }), s && !a && /* @__PURE__ */ L("input", {
+			type: "range",
+			"aria-label": `Slider ${r}`,
+			min: -1,
+			max: 1,
+			step: .02,
+			value: Math.log10(Math.abs(Number(s[1]) || 1) / Math.abs(c)),
+			onChange: (i) => {
+				let a = +(Math.sign(c) * Math.abs(c) * 10 ** Number(i.currentTarget.value)).toPrecision(4), o = s[2] ?? "";
+				e.edit({
+					do: "set",
+					path: [n, r],
+					value: o ? `${a}${o}` : a
+				}).then(() => t.run && e.start());
+			}
+		})]
+	});
+}
+function Ht({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ L("span", {
+		class: "structured",
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(Ht, {
+			store: e,
+			path: [...t, n],
+			value: i,
+			off: r
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(xt, {
+			label: `${t.join(" ")} ${n}`,
+			value: Nt(i),
+			disabled: r,
+			onWrite: (r) => {
+				let i = St(r);
+				if (r.trim().startsWith("[")) try {
+					i = JSON.parse(r);
+				} catch {}
+				e.edit({
+					do: "set",
+					path: [...t, n],
+					value: i
+				});
+			}
+		})] }))
+	});
+}
+function Ut({ store: e, state: t }) {
+	let n = t.look.problems;
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
+		/* @__PURE__ */ L("ul", {
+			class: "problems",
+			children: n.map((t) => /* @__PURE__ */ L("li", {
+				class: t.grave,
+				children: /* @__PURE__ */ L("button", {
+					onClick: () => e.select(t.select),
+					children: [
+						/* @__PURE__ */ L("b", { children: t.code }),
+						" ",
+						t.where && /* @__PURE__ */ L("i", { children: t.where }),
+						/* @__PURE__ */ L("span", { children: t.why }),
+						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+					]
+				})
+			}))
+		})
+	] });
+}
+function Wt({ store: e, state: t }) {
+	let { view: n, strokes: r } = t.look;
+	return /* @__PURE__ */ L("section", {
+		class: "tables",
+		children: [
+			/* @__PURE__ */ L("h2", { children: "Elements" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "name"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "kind"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "value"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "state"
+				})
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+				let i = r.nodes[n.name];
+				return /* @__PURE__ */ L("tr", {
+					class: t.nodes.has(n.name) ? "chosen" : "",
+					children: [
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+							class: "link",
+							onClick: () => e.set({
+								nodes: /* @__PURE__ */ new Set([n.name]),
+								bonds: /* @__PURE__ */ new Set()
+							}),
+							children: n.name
+						}) }),
+						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ L("td", { children: [
+							i?.off ? "OFF" : i?.controlled ? "ON" : "",
+							i?.derivative ? "derivative" : "",
+							n.law ?? "",
+							n.machine ?? ""
+						].filter(Boolean).join(", ") })
+					]
+				});
+			}) })] }),
+			/* @__PURE__ */ L("h2", { children: "Bonds" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "bond"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "stroke at"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "other modes"
+				})
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
+				return /* @__PURE__ */ L("tr", {
+					class: t.bonds.has(n.key) ? "chosen" : "",
+					children: [
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+							class: "link",
+							onClick: () => e.set({
+								bonds: /* @__PURE__ */ new Set([n.key]),
+								nodes: /* @__PURE__ */ new Set()
+							}),
+							children: n.text
+						}) }),
+						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+					]
+				});
+			}) })] })
+		]
+	});
+}
+function Gt({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
+	U(() => {
+		let t = !1;
+		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
+			t = !0;
+		};
+	}, [o]);
+	let s = () => {
+		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
+	};
+	return /* @__PURE__ */ L("section", {
+		class: "textpanel",
+		children: [
+			/* @__PURE__ */ L("h2", { children: [
+				t.look.file,
+				" ",
+				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+			] }),
+			/* @__PURE__ */ L("textarea", {
+				"aria-label": "Text of the model file",
+				spellcheck: !1,
+				value: i ?? n?.text ?? "",
+				onInput: (e) => a(e.currentTarget.value),
+				onKeyDown: (e) => {
+					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
+				}
+			}),
+			/* @__PURE__ */ L("div", {
+				class: "row",
+				children: [/* @__PURE__ */ L("button", {
+					disabled: i === null,
+					onClick: s,
+					children: "Apply (Ctrl+Enter)"
+				}), /* @__PURE__ */ L("button", {
+					disabled: i === null,
+					onClick: () => a(null),
+					children: "Discard"
+				})]
+			})
+		]
+	});
+}
+function Kt({ store: e, state: t }) {
+	let [n, r] = H("…"), i = t.look.revision;
+	return U(() => {
+		let t = !1;
+		return e.transport.ask("equations").then((e) => !t && r(e.text)).catch((e) => !t && r(String(e.message))), () => {
+			t = !0;
+		};
+	}, [i]), /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: "Equations of all modes" }), /* @__PURE__ */ L("pre", {
+		class: "equations",
+		tabIndex: 0,
+		children: n
+	})] });
+}
+// src/palette.tsx
+function qt(e) {
+	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
+		key: e.kind,
+		letters: e.kind === "G" ? "G" : e.letters,
+		about: e.about,
+		element: e.element,
+		stem: e.stem
+	})), r = /* @__PURE__ */ new Map();
+	for (let e of t?.parts ?? []) {
+		let [t, n] = e.name.split("."), i = {
+			key: e.name,
+			letters: n,
+			about: e.title,
+			element: { submodel: e.name },
+			stem: n
+		};
+		r.set(t, [...r.get(t) ?? [], i]);
+	}
+	return {
+		kinds: n,
+		parts: r
+	};
+}
+function Jt({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = qt(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+		element: e.element,
+		stem: e.stem
+	})), d = (t) => {
+		e.add(t.element, t.stem), e.set({ panel: "" });
+	}, f = !t.look?.view.editable;
+	return /* @__PURE__ */ L("aside", {
+		class: "palette" + (t.panel === "palette" ? " open" : ""),
+		"aria-label": "Palette",
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "kinds",
+				children: i.map((e) => /* @__PURE__ */ L("button", {
+					disabled: f,
+					draggable: !0,
+					onDragStart: u(e),
+					onClick: () => d(e),
+					title: e.about,
+					"aria-label": `Add ${e.key}, ${e.about}`,
+					"data-kind": e.key,
+					children: e.letters
+				}))
+			}),
+			/* @__PURE__ */ L("input", {
+				type: "search",
+				placeholder: "Parts …",
+				"aria-label": "Search parts",
+				value: n,
+				onInput: (e) => r(e.currentTarget.value)
+			}),
+			/* @__PURE__ */ L("div", {
+				class: "shelves",
+				tabIndex: 0,
+				role: "region",
+				"aria-label": "Ready parts",
+				children: l.map(([e, t]) => {
+					let n = t.filter(c);
+					return n.length ? /* @__PURE__ */ L("details", {
+						open: s.length > 0 || e === o,
+						children: [/* @__PURE__ */ L("summary", { children: [
+							e,
+							" ",
+							/* @__PURE__ */ L("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							class: "offer",
+							disabled: f,
+							draggable: !0,
+							onDragStart: u(e),
+							onClick: () => d(e),
+							title: e.about,
+							"data-part": e.key,
+							children: e.letters.replaceAll("_", " ")
+						}))]
+					}) : null;
+				})
+			})
+		]
+	});
+}
+function Yt({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = qt(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+		e.set({ adding: !1 }), requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
+	}, f = async () => {
+		if (n.includes("->")) return await e.edit({
+			do: "write bond",
+			text: n.trim()
+		}), d();
+		let t = u[0];
+		if (!t) return;
+		let r = t.element, i = "";
+		if (t === l && c.length) {
+			/^[A-Za-z_]\w*$/.test(c[0]) && (i = c.shift());
+			let e = c.join(" ");
+			e && !("junction" in r) && (r = { [t.key]: e });
+		}
+		await e.add(r, i || t.stem), d();
+	};
+	return /* @__PURE__ */ L("div", {
+		class: "quick",
+		role: "dialog",
+		"aria-label": "Add",
+		children: [/* @__PURE__ */ L("input", {
+			ref: (e) => e?.focus(),
+			value: n,
+			"aria-label": "What to add",
+			placeholder: "R load 10 ohm · diode · a -> b",
+			onInput: (e) => r(e.currentTarget.value),
+			onKeyDown: (e) => {
+				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
+			}
+		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+			class: t === 0 ? "chosen" : "",
+			children: [
+				/* @__PURE__ */ L("b", { children: e.letters }),
+				" ",
+				e.about
+			]
+		})) })]
+	});
+}
+// node_modules/uplot/dist/uPlot.esm.js
+var Xt = !0, Zt = "uplot", Qt = "u-hz", $t = "u-vt", en = "u-title", tn = "u-wrap", nn = "u-under", rn = "u-over", an = "u-axis", on = "u-off", sn = "u-select", cn = "u-cursor-x", ln = "u-cursor-y", un = "u-cursor-pt", dn = "u-legend", fn = "u-live", pn = "u-inline", mn = "u-series", hn = "u-marker", gn = "u-label", _n = "u-value", vn = "width", yn = "height", bn = "top", xn = "bottom", Sn = "left", Cn = "right", wn = "#000", Tn = "#0000", En = "mousemove", Dn = "mousedown", On = "mouseup", kn = "mouseenter", An = "mouseleave", jn = "dblclick", Mn = "resize", Nn = "scroll", Pn = "change", Fn = "dppxchange", In = "--", Ln = typeof window < "u", Rn = Ln ? document : null, zn = Ln ? window : null, Bn = Ln ? navigator : null, W, Vn;
+function G() {
+	let e = devicePixelRatio;
+	W != e && (W = e, Vn && er(Pn, Vn, G), Vn = matchMedia(`(min-resolution: ${W - .001}dppx) and (max-resolution: ${W + .001}dppx)`), $n(Pn, Vn, G), zn.dispatchEvent(new CustomEvent(Fn)));
+}
+function Hn(e, t) {
+	if (t != null) {
+		let n = e.classList;
+		!n.contains(t) && n.add(t);
+	}
+}
+function Un(e, t) {
+	let n = e.classList;
+	n.contains(t) && n.remove(t);
+}
+function K(e, t, n) {
+	e.style[t] = n + "px";
+}
+function Wn(e, t, n, r) {
+	let i = Rn.createElement(e);
+	return t != null && Hn(i, t), n?.insertBefore(i, r), i;
+}
+function Gn(e, t) {
+	return Wn("div", e, t);
+}
+var q = /* @__PURE__ */ new WeakMap();
+function Kn(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != q.get(e) && (e.style.transform = a, q.set(e, a), t < 0 || n < 0 || t > r || n > i ? Hn(e, on) : Un(e, on));
+}
+var qn = /* @__PURE__ */ new WeakMap();
+function Jn(e, t, n) {
+	let r = t + n;
+	r != qn.get(e) && (qn.set(e, r), e.style.background = t, e.style.borderColor = n);
+}
+var Yn = /* @__PURE__ */ new WeakMap();
+function Xn(e, t, n, r) {
+	let i = t + "" + n;
+	i != Yn.get(e) && (Yn.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var Zn = { passive: !0 }, Qn = {
+	...Zn,
+	capture: !0
+};
+function $n(e, t, n, r) {
+	t.addEventListener(e, n, r ? Qn : Zn);
+}
+function er(e, t, n, r) {
+	t.removeEventListener(e, n, Zn);
+}
+Ln && G();
+function tr(e, t, n, r) {
+	let i;
+	n ||= 0, r ||= t.length - 1;
+	let a = r <= 2147483647;
+	for (; r - n > 1;) i = a ? n + r >> 1 : xr((n + r) / 2), t[i] < e ? n = i : r = i;
+	return e - t[n] <= t[r] - e ? n : r;
+}
+function J(e) {
+	return (t, n, r) => {
+		let i = -1, a = -1;
+		for (let a = n; a <= r; a++) if (e(t[a])) {
+			i = a;
+			break;
+		}
+		for (let i = r; i >= n; i--) if (e(t[i])) {
+			a = i;
+			break;
+		}
+		return [i, a];
+	};
+}
+var nr = (e) => e != null, rr = (e) => e != null && e > 0, ir = J(nr), ar = J(rr);
+function or(e, t, n, r = 0, i = !1) {
+	let a = i ? ar : ir, o = i ? rr : nr;
+	[t, n] = a(e, t, n);
+	let s = e[t], c = e[t];
+	if (t > -1) {
+		if (r == 1) s = e[t], c = e[n];
+		else if (r == -1) s = e[n], c = e[t];
+		else for (let r = t; r <= n; r++) {
+			let t = e[r];
+			o(t) && (t < s ? s = t : t > c && (c = t));
+		}
+	}
+	return [s ?? Mr, c ?? -Mr];
+}
+function sr(e, t, n, r) {
+	let i = Dr(e), a = Dr(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? Or : kr, s = i == 1 ? xr : Cr, c = a == 1 ? Cr : xr, l = s(o(br(e))), u = c(o(br(t))), d = Er(n, l), f = Er(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Kr(e, d), t = Gr(t, f)), [e, t];
+}
+function cr(e, t, n, r) {
+	let i = sr(e, t, n, r);
+	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
+}
+var lr = .1, ur = {
+	mode: 3,
+	pad: lr
+}, dr = {
+	pad: 0,
+	soft: null,
+	mode: 0
+}, fr = {
+	min: dr,
+	max: dr
+};
+function pr(e, t, n, r) {
+	return ri(n) ? hr(e, t, n) : (dr.pad = n, dr.soft = r ? 0 : null, dr.mode = r ? 3 : 0, hr(e, t, fr));
+}
+function Y(e, t) {
+	return e ?? t;
+}
+function mr(e, t, n) {
+	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
+		if (e[t] != null) return !0;
+		t++;
+	}
+	return !1;
+}
+function hr(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Mr), c = Y(i.hard, Mr), l = Y(r.soft, Mr), u = Y(i.soft, -Mr), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Or(p), h = Tr(br(e), br(t)), g = br(Or(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Mr && (a = 0), f == 2 && u != -Mr && (o = 0)));
+	let _ = p || h || 1e3, v = Er(10, xr(Or(_))), y = Z(Kr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Mr, x = Tr(s, y < b && e >= b ? b : wr(b, y)), S = Z(Gr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Mr, w = wr(c, S > C && t <= C ? C : Tr(C, S));
+	return x == w && x == 0 && (w = 100), [x, w];
+}
+var gr = new Intl.NumberFormat(Ln ? Bn.language : "en-US"), _r = (e) => gr.format(e), vr = Math, yr = vr.PI, br = vr.abs, xr = vr.floor, Sr = vr.round, Cr = vr.ceil, wr = vr.min, Tr = vr.max, Er = vr.pow, Dr = vr.sign, Or = vr.log10, kr = vr.log2, Ar = (e, t = 1) => vr.sinh(e) * t, jr = (e, t = 1) => vr.asinh(e / t), Mr = Infinity;
+function Nr(e) {
+	return (Or((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function Pr(e, t, n) {
+	return wr(Tr(e, t), n);
+}
+function Fr(e) {
+	return typeof e == "function";
+}
+function X(e) {
+	return Fr(e) ? e : () => e;
+}
+var Ir = () => {}, Lr = (e) => e, Rr = (e, t) => t, zr = (e) => null, Br = (e) => !0, Vr = (e, t) => e == t, Hr = /\.\d*?(?=9{6,}|0{6,})/gm, Ur = (e) => {
+	if (ei(e) || qr.has(e)) return e;
+	let t = `${e}`, n = t.match(Hr);
+	if (n == null) return e;
+	let r = n[0].length - 1;
+	if (t.indexOf("e-") != -1) {
+		let [e, n] = t.split("e");
+		return +`${Ur(e)}e${n}`;
+	}
+	return Z(e, r);
+};
+function Wr(e, t) {
+	return Ur(Z(Ur(e / t)) * t);
+}
+function Gr(e, t) {
+	return Ur(Cr(Ur(e / t)) * t);
+}
+function Kr(e, t) {
+	return Ur(xr(Ur(e / t)) * t);
+}
+function Z(e, t = 0) {
+	if (ei(e)) return e;
+	let n = 10 ** t;
+	return Sr(e * n * (1 + 2 ** -52)) / n;
+}
+var qr = /* @__PURE__ */ new Map();
+function Jr(e) {
+	return (("" + e).split(".")[1] || "").length;
+}
+function Yr(e, t, n, r) {
+	let i = [], a = r.map(Jr);
+	for (let o = t; o < n; o++) {
+		let t = br(o), n = Z(Er(e, o), t);
+		for (let s = 0; s < r.length; s++) {
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), qr.set(u, l);
+		}
+	}
+	return i;
+}
+var Xr = {}, Zr = [], Qr = [null, null], $r = Array.isArray, ei = Number.isInteger, ti = (e) => e === void 0;
+function ni(e) {
+	return typeof e == "string";
+}
+function ri(e) {
+	let t = !1;
+	if (e != null) {
+		let n = e.constructor;
+		t = n == null || n == Object;
+	}
+	return t;
+}
+function ii(e) {
+	return typeof e == "object" && !!e;
+}
+var ai = Object.getPrototypeOf(Uint8Array), oi = "__proto__";
+function si(e, t = ri) {
+	let n;
+	if ($r(e)) {
+		let r = e.find((e) => e != null);
+		if ($r(r) || t(r)) {
+			n = Array(e.length);
+			for (let r = 0; r < e.length; r++) n[r] = si(e[r], t);
+		} else n = e.slice();
+	} else if (e instanceof ai) n = e.slice();
+	else if (t(e)) {
+		n = {};
+		for (let r in e) r != oi && (n[r] = si(e[r], t));
+	} else n = e;
+	return n;
+}
+function ci(e) {
+	let t = arguments;
+	for (let n = 1; n < t.length; n++) {
+		let r = t[n];
+		for (let t in r) t != oi && (ri(e[t]) ? ci(e[t], si(r[t])) : e[t] = si(r[t]));
+	}
+	return e;
+}
+var li = 0, ui = 1, di = 2;
+function fi(e, t, n) {
+	for (let r = 0, i, a = -1; r < t.length; r++) {
+		let o = t[r];
+		if (o > a) {
+			for (i = o - 1; i >= 0 && e[i] == null;) e[i--] = null;
+			for (i = o + 1; i < n && e[i] == null;) e[a = i++] = null;
+		}
+	}
+}
+function pi(e, t) {
+	if (gi(e)) {
+		let t = e[0].slice();
+		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
+		return _i(t[0]) || (t = hi(t)), t;
+	}
+	let n = /* @__PURE__ */ new Set();
+	for (let t = 0; t < e.length; t++) {
+		let r = e[t][0], i = r.length;
+		for (let e = 0; e < i; e++) n.add(r[e]);
+	}
+	let r = [Array.from(n).sort((e, t) => e - t)], i = r[0].length, a = /* @__PURE__ */ new Map();
+	for (let e = 0; e < i; e++) a.set(r[0][e], e);
+	for (let n = 0; n < e.length; n++) {
+		let o = e[n], s = o[0];
+		for (let e = 1; e < o.length; e++) {
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : ui, d = [];
+			for (let e = 0; e < c.length; e++) {
+				let t = c[e], n = a.get(s[e]);
+				t === null ? u != li && (l[n] = t, u == di && d.push(n)) : l[n] = t;
+			}
+			fi(l, d, i), r.push(l);
+		}
+	}
+	return r;
+}
+var mi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function hi(e) {
+	let t = e[0], n = t.length, r = Array(n);
+	for (let e = 0; e < r.length; e++) r[e] = e;
+	r.sort((e, n) => t[e] - t[n]);
+	let i = [];
+	for (let t = 0; t < e.length; t++) {
+		let a = e[t], o = Array(n);
+		for (let e = 0; e < n; e++) o[e] = a[r[e]];
+		i.push(o);
+	}
+	return i;
+}
+function gi(e) {
+	let t = e[0][0], n = t.length;
+	for (let r = 1; r < e.length; r++) {
+		let i = e[r][0];
+		if (i.length != n) return !1;
+		if (i != t) {
+			for (let e = 0; e < n; e++) if (i[e] != t[e]) return !1;
+		}
+	}
+	return !0;
+}
+function _i(e, t = 100) {
+	let n = e.length;
+	if (n <= 1) return !0;
+	let r = 0, i = n - 1;
+	for (; r <= i && e[r] == null;) r++;
+	for (; i >= r && e[i] == null;) i--;
+	if (i <= r) return !0;
+	let a = Tr(1, xr((i - r + 1) / t));
+	for (let t = e[r], n = r + a; n <= i; n += a) {
+		let r = e[n];
+		if (r != null) {
+			if (r <= t) return !1;
+			t = r;
+		}
+	}
+	return !0;
+}
+var vi = [
+	"January",
+	"February",
+	"March",
+	"April",
+	"May",
+	"June",
+	"July",
+	"August",
+	"September",
+	"October",
+	"November",
+	"December"
+], yi = [
+	"Sunday",
+	"Monday",
+	"Tuesday",
+	"Wednesday",
+	"Thursday",
+	"Friday",
+	"Saturday"
+];
+function bi(e) {
+	return e.slice(0, 3);
+}
+var xi = yi.map(bi), Si = {
+	MMMM: vi,
+	MMM: vi.map(bi),
+	WWWW: yi,
+	WWW: xi
+};
+function Ci(e) {
+	return (e < 10 ? "0" : "") + e;
+}
+function wi(e) {
+	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
+}
+var Ti = {
+	YYYY: (e) => e.getFullYear(),
+	YY: (e) => (e.getFullYear() + "").slice(2),
+	MMMM: (e, t) => t.MMMM[e.getMonth()],
+	MMM: (e, t) => t.MMM[e.getMonth()],
+	MM: (e) => Ci(e.getMonth() + 1),
+	M: (e) => e.getMonth() + 1,
+	DD: (e) => Ci(e.getDate()),
+	D: (e) => e.getDate(),
+	WWWW: (e, t) => t.WWWW[e.getDay()],
+	WWW: (e, t) => t.WWW[e.getDay()],
+	HH: (e) => Ci(e.getHours()),
+	H: (e) => e.getHours(),
+	h: (e) => {
+		let t = e.getHours();
+		return t == 0 ? 12 : t > 12 ? t - 12 : t;
+	},
+	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
+	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
+	a: (e) => e.getHours() >= 12 ? "p" : "a",
+	mm: (e) => Ci(e.getMinutes()),
+	m: (e) => e.getMinutes(),
+	ss: (e) => Ci(e.getSeconds()),
+	s: (e) => e.getSeconds(),
+	fff: (e) => wi(e.getMilliseconds())
+};
+function Ei(e, t) {
+	t ||= Si;
+	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ti[i[1]] : i[0]);
+	return (e) => {
+		let r = "";
+		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
+		return r;
+	};
+}
+var Di = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Oi(e, t) {
+	let n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Di ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+}
+var ki = (e) => e % 1 == 0, Q = [
+	1,
+	2,
+	2.5,
+	5
+], Ai = Yr(10, -32, 0, Q), ji = Yr(10, 0, 32, Q), Mi = ji.filter(ki), Ni = Ai.concat(ji), Pi = "\n", Fi = "{YYYY}", Ii = Pi + Fi, Li = "{M}/{D}", Ri = Pi + Li, zi = Ri + "/{YY}", Bi = "{aa}", Vi = "{h}:{mm}" + Bi, Hi = Pi + Vi, Ui = ":{ss}", $ = null;
+function Wi(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Yr(10, 0, 3, Q).filter(ki) : Yr(10, -3, 0, Q)).concat([
+		t,
+		t * 5,
+		t * 10,
+		t * 15,
+		t * 30,
+		n,
+		n * 5,
+		n * 10,
+		n * 15,
+		n * 30,
+		r,
+		r * 2,
+		r * 3,
+		r * 4,
+		r * 6,
+		r * 8,
+		r * 12,
+		i,
+		i * 2,
+		i * 3,
+		i * 4,
+		i * 5,
+		i * 6,
+		i * 7,
+		i * 8,
+		i * 9,
+		i * 10,
+		i * 15,
+		a,
+		a * 2,
+		a * 3,
+		a * 4,
+		a * 6,
+		o,
+		o * 2,
+		o * 5,
+		o * 10,
+		o * 25,
+		o * 50,
+		o * 100
+	]), c = [
+		[
+			o,
+			Fi,
+			$,
+			$,
+			$,
+			$,
+			$,
+			$,
+			1
+		],
+		[
+			i * 28,
+			"{MMM}",
+			Ii,
+			$,
+			$,
+			$,
+			$,
+			$,
+			1
+		],
+		[
+			i,
+			Li,
+			Ii,
+			$,
+			$,
+			$,
+			$,
+			$,
+			1
+		],
+		[
+			r,
+			"{h}" + Bi,
+			zi,
+			$,
+			Ri,
+			$,
+			$,
+			$,
+			1
+		],
+		[
+			n,
+			Vi,
+			zi,
+			$,
+			Ri,
+			$,
+			$,
+			$,
+			1
+		],
+		[
+			t,
+			Ui,
+			zi + " " + Vi,
+			$,
+			Ri + " " + Vi,
+			$,
+			Hi,
+			$,
+			1
+		],
+		[
+			e,
+			Ui + ".{fff}",
+			zi + " " + Vi,
+			$,
+			Ri + " " + Vi,
+			$,
+			Hi,
+			$,
+			1
+		]
+	];
+	function l(t) {
+		return (s, c, l, u, d, f) => {
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			if (h || m) {
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Sr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				for (let a = 0; i <= u; a++) {
+					let o = ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
+				}
+			} else {
+				let a = d >= i ? i : d, o = y + (xr(l) - xr(_)) + Gr(_ - y, a);
+				p.push(o);
+				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = xr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
+					let i = p[p.length - 1];
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
+				} else p.push(o);
+			}
+			return p;
+		};
+	}
+	return [
+		s,
+		c,
+		l
+	];
+}
+var [Gi, Ki, qi] = Wi(1), [Ji, Yi, Xi] = Wi(.001);
+Yr(2, -53, 53, [1]);
+function Zi(e, t) {
+	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
+}
+function Qi(e, t) {
+	return (n, r, i, a, o) => {
+		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
+		return r.map((t) => {
+			let n = e(t), r = n.getFullYear(), i = n.getMonth(), a = n.getDate(), o = n.getHours(), m = n.getMinutes(), h = n.getSeconds(), g = r != c && s[2] || i != l && s[3] || a != u && s[4] || o != d && s[5] || m != f && s[6] || h != p && s[7] || s[1];
+			return c = r, l = i, u = a, d = o, f = m, p = h, g(n);
+		});
+	};
+}
+function $i(e, t) {
+	let n = Ei(t);
+	return (t, r, i, a, o) => r.map((t) => n(e(t)));
+}
+function ea(e, t, n) {
+	return new Date(e, t, n);
+}
+function ta(e, t) {
+	return t(e);
+}
+var na = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function ra(e, t) {
+	return (n, r, i, a) => a == null ? In : t(e(r));
+}
+function ia(e, t) {
+	let n = e.series[t];
+	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
+}
+function aa(e, t) {
+	return e.series[t].fill(e, t);
+}
+var oa = {
+	show: !0,
+	live: !0,
+	isolate: !1,
+	mount: Ir,
+	markers: {
+		show: !0,
+		width: 2,
+		stroke: ia,
+		fill: aa,
+		dash: "solid"
+	},
+	idx: null,
+	idxs: null,
+	values: []
+};
+function sa(e, t) {
+	let n = e.cursor.points, r = Gn(), i = n.size(e, t);
+	K(r, vn, i), K(r, yn, i);
+	let a = i / -2;
+	K(r, "marginLeft", a), K(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && K(r, "borderWidth", o), r;
+}
+function ca(e, t) {
+	let n = e.series[t].points;
+	return n._fill || n._stroke;
+}
+function la(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function ua(e, t) {
+	return e.series[t].points.size;
+}
+var da = [0, 0];
+function fa(e, t, n) {
+	return da[0] = t, da[1] = n, da;
+}
+function pa(e, t, n, r = !0) {
+	return (e) => {
+		e.button != 0 || r && e.target != t || n(e);
+	};
+}
+function ma(e, t, n, r = !0) {
+	return (e) => {
+		r && e.target != t || n(e);
+	};
+}
+var ha = {
+	show: !0,
+	x: !0,
+	y: !0,
+	lock: !1,
+	move: fa,
+	points: {
+		one: !1,
+		show: sa,
+		size: ua,
+		width: 0,
+		stroke: la,
+		fill: ca
+	},
+	bind: {
+		mousedown: pa,
+		mouseup: pa,
+		click: pa,
+		dblclick: pa,
+		mousemove: ma,
+		mouseleave: ma,
+		mouseenter: ma
+	},
+	drag: {
+		setScale: !0,
+		x: !0,
+		y: !1,
+		dist: 0,
+		uni: null,
+		click: (e, t) => {
+			t.stopPropagation(), t.stopImmediatePropagation();
+		},
+		_x: !1,
+		_y: !1
+	},
+	focus: {
+		dist: (e, t, n, r, i) => r - i,
+		prox: -1,
+		bias: 0
+	},
+	hover: {
+		skip: [void 0],
+		prox: null,
+		bias: 0
+	},
+	left: -10,
+	top: -10,
+	idx: null,
+	dataIdx: null,
+	idxs: null,
+	event: null
+}, ga = {
+	show: !0,
+	stroke: "rgba(0,0,0,0.07)",
+	width: 2
+}, _a = ci({}, ga, { filter: Rr }), va = ci({}, _a, { size: 10 }), ya = ci({}, ga, { show: !1 }), ba = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", xa = "bold " + ba, Sa = 1.5, Ca = {
+	show: !0,
+	scale: "x",
+	stroke: wn,
+	space: 50,
+	gap: 5,
+	alignTo: 1,
+	size: 50,
+	labelGap: 0,
+	labelSize: 30,
+	labelFont: xa,
+	side: 2,
+	grid: _a,
+	ticks: va,
+	border: ya,
+	font: ba,
+	lineGap: Sa,
+	rotate: 0
+}, wa = "Value", Ta = "Time", Ea = {
+	show: !0,
+	scale: "x",
+	auto: !1,
+	sorted: 1,
+	min: Mr,
+	max: -Infinity,
+	idxs: []
+};
+function Da(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : _r(e));
+}
+function Oa(e, t, n, r, i, a, o) {
+	let s = [], c = qr.get(i) || 0;
+	n = o ? n : Z(Gr(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+	return s;
+}
+function ka(e, t, n, r, i, a, o) {
+	let s = [], c = e.scales[e.axes[t].scale].log;
+	i = Er(c, xr((c == 10 ? Or : kr)(n))), c == 10 && (i = Ni[tr(i, Ni)]);
+	let l = n, u = i * c;
+	c == 10 && (u = Ni[tr(u, Ni)]);
+	do
+		s.push(l), l += i, c == 10 && !qr.has(l) && (l = Z(l, qr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Ni[tr(u, Ni)]));
+	while (l <= r);
+	return s;
+}
+function Aa(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ka(e, t, Tr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? ka(e, t, Tr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+}
+var ja = /./, Ma = /[12357]/, Na = /[125]/, Pa = /1/, Fa = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function Ia(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ja : c(7, o) - u >= l ? Ma : c(5, o) - u >= l ? Na : Pa;
+	if (d == Pa) {
+		let e = br(c(1, o) - u);
+		if (e < l) return Fa(t.slice().reverse(), s.distr, d, Cr(l / e)).reverse();
+	}
+	return Fa(t, s.distr, d, 1);
+}
+function La(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = br(c(1, o) - c(2, o));
+	return l < s ? Fa(t.slice().reverse(), 3, ja, Cr(s / l)).reverse() : t;
+}
+function Ra(e, t, n, r) {
+	return r == null ? In : t == null ? "" : _r(t);
+}
+var za = {
+	show: !0,
+	scale: "y",
+	stroke: wn,
+	space: 30,
+	gap: 5,
+	alignTo: 1,
+	size: 50,
+	labelGap: 0,
+	labelSize: 30,
+	labelFont: xa,
+	side: 3,
+	grid: _a,
+	ticks: va,
+	border: ya,
+	font: ba,
+	lineGap: Sa,
+	rotate: 0
+};
+function Ba(e, t) {
+	return Z((3 + (e || 1) * 2) * t, 3);
+}
+function Va(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = br(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * W);
+	return r[1] - r[0] <= o;
+}
+var Ha = {
+	scale: null,
+	auto: !0,
+	sorted: 0,
+	min: Mr,
+	max: -Infinity
+}, Ua = (e, t, n, r, i) => i, Wa = {
+	show: !0,
+	auto: !0,
+	sorted: 0,
+	gaps: Ua,
+	alpha: 1,
+	facets: [ci({}, Ha, { scale: "x" }), ci({}, Ha, { scale: "y" })]
+}, Ga = {
+	scale: "y",
+	auto: !0,
+	sorted: 0,
+	show: !0,
+	spanGaps: !1,
+	gaps: Ua,
+	alpha: 1,
+	points: {
+		show: Va,
+		filter: null
+	},
+	values: null,
+	min: Mr,
+	max: -Infinity,
+	idxs: [],
+	path: null,
+	clip: null
+};
+function Ka(e, t, n, r, i) {
+	return n / 10;
+}
+var qa = {
+	time: Xt,
+	auto: !0,
+	distr: 1,
+	log: 10,
+	asinh: 1,
+	min: null,
+	max: null,
+	dir: 1,
+	ori: 0
+}, Ja = ci({}, qa, {
+	time: !1,
+	ori: 1
+}), Ya = {};
+function Xa(e, t) {
+	let n = Ya[e];
+	return n || (n = {
+		key: e,
+		plots: [],
+		sub(e) {
+			n.plots.push(e);
+		},
+		unsub(e) {
+			n.plots = n.plots.filter((t) => t != e);
+		},
+		pub(e, t, r, i, a, o, s) {
+			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
+		}
+	}, e != null && (Ya[e] = n)), n;
+}
+var Za = 1, Qa = 2;
+function $a(e, t, n) {
+	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, co, uo, po, ho, _o) : n(i, c, l, u, d, _, g, p, f, h, m, lo, fo, mo, go, vo);
+}
+function eo(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Zr);
+	for (let e = 0; e < i.length; e++) {
+		let a = i[e];
+		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
+	}
+	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
+}
+function to(e, t, n, r, i) {
+	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
+	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
+}
+function no(e, t, n, r, i, a) {
+	return $a(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? uo : fo, v, y;
+		g == 1 ? (v = n, y = r) : (v = r, y = n);
+		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
+		return _(w, S, C), _(w, b, C), _(w, b, x), w;
+	});
+}
+function ro(e, t, n, r, i, a) {
+	let o = null;
+	if (e.length > 0) {
+		o = new Path2D();
+		let s = t == 0 ? po : mo, c = n;
+		for (let t = 0; t < e.length; t++) {
+			let n = e[t];
+			if (n[1] > n[0]) {
+				let e = n[0] - c;
+				e > 0 && s(o, c, r, e, r + a), c = n[1];
+			}
+		}
+		let l = n + i - c;
+		l > 0 && s(o, c, r - 5, l, r + a + 10);
+	}
+	return o;
+}
+function io(e, t, n) {
+	let r = e[e.length - 1];
+	r && r[0] == t ? r[1] = n : e.push([t, n]);
+}
+function ao(e, t, n, r, i, a, o) {
+	let s = [], c = e.length;
+	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
+		let u = l, d = l;
+		if (i == 1) for (; ++l <= r && t[l] === null;) d = l;
+		else for (; --l >= n && t[l] === null;) d = l;
+		let f = a(e[u]), p = d == u ? f : a(e[d]), m = u - i;
+		f = o <= 0 && m >= 0 && m < c ? a(e[m]) : f;
+		let h = d + i;
+		p = o >= 0 && h >= 0 && h < c ? a(e[h]) : p, p >= f && s.push([f, p]);
+	}
+	return s;
+}
+function oo(e) {
+	return e == 0 ? Lr : e == 1 ? Sr : (t) => Wr(t, e);
+}
+function so(e) {
+	let t = e == 0 ? co : lo, n = e == 0 ? (e, t, n, r, i, a) => {
+		e.arcTo(t, n, r, i, a);
+	} : (e, t, n, r, i, a) => {
+		e.arcTo(n, t, i, r, a);
+	}, r = e == 0 ? (e, t, n, r, i) => {
+		e.rect(t, n, r, i);
+	} : (e, t, n, r, i) => {
+		e.rect(n, t, i, r);
+	};
+	return (e, i, a, o, s, c = 0, l = 0) => {
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = wr(c, o / 2, s / 2), l = wr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+	};
+}
+var co = (e, t, n) => {
+	e.moveTo(t, n);
+}, lo = (e, t, n) => {
+	e.moveTo(n, t);
+}, uo = (e, t, n) => {
+	e.lineTo(t, n);
+}, fo = (e, t, n) => {
+	e.lineTo(n, t);
+}, po = so(0), mo = so(1), ho = (e, t, n, r, i, a) => {
+	e.arc(t, n, r, i, a);
+}, go = (e, t, n, r, i, a) => {
+	e.arc(n, t, r, i, a);
+}, _o = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, vo = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(n, t, i, r, o, a);
+};
+function yo(e) {
+	return (e, t, n, r, i) => $a(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+		let { pxRound: h, points: g } = t, _, v;
+		s.ori == 0 ? (_ = co, v = ho) : (_ = lo, v = go);
+		let y = Z(g.width * W, 3), b = (g.size - g.width) / 2 * W, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		po(C, w - x, T - x, E + x * 2, D + x * 2);
+		let O = (e) => {
+			if (o[e] != null) {
+				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
+				_(S, t + b, n), v(S, t, n, b, 0, yr * 2);
+			}
+		};
+		if (i) i.forEach(O);
+		else for (let e = n; e <= r; e++) O(e);
+		return {
+			stroke: y > 0 ? S : null,
+			fill: S,
+			clip: C,
+			flags: 3
+		};
+	});
+}
+function bo(e) {
+	return (t, n, r, i, a, o) => {
+		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
+	};
+}
+var xo = bo(uo), So = bo(fo);
+function Co(e) {
+	let t = Y(e?.alignGaps, 0);
+	return (e, n, r, i) => $a(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = ir(s, r, i);
+		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
+		c.ori == 0 ? (y = uo, b = xo) : (y = fo, b = So);
+		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
+			stroke: new Path2D(),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Za
+		}, C = S.stroke, w = !1;
+		if (i - r >= m * 4) {
+			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
+			for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
+				let r = o[e], i = (x == 1 ? r < h : r > h) ? f : _(r), c = s[e];
+				i == f ? c == null ? c === null && (w = !0) : (u = c, n == null ? (y(C, i, v(u)), l = n = a = u) : u < n ? n = u : u > a && (a = u)) : (n != null && b(C, f, v(n), v(a), v(l), v(u)), c == null ? (n = a = null, c === null && (w = !0)) : (u = c, y(C, i, v(u)), n = a = l = u), f = i, h = t(f + x));
+			}
+			n != null && n != a && d != f && b(C, f, v(n), v(a), v(l), v(u));
+		} else for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
+			let t = s[e];
+			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
+		}
+		let [T, E] = eo(e, n);
+		if (a.fill != null || T != 0) {
+			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
+			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
+		}
+		if (!a.spanGaps) {
+			let l = [];
+			w && l.push(...ao(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = ro(l, c.ori, f, p, m, h);
+		}
+		return E != 0 && (S.band = E == 2 ? [no(e, n, r, i, C, -1), no(e, n, r, i, C, 1)] : no(e, n, r, i, C, E)), S;
+	});
+}
+function wo(e) {
+	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
+	return (e, a, o, s) => $a(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = ir(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? uo : fo, T = {
+			stroke: new Path2D(),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Za
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
+		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
+		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
+			let n = u[e];
+			if (n == null) continue;
+			let r = S(l[e]), i = C(n);
+			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
+		}
+		let j = ee;
+		i && t == 1 && (j = b + x, w(E, j, O));
+		let [te, ne] = eo(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, j, n), w(t, A, n);
+		}
+		if (!c.spanGaps) {
+			let i = [];
+			i.push(...ao(l, u, o, s, D, S, r));
+			let f = c.width * W / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.forEach((e) => {
+				e[0] += p, e[1] += m;
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = ro(i, d.ori, h, g, _, v);
+		}
+		return ne != 0 && (T.band = ne == 2 ? [no(e, a, o, s, E, -1), no(e, a, o, s, E, 1)] : no(e, a, o, s, E, ne)), T;
+	});
+}
+function To(e, t, n, r, i, a, o = Mr) {
+	if (e.length > 1) {
+		let s = null;
+		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
+			if (s != null) {
+				let t = br(e[c] - e[s]);
+				t < l && (l = t, o = br(n(e[c], r, i, a) - n(e[s], r, i, a)));
+			}
+			s = c;
+		}
+	}
+	return o;
+}
+function Eo(e) {
+	e ||= Xr;
+	let t = Y(e.size, [
+		.6,
+		Mr,
+		1
+	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
+	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], Mr), c = Y(t[2], 1), l = Y(e.disp, Xr), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => $a(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * W, O = s * W, k = c * W, ee, A;
+		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
+		let j = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? po : mo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+			u(e, t, n, i, r, o, a);
+		}, re = Y(e.bands, Zr).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * W), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
+		})));
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = To(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = To(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Lr);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(Pr(he, k, O)), N = (E == 0 ? P / 2 : E == j ? 0 : P) - E * j * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
+			stroke: null,
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: 0
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
+		else {
+			let { y0: n, y1: r } = l;
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+		}
+		let ye = ee * P, be = A * P;
+		for (let n = j == 1 ? i : p; n >= i && n <= p; n += j) {
+			let r = g[n];
+			if (r == null) continue;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
+				if (r - e == 0) continue;
+				M = b(e, v, w, S);
+			}
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Tr(a, M)), c = T(wr(a, M)), u = s - c;
+			if (r != null) {
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + xr(I / 2), P, Tr(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + xr(I / 2), P, Tr(0, u - I), i, a)) : te(_e, o, c + xr(I / 2), P, Tr(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+			}
+		}
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+	});
+}
+function Do(e, t) {
+	let n = Y(t?.alignGaps, 0);
+	return (t, r, i, a) => $a(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = ir(c, i, a);
+		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
+		l.ori == 0 ? (b = co, S = uo, x = _o) : (b = lo, S = fo, x = vo);
+		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
+		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
+			let t = s[e], n = v(t);
+			E.push(T = n), D.push(y(c[e]));
+		}
+		let O = {
+			stroke: e(E, D, b, S, x, _),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Za
+		}, k = O.stroke, [ee, A] = eo(t, r);
+		if (o.fill != null || ee != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
+			S(e, T, n), S(e, w, n);
+		}
+		if (!o.spanGaps) {
+			let e = [];
+			e.push(...ao(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = ro(e, l.ori, p, m, h, g);
+		}
+		return A != 0 && (O.band = A == 2 ? [no(t, r, i, a, k, -1), no(t, r, i, a, k, 1)] : no(t, r, i, a, k, A)), O;
+	});
+}
+function Oo(e) {
+	return Do(ko, e);
+}
+function ko(e, t, n, r, i, a) {
+	let o = e.length;
+	if (o < 2) return null;
+	let s = new Path2D();
+	if (n(s, e[0], t[0]), o == 2) r(s, e[1], t[1]);
+	else {
+		let n = Array(o), r = Array(o - 1), a = Array(o - 1), c = Array(o - 1);
+		for (let n = 0; n < o - 1; n++) a[n] = t[n + 1] - t[n], c[n] = e[n + 1] - e[n], r[n] = a[n] / c[n];
+		n[0] = r[0];
+		for (let e = 1; e < o - 1; e++) r[e] === 0 || r[e - 1] === 0 || r[e - 1] > 0 != r[e] > 0 ? n[e] = 0 : (n[e] = 3 * (c[e - 1] + c[e]) / ((2 * c[e] + c[e - 1]) / r[e - 1] + (c[e] + 2 * c[e - 1]) / r[e]), isFinite(n[e]) || (n[e] = 0));
+		n[o - 1] = r[o - 2];
+		for (let r = 0; r < o - 1; r++) i(s, e[r] + c[r] / 3, t[r] + n[r] * c[r] / 3, e[r + 1] - c[r] / 3, t[r + 1] - n[r + 1] * c[r] / 3, e[r + 1], t[r + 1]);
+	}
+	return s;
+}
+var Ao = /* @__PURE__ */ new Set();
+function jo() {
+	for (let e of Ao) e.syncRect(!0);
+}
+Ln && ($n(Mn, zn, jo), $n(Nn, zn, jo, !0), $n(Fn, zn, () => {
+	qo.pxRatio = W;
+}));
+var Mo = Co(), No = yo();
+function Po(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Io(e, r, t, n));
+}
+function Fo(e, t) {
+	return e.map((e, n) => n == 0 ? {} : ci({}, t, e));
+}
+function Io(e, t, n, r) {
+	return ci({}, t == 0 ? n : r, e);
+}
+function Lo(e, t, n) {
+	return t == null ? Qr : [t, n];
+}
+var Ro = Lo;
+function zo(e, t, n) {
+	return t == null ? Qr : pr(t, n, lr, !0);
+}
+function Bo(e, t, n, r) {
+	return t == null ? Qr : sr(t, n, e.scales[r].log, !1);
+}
+var Vo = Bo;
+function Ho(e, t, n, r) {
+	return t == null ? Qr : cr(t, n, e.scales[r].log, !1);
+}
+var Uo = Ho;
+function Wo(e, t, n, r, i) {
+	let a = Tr(Nr(e), Nr(t)), o = t - e, s = tr(i / r * o, n);
+	do {
+		let e = n[s], t = r * e / o;
+		if (t >= i && a + (e < 5 ? qr.get(e) : 0) <= 17) return [e, t];
+	} while (++s < n.length);
+	return [0, 0];
+}
+function Go(e) {
+	let t, n;
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Sr((n = +r) * W)) + "px"), [
+		e,
+		t,
+		n
+	];
+}
+function Ko(e) {
+	e.show && [e.font, e.labelFont].forEach((e) => {
+		let t = Z(e[2] * W, 1);
+		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
+	});
+}
+function qo(e, t, n) {
+	let r = { mode: Y(e.mode, 1) }, i = r.mode;
+	function a(e, t, n, r) {
+		let i = t.valToPct(e);
+		return r + n * (t.dir == -1 ? 1 - i : i);
+	}
+	function o(e, t, n, r) {
+		let i = t.valToPct(e);
+		return r + n * (t.dir == -1 ? i : 1 - i);
+	}
+	function s(e, t, n, r) {
+		return t.ori == 0 ? a(e, t, n, r) : o(e, t, n, r);
+	}
+	r.valToPosH = a, r.valToPosV = o;
+	let c = !1;
+	r.status = 0;
+	let l = r.root = Gn(Zt);
+	if (e.id != null && (l.id = e.id), Hn(l, e.class), e.title) {
+		let t = Gn(en, l);
+		t.textContent = e.title;
+	}
+	let u = Wn("canvas"), d = r.ctx = u.getContext("2d"), f = Gn(tn, l);
+	$n("click", f, (e) => {
+		e.target === m && (G != Pn || q != Ln) && Yn.click(r, e);
+	}, !0);
+	let p = r.under = Gn(nn, f);
+	f.appendChild(u);
+	let m = r.over = Gn(rn, f);
+	e = si(e);
+	let h = +Y(e.pxAlign, 1), g = oo(h);
+	(e.plugins || []).forEach((t) => {
+		t.opts && (e = t.opts(r, e) || e);
+	});
+	let _ = e.ms || .001, v = r.series = i == 1 ? Po(e.series || [], Ea, Ga, !1) : Fo(e.series || [null], Wa), y = r.axes = Po(e.axes || [], Ca, za, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	x.forEach((e) => {
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
+	});
+	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
+		axes: Rt,
+		series: Dt
+	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
+	function T(e) {
+		let t = e.distr == 3 ? (t) => Or(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => jr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		return (n) => {
+			let r = t(n), { _min: i, _max: a } = e, o = a - i;
+			return (r - i) / o;
+		};
+	}
+	function E(t) {
+		let n = b[t];
+		if (n == null) {
+			let r = (e.scales || Xr)[t] || Xr;
+			if (r.from != null) {
+				E(r.from);
+				let e = ci({}, b[r.from], r, { key: t });
+				e.valToPct = T(e), b[t] = e;
+			} else {
+				n = b[t] = ci({}, t == S ? qa : Ja, r), n.key = t;
+				let e = n.time, a = n.range, o = $r(a);
+				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
+					min: a[0] == null ? ur : {
+						mode: 1,
+						hard: a[0],
+						soft: a[0]
+					},
+					max: a[1] == null ? ur : {
+						mode: 1,
+						hard: a[1],
+						soft: a[1]
+					}
+				}, o = !1), !o && ri(a))) {
+					let e = a;
+					a = (t, n, r) => n == null ? Qr : pr(n, r, e);
+				}
+				n.range = X(a || (e ? Ro : t == S ? n.distr == 3 ? Vo : n.distr == 4 ? Uo : Lo : n.distr == 3 ? Bo : n.distr == 4 ? Ho : zo)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ka), n._min = n._max = null, n.valToPct = T(n);
+			}
+		}
+	}
+	E("x"), E("y"), i == 1 && v.forEach((e) => {
+		E(e.scale);
+	}), y.forEach((e) => {
+		E(e.scale);
+	});
+	for (let t in e.scales) E(t);
+	let D = b[S], O = D.distr, k, ee;
+	D.ori == 0 ? (Hn(l, Qt), k = a, ee = o) : (Hn(l, $t), k = o, ee = a);
+	let A = {};
+	for (let e in b) {
+		let t = b[e];
+		(t.min != null || t.max != null) && (A[e] = {
+			min: t.min,
+			max: t.max
+		}, t.min = t.max = null);
+	}
+	let j = e.tzDate || ((e) => new Date(Sr(e / _))), te = e.fmtDate || Ei, ne = _ == 1 ? qi(j) : Xi(j), re = Qi(j, Zi(_ == 1 ? Ki : Yi, te)), ie = ra(j, ta(na, te)), ae = [], M = r.legend = ci({}, oa, e.legend), N = r.cursor = ci({}, ha, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
+		let e = v[1] ? v[1].values : null;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = In;
+	}
+	if (P) {
+		if (I = Wn("table", dn, l), ce = Wn("tbody", null, I), M.mount(r, I), fe) {
+			se = Wn("thead", null, I, ce);
+			let e = Wn("tr", null, se);
+			for (var me in Wn("th", null, e), de) Wn("th", gn, e).textContent = me;
+		} else Hn(I, pn), M.live && Hn(I, fn);
+	}
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return Qr;
+		let n = [], a = Wn("tr", mn, ce, ce.childNodes[t]);
+		Hn(a, e.class), e.show || Hn(a, on);
+		let o = Wn("th", null, a);
+		if (F.show) {
+			let e = Gn(hn, o);
+			if (t > 0) {
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+			}
+		}
+		let s = Gn(gn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
+			We(t);
+			let n = v.indexOf(e);
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+				let e = v.some((e, t) => t > 0 && t != n && e.show);
+				v.forEach((t, r) => {
+					r > 0 && dr(r, e ? r == n ? he : ge : he, !0, Q.setSeries);
+				});
+			} else dr(n, { show: !e.show }, !0, Q.setSeries);
+		}, !1), Ke && ye(kn, o, (t) => {
+			N._lock || (We(t), dr(v.indexOf(e), kr, !0, Q.setSeries));
+		}, !1)), de) {
+			let e = Wn("td", _n, a);
+			e.textContent = "--", n.push(e);
+		}
+		return [a, n];
+	}
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && ($n(e, t, a[e] = o), ve.set(t, a));
+	}
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (er(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
+	}
+	let L = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
+	r.bbox = {};
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), zt(!1), Pe = !0, Ne = !0, Wt();
+	}
+	function ze(e, t) {
+		r.width = L = R = e, r.height = xe = z = t, Se = Ce = 0, He(), Ue();
+		let n = r.bbox;
+		Oe = n.left = Wr(Se * W, .5), ke = n.top = Wr(Ce * W, .5), Ae = n.width = Wr(R * W, .5), je = n.height = Wr(z * W, .5);
+	}
+	function Be() {
+		let e = !1, t = 0;
+		for (; !e;) {
+			t++;
+			let n = It(t), i = Lt(t);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+		}
+	}
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
+	}
+	r.setSize = Ve;
+	function He() {
+		let e = !1, t = !1, n = !1, r = !1;
+		y.forEach((i, a) => {
+			if (i.show && i._show) {
+				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
+				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+			}
+		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, R -= it[1] + it[3], Se += it[3], z -= it[2] + it[0], Ce += it[0];
+	}
+	function Ue() {
+		let e = Se + R, t = Ce + z, n = Se, r = Ce;
+		function i(i, a) {
+			switch (i) {
+				case 1: return e += a, e - a;
+				case 2: return t += a, t - a;
+				case 3: return n -= a, n + a;
+				case 0: return r -= a, r + a;
+			}
+		}
+		y.forEach((e, t) => {
+			if (e.show && e._show) {
+				let t = e.side;
+				e._pos = i(t, e._size), e.label != null && (e._lpos = i(t, e.labelSize));
+			}
+		});
+	}
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+		n.add(void 0);
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
+		N.dataIdx = (e, a, o, s) => {
+			if (a == 0) return o;
+			let c = o, l = r(e, a, o, s) ?? Mr, u = l >= 0 && l < Mr, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
+			if (n.has(m[o])) {
+				c = null;
+				let e = null, t = null, r;
+				if (i == 0 || i == -1) for (r = o; e == null && r-- > 0;) n.has(m[r]) || (e = r);
+				if (i == 0 || i == 1) for (r = o; t == null && r++ < m.length;) n.has(m[r]) || (t = r);
+				if (e != null || t != null) {
+					if (u) {
+						let n = e == null ? -Infinity : k(p[e], D, d, 0), r = t == null ? Infinity : k(p[t], D, d, 0), i = f - n, a = r - f;
+						i <= a ? i <= l && (c = e) : a <= l && (c = t);
+					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
+				}
+			} else u && br(f - k(p[o], D, d, 0)) > l && (c = null);
+			return c;
+		};
+	}
+	let We = (e) => {
+		N.event = e;
+	};
+	N.idxs = ae, N._lock = !1;
+	let Ge = N.points;
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let B = r.focus = ci({}, e.focus || { alpha: .3 }, N.focus), Ke = B.prox >= 0, qe = Ke && Ge.one, Je = [], Ye = [], Xe = [];
+	function Ze(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return Hn(n, un), Hn(n, e.class), Kn(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
+	}
+	function V(e, t) {
+		if (i == 1 || t > 0) {
+			let t = i == 1 && b[e.scale].time, n = e.value;
+			e.value = t ? ni(n) ? ra(j, ta(n, te)) : n || ie : n || Ra, e.label = e.label || (t ? Ta : wa);
+		}
+		if (qe || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Mo || zr, e.fillTo = X(e.fillTo || to), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = oo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Ba(Tr(1, e.width), 1), n = e.points = ci({}, {
+				size: t,
+				width: Tr(1, t * .2),
+				stroke: e.stroke,
+				space: t * 2,
+				paths: No,
+				_stroke: null,
+				_fill: null
+			}, e.points);
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
+		}
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		}
+		if (oe) {
+			ae.splice(t, 0, null);
+			let n = null;
+			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
+		}
+		Oi("addSeries", t);
+	}
+	function Qe(e, t) {
+		t ??= v.length, e = i == 1 ? Io(e, t, Ea, Ga) : Io(e, t, {}, Wa), v.splice(t, 0, e), V(v[t], t);
+	}
+	r.addSeries = Qe;
+	function $e(e) {
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
+		}
+		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Oi("delSeries", e);
+	}
+	r.delSeries = $e;
+	let et = [
+		!1,
+		!1,
+		!1,
+		!1
+	];
+	function tt(e, t) {
+		if (e._show = e.show, e.show) {
+			let n = e.side % 2, i = b[e.scale];
+			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
+			let a = i.time;
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), $r(e.incrs) && e.incrs.forEach((e) => {
+				!qr.has(e) && qr.set(e, Jr(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? Mi : a ? _ == 1 ? Gi : Ji : Ni)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ka : i.distr == 4 ? Aa : Oa)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			let o = e.values;
+			e.values = $r(o) && !$r(o[0]) ? X(o) : a ? $r(o) ? Qi(j, Zi(o, te)) : ni(o) ? $i(j, o) : o || re : o || Da, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ia : i.distr == 3 && i.log == 2 ? La : Rr)), e.font = Go(e.font), e.labelFont = Go(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = Gn(an, f));
+		}
+	}
+	function nt(e, t, n, r) {
+		let [i, a, o, s] = n, c = t % 2, l = 0;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Sr(Ca.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Sr(za.size / 2) : 0), l;
+	}
+	let rt = r.padding = (e.padding || [
+		nt,
+		nt,
+		nt,
+		nt
+	]).map((e) => X(Y(e, nt))), it = r._padding = rt.map((e, t) => e(r, t, et, 0)), H, at = null, U = null, ot = i == 1 ? v[0].idxs : null, st = null, ct = !1;
+	function lt(e, n) {
+		if (t = e ?? [], r.data = r._data = t, i == 2) {
+			H = 0;
+			for (let e = 1; e < v.length; e++) H += t[e][0].length;
+		} else {
+			t.length == 0 && (r.data = r._data = t = [[]]), st = t[0], H = st.length;
+			let e = t;
+			if (O == 2) {
+				e = t.slice();
+				let n = e[0] = Array(H);
+				for (let e = 0; e < H; e++) n[e] = e;
+			}
+			r._data = t = e;
+		}
+		if (zt(!0), Oi("setData"), O == 2 && (Pe = !0), n !== !1) {
+			let e = D;
+			e.auto(r, ct) ? ut() : ar(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Wt();
+		}
+	}
+	r.setData = lt;
+	function ut() {
+		ct = !0;
+		let e, n;
+		i == 1 && (H > 0 ? (at = ot[0] = 0, U = ot[1] = H - 1, e = t[0][at], n = t[0][U], O == 2 ? (e = at, n = U) : e == n && (O == 3 ? [e, n] = sr(e, e, D.log, !1) : O == 4 ? [e, n] = cr(e, e, D.log, !1) : D.time ? n = e + Sr(86400 / _) : [e, n] = pr(e, n, lr, !0))) : (at = ot[0] = e = null, U = ot[1] = n = null)), ar(S, e, n);
+	}
+	let dt, ft, pt, mt, ht, gt, _t, vt, yt, bt;
+	function xt(e, t, n, r, i, a) {
+		e ??= Tn, n ??= Zr, r ??= "butt", i ??= Tn, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
+	}
+	function St(e, t, n, r) {
+		t != ft && (d.fillStyle = ft = t), e != _t && (d.font = _t = e), n != vt && (d.textAlign = vt = n), r != yt && (d.textBaseline = yt = r);
+	}
+	function Ct(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, ct) && (t == null || t.min == null)) {
+			let t = Y(at, 0), r = Y(U, i.length - 1), o = n.min == null ? or(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = wr(e.min, n.min = o[0]), e.max = Tr(e.max, n.max = o[1]);
+		}
+	}
+	let wt = {
+		min: null,
+		max: null
+	};
+	function Tt() {
+		for (let e in b) {
+			let t = b[e];
+			A[e] == null && (t.min == null || A[S] != null && t.auto(r, ct)) && (A[e] = wt);
+		}
+		for (let e in b) {
+			let t = b[e];
+			A[e] == null && t.from != null && A[t.from] != null && (A[e] = wt);
+		}
+		A[S] != null && zt(!0);
+		let e = {};
+		for (let t in A) {
+			let n = A[t];
+			if (n != null) {
+				let a = e[t] = si(b[t], ii);
+				if (n.min != null) ci(a, n);
+				else if (t != S || i == 2) {
+					if (H == 0 && a.from == null) {
+						let e = a.range(r, null, null, t);
+						a.min = e[0], a.max = e[1];
+					} else a.min = Mr, a.max = -Infinity;
+				}
+			}
+		}
+		if (H > 0) {
+			v.forEach((n, a) => {
+				if (i == 1) {
+					let i = n.scale, o = A[i];
+					if (o == null) return;
+					let s = e[i];
+					if (a == 0) {
+						let e = s.range(r, s.min, s.max, i);
+						s.min = e[0], s.max = e[1], at = tr(s.min, t[0]), U = tr(s.max, t[0]), U - at > 1 && (t[0][at] < s.min && at++, t[0][U] > s.max && U--), n.min = st[at], n.max = st[U];
+					} else n.show && n.auto && Ct(s, o, n, t[a], n.sorted);
+					n.idxs[0] = at, n.idxs[1] = U;
+				} else if (a > 0 && n.show && n.auto) {
+					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
+					u != null && Ct(u, A[o], r, c, r.sorted), d != null && Ct(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+				}
+			});
+			for (let t in e) {
+				let n = e[t], i = A[t];
+				if (n.from == null && (i == null || i.min == null)) {
+					let e = n.range(r, n.min == Mr ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					n.min = e[0], n.max = e[1];
+				}
+			}
+		}
+		for (let t in e) {
+			let n = e[t];
+			if (n.from != null) {
+				let i = e[n.from];
+				if (i.min == null) n.min = n.max = null;
+				else {
+					let e = n.range(r, i.min, i.max, t);
+					n.min = e[0], n.max = e[1];
+				}
+			}
+		}
+		let n = {}, a = !1;
+		for (let t in e) {
+			let r = e[t], i = b[t];
+			if (i.min != r.min || i.max != r.max) {
+				i.min = r.min, i.max = r.max;
+				let e = i.distr;
+				i._min = e == 3 ? Or(i.min) : e == 4 ? jr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Or(i.max) : e == 4 ? jr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+			}
+		}
+		if (a) {
+			v.forEach((e, t) => {
+				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
+			});
+			for (let e in n) Pe = !0, Oi("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
+		}
+		for (let e in A) A[e] = null;
+	}
+	function Et(e) {
+		let t = Pr(at - 1, 0, H - 1), n = Pr(U + 1, 0, H - 1);
+		for (; e[t] == null && t > 0;) t--;
+		for (; e[n] == null && n < H - 1;) n++;
+		return [t, n];
+	}
+	function Dt() {
+		if (H > 0) {
+			let e = v.some((e) => e._focus) && bt != B.alpha;
+			e && (d.globalAlpha = bt = B.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (Ot(n, !1), Ot(n, !0), e._paths == null)) {
+					let a = bt;
+					bt != e.alpha && (d.globalAlpha = bt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Et(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), bt != a && (d.globalAlpha = bt = a);
+				}
+			}), v.forEach((e, t) => {
+				if (t > 0 && e.show) {
+					let n = bt;
+					bt != e.alpha && (d.globalAlpha = bt = e.alpha), e._paths != null && kt(t, !1);
+					{
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, at, U, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, at, U, a), kt(t, !0));
+					}
+					bt != n && (d.globalAlpha = bt = n), Oi("drawSeries", t);
+				}
+			}), e && (d.globalAlpha = bt = 1);
+		}
+	}
+	function Ot(e, t) {
+		let n = t ? v[e].points : v[e];
+		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
+	}
+	function kt(e, t) {
+		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
+		l = Z(l * W, 3);
+		let u = null, f = l % 2 / 2;
+		t && c == null && (c = l > 0 ? "#fff" : s);
+		let p = n.pxAlign == 1 && f > 0;
+		if (p && d.translate(f, f), !t) {
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			u = new Path2D(), u.rect(e, t, n, r);
+		}
+		t ? jt(s, l, n.dash, n.cap, c, r, i, o, a) : At(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+	}
+	function At(e, n, i, a, o, s, c, l, u, d, f) {
+		let p = !1;
+		u != 0 && x.forEach((m, h) => {
+			if (m.series[0] == e) {
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Xr).band;
+				$r(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let y, b = null;
+				e.show && _ && mr(g, at, U) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+			}
+		}), p || jt(n, i, a, o, s, c, l, u, d, f);
+	}
+	function jt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & Qa ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & Za && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
+	}
+	function Mt(e, t, n) {
+		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
+			d.strokeStyle = dt = t, d.stroke(e);
+		}) : t != null && e && d.stroke(t));
+	}
+	function Nt(e, t) {
+		t instanceof Map ? t.forEach((e, t) => {
+			d.fillStyle = ft = t, d.fill(e);
+		}) : t != null && e && d.fill(t);
+	}
+	function Pt(e, t, n, i) {
+		let a = y[e], o;
+		if (i <= 0) o = [0, 0];
+		else {
+			let s = a._space = a.space(r, e, t, n, i);
+			o = Wo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+		}
+		return a._found = o;
+	}
+	function Ft(e, t, n, r, i, a, o, s, c, l) {
+		let u = o % 2 / 2;
+		h == 1 && d.translate(u, u), xt(s, o, c, l, s), d.beginPath();
+		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
+		n == 0 ? (p = i, g = _) : (f = i, m = _);
+		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
+		d.stroke(), h == 1 && d.translate(-u, -u);
+	}
+	function It(e) {
+		let t = !0;
+		return y.forEach((n, i) => {
+			if (!n.show) return;
+			let a = b[n.scale];
+			if (a.min == null) {
+				n._show && (t = !1, n._show = !1, zt(!1));
+				return;
+			}
+			n._show || (t = !1, n._show = !0, zt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? R : z);
+			if (d == 0) return;
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => st[e]) : p, h = a.distr == 2 ? st[p[1]] - st[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
+			let _ = n._size;
+			n._size = Cr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+		}), t;
+	}
+	function Lt(e) {
+		let t = !0;
+		return rt.forEach((n, i) => {
+			let a = n(r, i, et, e);
+			a != it[i] && (t = !1), it[i] = a;
+		}), t;
+	}
+	function Rt() {
+		for (let e = 0; e < y.length; e++) {
+			let t = y[e];
+			if (!t.show || !t._show) continue;
+			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
+			if (t.label != null) {
+				let s = t.labelGap * l, p = Sr((t._lpos + s) * W);
+				St(t.labelFont[0], c, "center", n == 2 ? bn : xn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Sr(ke + je / 2)), d.rotate((n == 3 ? -yr : yr) / 2)) : (a = Sr(Oe + Ae / 2), o = p);
+				let m = Fr(t.label) ? t.label(r, e, u, f) : t.label;
+				d.fillText(m, a, o), d.restore();
+			}
+			if (f == 0) continue;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => st[e]) : _, x = p.distr == 2 ? st[_[1]] - st[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Sr(w * W), E = Sr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * W), D = t._rotate * -yr / 180, O = g(t._pos * W), k = O + (T + E) * l;
+			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
+			let ee = t.font[0];
+			St(ee, c, t.align == 1 ? Sn : t.align == 2 ? Cn : D > 0 ? Sn : D < 0 ? Cn : i == 0 ? "center" : n == 3 ? Cn : Sn, D || i == 1 ? "middle" : n == 2 ? bn : xn);
+			let A = t.font[1] * t.lineGap, j = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
+				if (t != null) {
+					i == 0 ? a = j[e] : o = j[e], t = "" + t;
+					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
+					for (let e = 0; e < n.length; e++) {
+						let t = n[e];
+						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
+					}
+				}
+			}
+			S.show && Ft(j, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * W, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && Ft(j, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * W, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * W, 3), C.stroke(r, e), C.dash, C.cap);
+		}
+		Oi("drawAxes");
+	}
+	function zt(e) {
+		v.forEach((t, n) => {
+			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
+				e.min = null, e.max = null;
+			})));
+		});
+	}
+	let Bt = !1, Vt = !1, Ht = [];
+	function Ut() {
+		Vt = !1;
+		for (let e = 0; e < Ht.length; e++) Oi(...Ht[e]);
+		Ht.length = 0;
+	}
+	function Wt() {
+		Bt ||= (mi(Kt), !0);
+	}
+	function Gt(e, t = !1) {
+		Bt = !0, Vt = t, e(r), Kt(), t && Ht.length > 0 && queueMicrotask(Ut);
+	}
+	r.batch = Gt;
+	function Kt() {
+		if (Me &&= (Tt(), !1), Pe &&= (Be(), !1), Ne) {
+			if (K(p, Sn, Se), K(p, bn, Ce), K(p, vn, R), K(p, yn, z), K(m, Sn, Se), K(m, bn, Ce), K(m, vn, R), K(m, yn, z), K(f, vn, L), K(f, yn, xe), u.width = Sr(L * W), u.height = Sr(xe * W), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+				if (e != null) {
+					if (t) {
+						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
+						K(e, a ? "left" : "top", r - t), K(e, a ? "width" : "height", n), K(e, a ? "top" : "left", a ? Ce : Se), K(e, a ? "height" : "width", a ? z : R), Un(e, on);
+					} else Hn(e, on);
+				}
+			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, ui(!0), Se != we || Ce != Te || R != Ee || z != De) {
+				zt(!1);
+				let e = R / Ee, t = z / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Xt && Kn(Xt, Sr(N.left), 0, R, z), wn && Kn(wn, 0, Sr(N.top), R, z);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, Xe[n] *= t, Kn(r, Cr(Ye[n]), Cr(Xe[n]), R, z));
+					}
+				}
+				if (J.show && !Ie && J.left >= 0 && J.width > 0) {
+					J.left *= e, J.width *= e, J.top *= t, J.height *= t;
+					for (let e in pi) K(nr, e, J[e]);
+				}
+				we = Se, Te = Ce, Ee = R, De = z;
+			}
+			Oi("setSize"), Ne = !1;
+		}
+		L > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), Oi("drawClear"), w.forEach((e) => e()), Oi("draw")), J.show && Ie && (rr(J), Ie = !1), oe && Fe && (oi(null, !0, !1), Fe = !1), M.show && M.live && Le && (ei(), Le = !1), c || (c = !0, r.status = 1, Oi("ready")), ct = !1, Bt = !1;
+	}
+	r.redraw = (e, t) => {
+		Pe = t || !1, e === !1 ? Wt() : ar(S, D.min, D.max);
+	};
+	function qt(e, n) {
+		let i = b[e];
+		if (i.from == null) {
+			if (H == 0) {
+				let t = i.range(r, n.min, n.max, e);
+				n.min = t[0], n.max = t[1];
+			}
+			if (n.min > n.max) {
+				let e = n.min;
+				n.min = n.max, n.max = e;
+			}
+			if (H > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && H > 0 && (n.min = tr(n.min, t[0]), n.max = tr(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Me = !0, Wt();
+		}
+	}
+	r.setScale = qt;
+	let Jt, Yt, Xt, wn, Mn, Nn, Pn, Ln, Bn, Vn, G, q, qn = !1, Yn = N.drag, Zn = Yn.x, Qn = Yn.y;
+	oe && (N.x && (Jt = Gn(cn, m)), N.y && (Yt = Gn(ln, m)), D.ori == 0 ? (Xt = Jt, wn = Yt) : (Xt = Yt, wn = Jt), G = N.left, q = N.top);
+	let J = r.select = ci({
+		show: !0,
+		over: !0,
+		left: 0,
+		width: 0,
+		top: 0,
+		height: 0
+	}, e.select), nr = J.show ? Gn(sn, J.over ? m : p) : null;
+	function rr(e, t) {
+		if (J.show) {
+			for (let t in e) J[t] = e[t], t in pi && K(nr, t, e[t]);
+			t !== !1 && Oi("setSelect");
+		}
+	}
+	r.setSelect = rr;
+	function ir(e) {
+		if (v[e].show) P && Un(le[e], on);
+		else if (P && Hn(le[e], on), oe) {
+			let t = qe ? Je[0] : Je[e];
+			t != null && Kn(t, -10, -10, R, z);
+		}
+	}
+	function ar(e, t, n) {
+		qt(e, {
+			min: t,
+			max: n
+		});
+	}
+	function dr(e, t, n, a) {
+		t.focus != null && Nr(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, ir(r), i == 2 ? (ar(n.facets[0].scale, null, null), ar(n.facets[1].scale, null, null)) : ar(n.scale, null, null), Wt());
+		}), n !== !1 && Oi("setSeries", e, t), a && Pi("setSeries", r, e, t);
+	}
+	r.setSeries = dr;
+	function fr(e, t) {
+		ci(x[e], t);
+	}
+	function hr(e, t) {
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	}
+	function gr(e) {
+		e == null ? x.length = 0 : x.splice(e, 1);
+	}
+	r.addBand = hr, r.setBand = fr, r.delBand = gr;
+	function _r(e, t) {
+		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	}
+	let vr, xr, Dr, kr = { focus: !0 };
+	function Nr(e) {
+		if (e != Dr) {
+			let t = e == null, n = B.alpha != 1;
+			v.forEach((r, a) => {
+				if (i == 1 || a > 0) {
+					let i = t || a == 0 || a == e;
+					r._focus = t ? null : i, n && _r(a, i ? 1 : B.alpha);
+				}
+			}), Dr = e, n && Wt();
+		}
+	}
+	P && Ke && ye(An, I, (e) => {
+		N._lock || (We(e), Dr != null && dr(null, kr, !0, Q.setSeries));
+	});
+	function Ir(e, t, n) {
+		let r = b[t];
+		n && (e = e / W - (r.ori == 1 ? Ce : Se));
+		let i = R;
+		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
+		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
+		return l == 3 ? Er(10, c) : l == 4 ? Ar(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+	}
+	function Lr(e, n) {
+		return tr(Ir(e, S, n), t[0], at, U);
+	}
+	r.valToIdx = (e) => tr(e, t[0]), r.posToIdx = Lr, r.posToVal = Ir, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
+		G = e.left, q = e.top, oi(null, t, n);
+	};
+	function Hr(e, t) {
+		K(nr, Sn, J.left = e), K(nr, vn, J.width = t);
+	}
+	function Ur(e, t) {
+		K(nr, bn, J.top = e), K(nr, yn, J.height = t);
+	}
+	let Gr = D.ori == 0 ? Hr : Ur, Kr = D.ori == 1 ? Hr : Ur;
+	function Yr() {
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+		}
+	}
+	function ei(e, t) {
+		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
+			ae[t] = e;
+		}) : ti(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && ai(e, ae[e]);
+			Yr();
+		}
+		Le = !1, t !== !1 && Oi("setLegend");
+	}
+	r.setLegend = ei;
+	function ai(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? st : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+	}
+	function oi(e, n, a) {
+		Bn = G, Vn = q, [G, q] = N.move(r, G, q), N.left = G, N.top = q, oe && (Xt && Kn(Xt, Sr(G), 0, R, z), wn && Kn(wn, 0, Sr(q), R, z));
+		let o, s = at > U;
+		vr = Mr, xr = null;
+		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
+		if (G < 0 || H == 0 || s) {
+			o = N.idx = null;
+			for (let e = 0; e < v.length; e++) {
+				let t = Je[e];
+				t != null && Kn(t, -10, -10, R, z);
+			}
+			Ke && dr(null, kr, !0, e == null && Q.setSeries), M.live && (ae.fill(o), Le = !0);
+		} else {
+			let e, n, a;
+			i == 1 && (e = D.ori == 0 ? G : q, n = Ir(e, S), o = N.idx = tr(n, t[0], at, U), a = k(t[0][o], D, c, 0));
+			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
+			for (let e = +(i == 2); e < v.length; e++) {
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (Ke && S != null) {
+						let t = D.ori == 1 ? G : q, n = br(B.dist(r, e, x, _, t));
+						if (n < vr) {
+							let r = B.bias;
+							if (r != 0) {
+								let i = Ir(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, xr = e);
+							} else vr = n, xr = e;
+						}
+					}
+					if (Le || qe) {
+						let t, i;
+						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						if (b != null) {
+							y = !1;
+							let t = b(r, e);
+							c = t.left, l = t.top, a = t.width, o = t.height;
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), qe) e == xr && vr <= B.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						else {
+							let t = Je[e];
+							t != null && (Ye[e] = c, Xe[e] = l, Xn(t, a, o, y), Jn(t, v, g), Kn(t, Cr(c), Cr(l), R, z));
+						}
+					}
+				}
+			}
+			if (qe) {
+				let e = B.prox;
+				if (Le || (Dr == null ? vr <= e : vr > e || xr != Dr)) {
+					let e = Je[0];
+					e != null && (Ye[0] = s, Xe[0] = u, Xn(e, d, f, p), Jn(e, m, h), Kn(e, Cr(s), Cr(u), R, z));
+				}
+			}
+		}
+		if (J.show && qn) {
+			if (e != null) {
+				let [t, n] = Q.scales, [r, i] = Q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (Zn = s._x, Qn = s._y, Zn || Qn) {
+					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
+					x && Zn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Gr(wr(v, y), br(y - v))) : Gr(0, c), S && Qn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), Kr(wr(v, y), br(y - v))) : Kr(0, l);
+				} else hi();
+			} else {
+				let e = br(Bn - Mn), t = br(Vn - Nn);
+				if (D.ori == 1) {
+					let n = e;
+					e = t, t = n;
+				}
+				Zn = Yn.x && e >= Yn.dist, Qn = Yn.y && t >= Yn.dist;
+				let n = Yn.uni;
+				n == null ? Yn.x && Yn.y && (Zn || Qn) && (Zn = Qn = !0) : Zn && Qn && (Zn = e >= n, Qn = t >= n, !Zn && !Qn && (t > e ? Qn = !0 : Zn = !0));
+				let r, i;
+				Zn && (D.ori == 0 ? (r = Pn, i = G) : (r = Ln, i = q), Gr(wr(r, i), br(i - r)), Qn || Kr(0, l)), Qn && (D.ori == 1 ? (r = Pn, i = G) : (r = Ln, i = q), Kr(wr(r, i), br(i - r)), Zn || Gr(0, c)), !Zn && !Qn && (Gr(0, 0), Kr(0, 0));
+			}
+		}
+		if (Yn._x = Zn, Yn._y = Qn, e == null) {
+			if (a) {
+				if (Ai != null) {
+					let [e, t] = Q.scales;
+					Q.values[0] = e == null ? null : Ir(D.ori == 0 ? G : q, e), Q.values[1] = t == null ? null : Ir(D.ori == 1 ? G : q, t);
+				}
+				Pi(En, r, G, q, R, z, o);
+			}
+			if (Ke) {
+				let e = a && Q.setSeries, t = B.prox;
+				Dr == null ? vr <= t && dr(xr, kr, !0, e) : vr > t ? dr(null, kr, !0, e) : xr != Dr && dr(xr, kr, !0, e);
+			}
+		}
+		Le && (M.idx = o, ei()), n !== !1 && Oi("setCursor");
+	}
+	let li = null;
+	Object.defineProperty(r, "rect", { get() {
+		return li ?? ui(!1), li;
+	} });
+	function ui(e = !1) {
+		e ? li = null : (li = m.getBoundingClientRect(), Oi("syncRect", li));
+	}
+	function di(e, t, n, r, i, a, o) {
+		N._lock || qn && e != null && e.movementX == 0 && e.movementY == 0 || (fi(e, t, n, r, i, a, o, !1, e != null), e == null ? oi(t, !0, !1) : oi(null, !0, !0));
+	}
+	function fi(e, t, n, i, a, o, c, l, u) {
+		if (li ?? ui(!1), We(e), e != null) n = e.clientX - li.left, i = e.clientY - li.top;
+		else {
+			if (n < 0 || i < 0) {
+				G = -10, q = -10;
+				return;
+			}
+			let [e, r] = Q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
+				let e = n;
+				n = i, i = e;
+			}
+		}
+		u && (t == null || t.cursor.event.type == En) && ((n <= 1 || n >= R - 1) && (n = Wr(n, R)), (i <= 1 || i >= z - 1) && (i = Wr(i, z))), l ? (Mn = n, Nn = i, [Pn, Ln] = N.move(r, n, i)) : (G = n, q = i);
+	}
+	let pi = {
+		width: 0,
+		height: 0,
+		left: 0,
+		top: 0
+	};
+	function hi() {
+		rr(pi, !1);
+	}
+	let gi, _i, vi, yi;
+	function bi(e, t, n, i, a, o, s) {
+		qn = !0, Zn = Qn = Yn._x = Yn._y = !1, fi(e, t, n, i, a, o, s, !0, !1), e != null && (ye(On, Rn, xi, !1), Pi(Dn, r, Pn, Ln, R, z, null));
+		let { left: c, top: l, width: u, height: d } = J;
+		gi = c, _i = l, vi = u, yi = d;
+	}
+	function xi(e, t, n, i, a, o, s) {
+		qn = Yn._x = Yn._y = !1, fi(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = J, f = u > 0 || d > 0, p = gi != c || _i != l || vi != u || yi != d;
+		if (f && p && rr(J), Yn.setScale && f && p) {
+			let e = c, t = u, n = l, r = d;
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Zn && ar(S, Ir(e, S), Ir(e + t, S)), Qn) for (let e in b) {
+				let t = b[e];
+				e != S && t.from == null && t.min != Mr && ar(e, Ir(n + r, e), Ir(n, e));
+			}
+			hi();
+		} else N.lock && (N._lock = !N._lock, oi(t, !0, e != null));
+		e != null && (be(On, Rn), Pi(On, r, G, q, R, z, null));
+	}
+	function Si(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		We(e);
+		let s = qn;
+		if (qn) {
+			let e = !0, t = !0, n, r;
+			D.ori == 0 ? (n = Zn, r = Qn) : (n = Qn, r = Zn), n && r && (e = G <= 10 || G >= R - 10, t = q <= 10 || q >= z - 10), n && e && (G = G < Pn ? 0 : R), r && t && (q = q < Ln ? 0 : z), oi(null, !0, !0), qn = !1;
+		}
+		G = -10, q = -10, ae.fill(null), oi(null, !0, !0), s && (qn = s);
+	}
+	function Ci(e, t, n, i, a, o, s) {
+		N._lock || (We(e), ut(), hi(), e != null && Pi(jn, r, G, q, R, z, null));
+	}
+	function wi() {
+		y.forEach(Ko), Re(r.width, r.height, !0);
+	}
+	$n(Fn, zn, wi);
+	let Ti = {};
+	Ti.mousedown = bi, Ti.mousemove = di, Ti.mouseup = xi, Ti.dblclick = Ci, Ti.setSeries = (e, t, n, i) => {
+		let a = Q.match[2];
+		n = a(r, t, n), n != -1 && dr(n, i, !0, !1);
+	}, oe && (ye(Dn, m, bi), ye(En, m, di), ye(kn, m, (e) => {
+		We(e), ui(!1);
+	}), ye(An, m, Si), ye(jn, m, Ci), Ao.add(r), r.syncRect = ui);
+	let Di = r.hooks = e.hooks || {};
+	function Oi(e, t, n) {
+		Vt ? Ht.push([
+			e,
+			t,
+			n
+		]) : e in Di && Di[e].forEach((e) => {
+			e.call(null, r, t, n);
+		});
+	}
+	(e.plugins || []).forEach((e) => {
+		for (let t in e.hooks) Di[t] = (Di[t] || []).concat(e.hooks[t]);
+	});
+	let ki = (e, t, n) => n, Q = ci({
+		key: null,
+		setSeries: !1,
+		filters: {
+			pub: Br,
+			sub: Br
+		},
+		scales: [S, v[1] ? v[1].scale : null],
+		match: [
+			Vr,
+			Vr,
+			ki
+		],
+		values: [null, null]
+	}, N.sync);
+	Q.match.length == 2 && Q.match.push(ki), N.sync = Q;
+	let Ai = Q.key, ji = Xa(Ai);
+	function Pi(e, t, n, r, i, a, o) {
+		Q.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
+	}
+	ji.sub(r);
+	function Fi(e, t, n, r, i, a, o) {
+		Q.filters.sub(e, t, n, r, i, a, o) && Ti[e](null, t, n, r, i, a, o);
+	}
+	r.pub = Fi;
+	function Ii() {
+		ji.unsub(r), Ao.delete(r), ve.clear(), er(Fn, zn, wi), l.remove(), I?.remove(), Oi("destroy");
+	}
+	r.destroy = Ii;
+	function Li() {
+		Oi("init", e, t), lt(t || e.data, !1), A[S] ? qt(S, A[S]) : ut(), Ie = J.show && (J.width > 0 || J.height > 0), Fe = Le = !0, Re(e.width, e.height);
+	}
+	return v.forEach(V), y.forEach(tt), n ? n instanceof HTMLElement ? (n.appendChild(l), Li()) : n(r, Li) : Li(), r;
+}
+qo.assign = ci, qo.fmtNum = _r, qo.rangeNum = pr, qo.rangeLog = sr, qo.rangeAsinh = cr, qo.orient = $a, qo.pxRatio = W, qo.join = pi, qo.fmtDate = Ei, qo.tzDate = Oi, qo.sync = Xa;
+{
+	qo.addGap = io, qo.clipGaps = ro;
+	let e = qo.paths = { points: yo };
+	e.linear = Co, e.stepped = wo, e.bars = Eo, e.spline = Oo;
+}
+// src/plots.tsx
+var Jo = [
+	"--c1",
+	"--c2",
+	"--c3",
+	"--c4",
+	"--c5",
+	"--c6"
+];
+function Yo({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = ot(null), l = t.run, [u, d] = t.span;
+	U(() => {
+		let e = c.current;
+		if (!e) return;
+		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
+		return t.observe(e), () => t.disconnect();
+	}, [!l]);
+	let f = t.plotted.join("\n");
+	if (U(() => {
+		if (!l) return;
+		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
+		return Promise.all(a.map((n) => e.transport.ask("curves", {
+			run: n.run,
+			names: t.plotted,
+			t0: u,
+			t1: d,
+			width: o,
+			strip: n.run === l.run
+		}).then((e) => ({
+			run: n,
+			...e
+		})))).then((e) => !n && r({
+			runs: e,
+			strip: e.find((e) => e.run.run === l.run)?.strip ?? []
+		})).catch((t) => e.refused(t)), () => {
+			n = !0;
+		};
+	}, [
+		l?.run,
+		f,
+		u,
+		d,
+		o,
+		i,
+		t.runs.length
+	]), !l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+		class: "hint plots",
+		children: l?.error ? "" : "Press Run."
+	});
+	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
+	return /* @__PURE__ */ L("div", {
+		class: "plots",
+		ref: c,
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ L(Xo, {
+						store: e,
+						state: t,
+						run: l
+					}),
+					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
+						/* @__PURE__ */ L("input", {
+							type: "checkbox",
+							checked: i,
+							onChange: (e) => a(e.currentTarget.checked)
+						}),
+						" compare ",
+						t.runs.length,
+						" runs"
+					] }),
+					!m && /* @__PURE__ */ L("button", {
+						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
+						children: "Whole run"
+					}),
+					/* @__PURE__ */ L("label", {
+						class: "scrub",
+						children: [
+							/* @__PURE__ */ L("span", { children: "t" }),
+							/* @__PURE__ */ L("input", {
+								type: "range",
+								"aria-label": "Time cursor",
+								min: l.tBegin,
+								max: l.tEnd,
+								step: (l.tEnd - l.tBegin) / 1e3 || 1,
+								value: p ?? l.tBegin,
+								onInput: (t) => {
+									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
+								}
+							}),
+							/* @__PURE__ */ L("output", { children: p === null ? "" : Re(p, "s") })
+						]
+					}),
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+						type: "checkbox",
+						checked: t.flowing,
+						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
+					}), " power"] })
+				]
+			}),
+			t.plotted.map((r, i) => /* @__PURE__ */ L(Zo, {
+				name: r,
+				ink: Jo[i % Jo.length],
+				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
+				span: t.span,
+				cursor: p,
+				wide: o,
+				dark: t.dark,
+				last: i === t.plotted.length - 1,
+				onSpan: (t) => e.set({ span: t }),
+				onTime: (t) => {
+					e.set({ instant: null }), e.moveCursor(t);
+				}
+			}, r)),
+			/* @__PURE__ */ L(ts, {
+				lanes: n?.strip ?? [],
+				span: t.span,
+				cursor: p,
+				onTime: (t) => void e.moveCursor(t)
+			})
+		]
+	});
+}
+function Xo({ store: e, state: t, run: n }) {
+	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
+	return /* @__PURE__ */ L("span", {
+		class: "chooser",
+		children: [
+			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+				class: "chip",
+				"aria-label": `Do not plot ${n}`,
+				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
+				children: [n, " ✕"]
+			})),
+			/* @__PURE__ */ L("input", {
+				"aria-label": "Plot a signal",
+				placeholder: "plot …",
+				list: "signals",
+				onKeyDown: (e) => e.stopPropagation(),
+				onChange: (n) => {
+					let r = n.currentTarget.value.trim();
+					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
+				}
+			}),
+			/* @__PURE__ */ L("datalist", {
+				id: "signals",
+				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+			})
+		]
+	});
+}
+var Zo = class extends x {
+	box = y();
+	plot = null;
+	componentDidMount() {
+		this.draw();
+	}
+	componentDidUpdate(e) {
+		let t = this.props;
+		e.wide === t.wide && e.dark === t.dark && e.last === t.last && e.curves.length === t.curves.length && e.curves.every((e, n) => e === t.curves[n]) ? e.cursor !== t.cursor && this.plot?.redraw(!1) : this.draw();
+	}
+	componentWillUnmount() {
+		this.plot?.destroy();
+	}
+	draw() {
+		this.plot?.destroy(), this.plot = null;
+		let { curves: e, span: t, wide: n, last: r, name: i } = this.props, a = this.box.current;
+		a.replaceChildren();
+		let o = e.filter((e) => !e.error);
+		if (!o.length) return;
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Jo[(t + 3) % Jo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : qo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new qo({
+			width: Math.max(n - 4, 200),
+			height: r ? 132 : 112,
+			legend: { show: !1 },
+			cursor: {
+				drag: {
+					x: !0,
+					y: !1
+				},
+				points: { show: !1 }
+			},
+			scales: {
+				x: {
+					time: !1,
+					range: () => t
+				},
+				y: { range: (e, t, n) => Qo(t, n, m.length > 0) }
+			},
+			axes: [{
+				show: r,
+				stroke: c,
+				grid: {
+					stroke: l,
+					width: 1
+				},
+				ticks: { stroke: l },
+				size: 26,
+				values: (e, t) => $o(t, "s")
+			}, {
+				stroke: c,
+				grid: {
+					stroke: l,
+					width: 1
+				},
+				ticks: { stroke: l },
+				size: 74,
+				label: i,
+				labelSize: 18,
+				labelFont: "11px sans-serif",
+				font: "10px sans-serif",
+				values: (e, t) => $o(t, p)
+			}],
+			series: [{}, ...o.map((e, t) => ({
+				stroke: u[t],
+				width: 1.5,
+				points: { show: !1 },
+				pxAlign: 0,
+				spanGaps: d.length > 1
+			}))],
+			hooks: {
+				draw: [(e) => {
+					this.arrows(e, m, u[u.length - 1], p), this.timeline(e, c);
+				}],
+				setSelect: [(e) => {
+					e.select.width < 4 || this.props.onSpan([e.posToVal(e.select.left, "x"), e.posToVal(e.select.left + e.select.width, "x")]);
+				}]
+			}
+		}, f, a);
+		let h = this.plot.over, g = 0;
+		h.addEventListener("mousedown", (e) => g = e.clientX), h.addEventListener("click", (e) => {
+			Math.abs(e.clientX - g) < 4 && this.plot && this.props.onTime(this.plot.posToVal(e.offsetX, "x"));
+		}), h.addEventListener("dblclick", () => this.props.onSpan([o[0].t[0], o[0].t[o[0].t.length - 1]]));
+	}
+	arrows(e, t, n, r) {
+		if (!t.length) return;
+		let i = Math.max(...t.map(([, e]) => Math.abs(e))), { left: a, top: o, width: s, height: c } = e.bbox, l = Math.min(Math.max(e.valToPos(0, "y", !0), o), o + c), u = e.ctx, d = devicePixelRatio;
+		u.save(), u.strokeStyle = u.fillStyle = n, u.lineWidth = 1.5 * d, u.font = `${10 * d}px sans-serif`;
+		for (let [n, f] of t) {
+			let p = e.valToPos(n, "x", !0);
+			if (p < a || p > a + s) continue;
+			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
+			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
+				let e = `${Re(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
+			}
+		}
+		u.restore();
+	}
+	timeline(e, t) {
+		let n = this.props.cursor;
+		if (n === null) return;
+		let r = e.valToPos(n, "x", !0), { left: i, top: a, width: o, height: s } = e.bbox;
+		r < i || r > i + o || (e.ctx.save(), e.ctx.strokeStyle = t, e.ctx.setLineDash([4, 3]), e.ctx.beginPath(), e.ctx.moveTo(r, a), e.ctx.lineTo(r, a + s), e.ctx.stroke(), e.ctx.restore());
+	}
+	render({ name: e, curves: t }) {
+		let n = t.find((e) => e.error);
+		return /* @__PURE__ */ L("figure", {
+			class: "trace",
+			"aria-label": `Plot of ${e}`,
+			children: [/* @__PURE__ */ L("div", { ref: this.box }), n && /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: [
+					n.error.code,
+					" ",
+					n.error.why
+				]
+			})]
+		});
+	}
+};
+function Qo(e, t, n) {
+	let [r, i] = [e ?? 0, t ?? 1];
+	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
+	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
+	return [r - a, i + a];
+}
+function $o(e, t) {
+	let n = Math.max(...e.map(Math.abs)), r = [
+		1e9,
+		1e6,
+		1e3,
+		1,
+		.001,
+		1e-6,
+		1e-9
+	].find((e) => n >= e) ?? 1e-12, i = {
+		1e9: "G",
+		1e6: "M",
+		1e3: "k",
+		1: "",
+		.001: "m",
+		1e-6: "µ",
+		1e-9: "n",
+		1e-12: "p"
+	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
+	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
+}
+var es = [
+	"var(--s0)",
+	"var(--s1)",
+	"var(--s2)",
+	"var(--s3)",
+	"var(--s4)",
+	"var(--s5)",
+	"var(--s6)",
+	"var(--s7)"
+];
+function ts({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+	if (!e.length) return null;
+	let a = (e) => 1e3 * (e - t) / (n - t || 1);
+	return /* @__PURE__ */ L("div", {
+		class: "strip",
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "stripnames",
+				"aria-hidden": "true",
+				children: e.map((e) => /* @__PURE__ */ L("span", {
+					title: e.machine,
+					children: e.machine
+				}))
+			}),
+			/* @__PURE__ */ L("svg", {
+				viewBox: `0 0 1000 ${18 * e.length}`,
+				preserveAspectRatio: "none",
+				style: { height: `${18 * e.length}px` },
+				role: "img",
+				"aria-label": `Modes: ${e.map((e) => `${e.machine} is ${e.stays?.map(([, , t]) => e.states[t]).slice(0, 12).join(", ") ?? "switching fast"}`).join("; ")}`,
+				onClick: (e) => {
+					let r = e.currentTarget.getBoundingClientRect();
+					i(t + (e.clientX - r.left) / r.width * (n - t));
+				},
+				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+					transform: `translate(0,${r * 18})`,
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+						x: a(Math.max(r, t)),
+						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
+						y: 1,
+						height: 16,
+						fill: es[o % es.length],
+						children: /* @__PURE__ */ L("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						x: 1e3 * r / e.length,
+						width: 1e3 / e.length,
+						y: 1,
+						height: 16,
+						fill: es[t % es.length],
+						opacity: n
+					}) : null))]
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+					class: "now",
+					x1: a(r),
+					x2: a(r),
+					y1: 0,
+					y2: 18 * e.length
+				})]
+			}),
+			/* @__PURE__ */ L("div", {
+				class: "stripwords",
+				"aria-hidden": "true",
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+					style: {
+						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
+						top: `${r * 18}px`
+					},
+					children: e.states[s]
+				})))
+			})
+		]
+	});
+}
+// src/app.tsx
+var ns = [
+	["item", "Properties"],
+	["machines", "Machines"],
+	["model", "Model"],
+	["problems", "Problems"],
+	["table", "Table"],
+	["text", "Text"],
+	["equations", "Equations"]
+], rs = class extends x {
+	state = this.props.store.state;
+	stop = () => {};
+	componentDidMount() {
+		this.stop = this.props.store.subscribe(() => this.setState(this.props.store.state)), this.setState(this.props.store.state), document.addEventListener("copy", this.copy), document.addEventListener("cut", this.copy), document.addEventListener("paste", this.paste), document.addEventListener("keydown", this.key);
+	}
+	componentWillUnmount() {
+		this.stop(), document.removeEventListener("copy", this.copy), document.removeEventListener("cut", this.copy), document.removeEventListener("paste", this.paste), document.removeEventListener("keydown", this.key);
+	}
+	onCanvas() {
+		let e = document.activeElement;
+		return !!e?.closest?.(".studio") && !/^(INPUT|TEXTAREA|SELECT)$/.test(e.tagName);
+	}
+	held = "";
+	copy = (e) => {
+		if (!this.onCanvas() || String(getSelection() ?? "")) return;
+		let { store: t } = this.props;
+		if (!t.state.nodes.size) return;
+		e.preventDefault();
+		let n = e.type === "cut";
+		t.copy().then((e) => {
+			this.held = e, navigator.clipboard?.writeText(e).catch(() => {}), n && t.remove();
+		});
+	};
+	paste = (e) => {
+		if (!this.onCanvas()) return;
+		let t = e.clipboardData?.getData("text/plain") || this.held;
+		t.includes("elements") && (e.preventDefault(), this.props.store.paste(t));
+	};
+	key = (e) => {
+		let t = e.ctrlKey || e.metaKey, { store: n } = this.props;
+		if (!t || !this.onCanvas()) return;
+		let r = e.key.toLowerCase();
+		if (r === "z" && !e.shiftKey) n.undo();
+		else if (r === "y" || r === "z" && e.shiftKey) n.redo();
+		else if (r !== "s") {
+			if (r === "enter") n.start();
+			else return;
+		}
+		e.preventDefault();
+	};
+	render({ store: e }, t) {
+		let n = t.look;
+		if (!n) return /* @__PURE__ */ L("div", {
+			class: "studio loading",
+			role: "status",
+			children: t.connected ? "Opening …" : "Connecting …"
+		});
+		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
+		return /* @__PURE__ */ L("main", {
+			class: "studio" + r + (t.bottom ? " withbottom" : ""),
+			children: [
+				/* @__PURE__ */ L(as, {
+					store: e,
+					state: t,
+					errors: i
+				}),
+				/* @__PURE__ */ L("div", {
+					class: "middle",
+					children: [
+						/* @__PURE__ */ L(Jt, {
+							store: e,
+							state: t
+						}),
+						/* @__PURE__ */ L(ze, {
+							store: e,
+							state: t
+						}),
+						/* @__PURE__ */ L("aside", {
+							class: "side" + (t.panel === "side" ? " open" : ""),
+							"aria-label": "Panels",
+							children: [/* @__PURE__ */ L("div", {
+								class: "tabs",
+								role: "tablist",
+								"aria-label": "Panels",
+								children: ns.map(([r, a]) => /* @__PURE__ */ L("button", {
+									role: "tab",
+									id: `tab-${r}`,
+									"aria-controls": "panel",
+									"aria-selected": t.tab === r,
+									onClick: () => e.set({ tab: r }),
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+										class: "count" + (i ? " error" : ""),
+										children: n.problems.length
+									})]
+								}))
+							}), /* @__PURE__ */ L("div", {
+								class: "panel",
+								id: "panel",
+								role: "tabpanel",
+								"aria-labelledby": `tab-${t.tab}`,
+								tabIndex: 0,
+								children: [
+									t.tab === "item" && /* @__PURE__ */ L(Tt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "machines" && /* @__PURE__ */ L(It, {
+										store: e,
+										state: t
+									}),
+									t.tab === "model" && /* @__PURE__ */ L(zt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "problems" && /* @__PURE__ */ L(Ut, {
+										store: e,
+										state: t
+									}),
+									t.tab === "table" && /* @__PURE__ */ L(Wt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "text" && /* @__PURE__ */ L(Gt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "equations" && /* @__PURE__ */ L(Kt, {
+										store: e,
+										state: t
+									})
+								]
+							})]
+						})
+					]
+				}),
+				t.bottom && /* @__PURE__ */ L("div", {
+					class: "bottom",
+					children: [/* @__PURE__ */ L(Yo, {
+						store: e,
+						state: t
+					}), /* @__PURE__ */ L(_t, {
+						store: e,
+						state: t
+					})]
+				}),
+				/* @__PURE__ */ L("footer", { children: [
+					/* @__PURE__ */ L("span", {
+						id: "chosen",
+						role: "status",
+						"aria-live": "polite",
+						children: o || (n.whole ? "" : "strokes of what is joined so far")
+					}),
+					/* @__PURE__ */ L(is, {
+						store: e,
+						state: t
+					}),
+					/* @__PURE__ */ L("button", {
+						class: "verdict" + (i ? " error" : a ? " hint" : ""),
+						onClick: () => e.set({
+							tab: "problems",
+							panel: "side"
+						}),
+						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
+					}),
+					/* @__PURE__ */ L("button", {
+						class: "verdict",
+						"aria-pressed": t.bottom,
+						onClick: () => e.set({ bottom: !t.bottom }),
+						children: "plots"
+					})
+				] }),
+				t.adding && n.view.editable && /* @__PURE__ */ L(Yt, {
+					store: e,
+					state: t
+				}),
+				t.notice && /* @__PURE__ */ L("div", {
+					class: "notice",
+					role: "alert",
+					children: [
+						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						" ",
+						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.why,
+						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ L("button", {
+							"aria-label": "Close this message",
+							onClick: () => e.set({ notice: null }),
+							children: "✕"
+						})
+					]
+				}),
+				!t.connected && /* @__PURE__ */ L("div", {
+					class: "notice",
+					role: "alert",
+					children: "The studio does not answer. What you did is in the file; trying again …"
+				})
+			]
+		});
+	}
+};
+function is({ store: e, state: t }) {
+	let n = t.look.machines, r = t.cursor?.mode;
+	return n.length ? /* @__PURE__ */ L("span", {
+		class: "modes",
+		children: [
+			t.cursor && /* @__PURE__ */ L("b", { children: [
+				"t = ",
+				+t.cursor.t.toPrecision(6),
+				" s"
+			] }),
+			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+				"aria-label": `State of ${t.path} that is drawn`,
+				value: r?.[t.path] ?? t.state,
+				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
+				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+			})] })),
+			n.length > 8 && `and ${n.length - 8} more`
+		]
+	}) : null;
+}
+function as({ store: e, state: t, errors: n }) {
+	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
+	return /* @__PURE__ */ L("header", { children: [
+		/* @__PURE__ */ L(os, {
+			store: e,
+			state: t
+		}),
+		/* @__PURE__ */ L("h1", {
+			title: r.file,
+			children: r.title || r.file
+		}),
+		/* @__PURE__ */ L("span", {
+			class: "saved" + (r.unsaved ? " error" : ""),
+			role: "status",
+			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
+		}),
+		/* @__PURE__ */ L("span", { class: "spring" }),
+		/* @__PURE__ */ L("button", {
+			class: "narrow",
+			"aria-label": "Palette",
+			"aria-pressed": t.panel === "palette",
+			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
+			children: "＋"
+		}),
+		/* @__PURE__ */ L("button", {
+			class: "narrow",
+			"aria-label": "Panels",
+			"aria-pressed": t.panel === "side",
+			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
+			children: "☰"
+		}),
+		/* @__PURE__ */ L("button", {
+			title: "Undo (Ctrl+Z)",
+			"aria-label": "Undo",
+			disabled: !r.canUndo,
+			onClick: e.undo,
+			children: "↶"
+		}),
+		/* @__PURE__ */ L("button", {
+			title: "Redo (Ctrl+Y)",
+			"aria-label": "Redo",
+			disabled: !r.canRedo,
+			onClick: e.redo,
+			children: "↷"
+		}),
+		/* @__PURE__ */ L("button", {
+			class: "wide",
+			disabled: !r.view.editable || !r.view.nodes.length,
+			title: "Lay out anew; selected elements stay where they are",
+			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
+			children: "Arrange"
+		}),
+		i ? /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("progress", {
+			"aria-label": "Progress of the run",
+			max: a,
+			value: i.t
+		}), /* @__PURE__ */ L("button", {
+			class: "run",
+			onClick: e.cancel,
+			children: "Cancel"
+		})] }) : /* @__PURE__ */ L("button", {
+			class: "run",
+			disabled: n > 0,
+			title: "Run (Ctrl+Enter)",
+			onClick: () => void e.start(),
+			children: "▶ Run"
+		}),
+		/* @__PURE__ */ L("button", {
+			"aria-label": "Dark or light",
+			title: "Dark or light",
+			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
+			children: "◐"
+		})
+	] });
+}
+function os({ store: e, state: t }) {
+	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
+		e.set({
+			level: "",
+			mode: null,
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			run: null,
+			cursor: null,
+			instant: null,
+			plotted: [],
+			bottom: !1
+		}), e.ask("open", {
+			...t,
+			level: ""
+		});
+	}, i = () => {
+		let t = prompt("Name of the file", "model.toml");
+		t && e.ask("save as", { file: t.endsWith(".toml") ? t : `${t}.toml` });
+	}, a = async (n) => {
+		try {
+			let { content: r, name: i } = await e.transport.ask("picture", {
+				form: n,
+				mode: t.mode
+			}), a = Uint8Array.from(atob(r), (e) => e.charCodeAt(0)), o = document.createElement("a");
+			o.href = URL.createObjectURL(new Blob([a])), o.download = i, o.click(), URL.revokeObjectURL(o.href);
+		} catch (t) {
+			e.refused(t);
+		}
+	}, o = t.stock;
+	return /* @__PURE__ */ L("details", {
+		class: "menu",
+		children: [/* @__PURE__ */ L("summary", {
+			"aria-label": "Menu",
+			children: "hybond"
+		}), /* @__PURE__ */ L("div", {
+			class: "sheet",
+			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
+			children: [
+				/* @__PURE__ */ L("button", {
+					onClick: () => r({}),
+					children: "New model"
+				}),
+				/* @__PURE__ */ L("button", {
+					onClick: i,
+					children: "Save as …"
+				}),
+				/* @__PURE__ */ L("hr", {}),
+				[
+					"svg",
+					"pdf",
+					"png",
+					"tex"
+				].map((e) => /* @__PURE__ */ L("button", {
+					onClick: () => void a(e),
+					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
+				})),
+				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ L("label", { children: [
+					"open",
+					" ",
+					/* @__PURE__ */ L("select", {
+						"aria-label": "Open a file",
+						value: "",
+						onChange: (e) => {
+							r({ file: e.currentTarget.value }), n(e);
+						},
+						children: [/* @__PURE__ */ L("option", {
+							value: "",
+							children: "a file …"
+						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+					})
+				] }),
+				/* @__PURE__ */ L("label", { children: [
+					"open",
+					" ",
+					/* @__PURE__ */ L("select", {
+						"aria-label": "Open an example",
+						value: "",
+						onChange: (e) => {
+							r({ example: e.currentTarget.value }), n(e);
+						},
+						children: [/* @__PURE__ */ L("option", {
+							value: "",
+							children: "an example …"
+						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+					})
+				] }),
+				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+			]
+		})]
+	});
+}
+// src/widget.tsx
+function ss({ model: e, el: t }) {
+	let n = new Ne(), r = new Fe(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ L(rs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), F(null, t);
+	};
+}
+var cs = { render: ss };
+export { cs as default, ss as render };

@@ -1,0 +1,201 @@
+/** What session.py says: the records of its answers. */
+
+export type Ends = number[];
+
+export interface GraphNode {
+  name: string;
+  kind: string;
+  letters: string;
+  says: string;
+  x: number;
+  y: number;
+  entry: Record<string, unknown>;
+  ports?: string[];
+  inputs?: string[];
+  outside?: string[];
+  known?: boolean;
+  law?: string;
+  machine?: string;
+}
+
+export interface GraphBond {
+  key: string;
+  tail: string;
+  head: string;
+  ends: [string, string];
+  text: string;
+}
+
+export interface View {
+  path: string;
+  name: string;
+  editable: boolean;
+  crumbs: string[];
+  domain: string;
+  nodes: GraphNode[];
+  bonds: GraphBond[];
+  modulations: { from: string; to: string }[];
+  signals: { name: string; section: string; text: string }[];
+}
+
+export interface BondStrokes {
+  strokes: Ends;
+  dashed?: Ends;
+  late?: Ends;
+  off?: boolean;
+  conflict?: boolean;
+  integral?: boolean;
+}
+
+export interface NodeState {
+  off?: boolean;
+  derivative?: boolean;
+  controlled?: boolean;
+  says?: string;
+}
+
+export interface Strokes {
+  bonds: Record<string, BondStrokes>;
+  nodes: Record<string, NodeState>;
+}
+
+export interface MachineNow {
+  path: string;
+  states: string[];
+  state: string;
+  law: string;
+}
+
+export interface Place {
+  nodes?: string[];
+  bonds?: string[];
+  entry?: string[];
+}
+
+export interface Problem {
+  grave?: "error" | "hint";
+  code: string;
+  where: string;
+  why: string;
+  try: string;
+  line?: number | null;
+  select?: Place;
+}
+
+export interface MachineEntry {
+  states: Record<string, string[]>;
+  start: string;
+  rules?: string[];
+}
+
+export interface Panels {
+  parameters: Record<string, string | number>;
+  inputs: Record<string, unknown>;
+  signals: Record<string, unknown>;
+  machines: Record<string, MachineEntry>;
+  blocks: Record<string, unknown>;
+  experiment: Record<string, unknown>;
+  ports: Record<string, string>;
+}
+
+export interface Look {
+  revision: number;
+  file: string;
+  title: string;
+  inMemory: boolean;
+  writable: boolean;
+  unsaved: string;
+  canUndo: boolean;
+  canRedo: boolean;
+  view: View;
+  strokes: Strokes;
+  machines: MachineNow[];
+  problems: Problem[];
+  whole: boolean;
+  panels: Panels;
+  pasted?: string[];
+}
+
+export interface Stock {
+  kinds: { kind: string; letters: string; about: string; stem: string; element: object }[];
+  parts: {
+    name: string;
+    title: string;
+    ports: string[];
+    parameters: Record<string, string>;
+    inputs: string[];
+  }[];
+  domains: { name: string; effort: string; flow: string }[];
+  laws: string[];
+  solvers: { name: string; about: string }[];
+  version: string;
+  files: string[];
+  examples: string[];
+}
+
+export interface RunSummary {
+  run: number;
+  title: string;
+  took: number;
+  status: string;
+  tEnd: number;
+  tBegin: number;
+  until: number;
+  events: number;
+  warnings: string[];
+  method: string;
+  names: string[];
+  machines: { path: string; states: string[] }[];
+  plot: string[];
+  error?: Problem;
+}
+
+export interface Fired {
+  machine: string;
+  source: string;
+  target: string;
+  guard: string;
+  why: string;
+}
+
+export interface Step {
+  kind: "mythical" | "pinnacle" | "continuous";
+  mode: Record<string, string>;
+  fired: Fired[];
+  impulses: Record<string, number>;
+  undetermined: string[];
+  energy?: { before: string; after: string; source: string; lost: string };
+  exchanged?: Record<string, number>;
+}
+
+export interface Instant {
+  event: number;
+  t: number;
+  t0: number | null;
+  cause: string;
+  landed: string[];
+  steps: Step[];
+}
+
+export interface Curve {
+  name: string;
+  unit: string;
+  t: number[];
+  y: (number | null)[];
+  impulses: [number, number][];
+  error?: Problem;
+}
+
+export interface Lane {
+  machine: string;
+  states: string[];
+  stays?: [number, number, number][];
+  shares?: number[][];
+}
+
+export interface Cursor {
+  t: number;
+  mode: Record<string, string>;
+  values: Record<string, { e: number | null; f: number | null; units: [string, string] }>;
+  strokes: Strokes;
+}

@@ -1,0 +1,324 @@
+/** All that the page knows, and what can be done with it. No drawing here. */
+import type { Cursor, Instant, Look, Place, Problem, RunSummary, Stock } from "./messages";
+import { Refused, type Transport } from "./transport";
+
+export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations";
+
+export interface State {
+  connected: boolean;
+  look: Look | null;
+  stock: Stock | null;
+  level: string;
+  mode: Record<string, string> | null;
+  nodes: Set<string>;
+  bonds: Set<string>;
+  tab: Tab;
+  /** The node from which a bond is being drawn with the keyboard. */
+  bondFrom: string | null;
+  drawing: boolean;
+  notice: Problem | null;
+  run: RunSummary | null;
+  runs: RunSummary[];
+  running: { run: number; t: number; events: number } | null;
+  cursor: Cursor | null;
+  instant: { event: Instant; step: number } | null;
+  plotted: string[];
+  span: [number, number];
+  adding: boolean;
+  bottom: boolean;
+  panel: "" | "palette" | "side";
+  dark: boolean | null;
+  flowing: boolean;
+}
+
+const BEGIN: State = {
+  connected: false,
+  look: null,
+  stock: null,
+  level: "",
+  mode: null,
+  nodes: new Set(),
+  bonds: new Set(),
+  tab: "item",
+  bondFrom: null,
+  drawing: false,
+  notice: null,
+  run: null,
+  runs: [],
+  running: null,
+  cursor: null,
+  instant: null,
+  plotted: [],
+  span: [0, 1],
+  adding: false,
+  bottom: false,
+  panel: "",
+  dark: null,
+  flowing: false,
+};
+
+export class Store {
+  state: State = BEGIN;
+  private listeners = new Set<() => void>();
+  private queue: Promise<unknown> = Promise.resolve();
+
+  constructor(readonly transport: Transport) {
+    transport.onTold = (m) => this.told(m);
+  }
+
+  subscribe(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+
+  set(patch: Partial<State>): void {
+    this.state = { ...this.state, ...patch };
+    for (const listener of this.listeners) listener();
+  }
+
+  // -- what the session answers
+
+  async begin(): Promise<void> {
+    this.set({ connected: true });
+    await this.look();
+    if (!this.state.stock) this.set({ stock: await this.transport.ask<Stock>("stock") });
+    const { runs } = await this.transport.ask<{ runs: RunSummary[] }>("runs");
+    this.set({ runs });
+    const last = runs[runs.length - 1];
+    if (last && !this.state.run) this.show(last);
+  }
+
+  private where() {
+    return { level: this.state.level, mode: this.state.mode };
+  }
+
+  async look(): Promise<void> {
+    await this.taking(this.transport.ask<Look>("look", this.where()));
+  }
+
+  /** Wait for an answer and show it; what is refused is noticed. Answers come in order. */
+  private async taking(asked: Promise<Look>): Promise<Look | null> {
+    try {
+      const look = await asked;
+      this.take(look);
+      return look;
+    } catch (error) {
+      this.refused(error);
+      return null;
+    }
+  }
+
+  refused(error: unknown): void {
+    if (error instanceof Refused) this.set({ notice: error.problem });
+    else if (this.state.connected)
+      this.set({ notice: { code: "", where: "", why: String(error), try: "" } });
+  }
+
+  private take(look: Look): void {
+    const names = new Set(look.view.nodes.map((n) => n.name));
+    const keys = new Set(look.view.bonds.map((b) => b.key));
+    this.set({
+      look,
+      level: look.view.path,
+      nodes: new Set([...this.state.nodes].filter((n) => names.has(n))),
+      bonds: new Set([...this.state.bonds].filter((b) => keys.has(b))),
+      bondFrom: this.state.bondFrom && names.has(this.state.bondFrom) ? this.state.bondFrom : null,
+    });
+  }
+
+  private told(message: Record<string, unknown>): void {
+    if (message.tell === "changed") {
+      const mine = message.by === this.transport.client;
+      if (!mine && message.revision !== this.state.look?.revision) void this.look();
+    } else if (message.tell === "progress") {
+      this.set({ running: message as never });
+    } else if (message.tell === "finished") {
+      const run = message as unknown as RunSummary;
+      this.set({ running: null, runs: [...this.state.runs.filter((r) => r.run !== run.run), run] });
+      this.show(run);
+      if (run.error) this.set({ notice: run.error });
+    } else if (message.tell === "saved" && this.state.look) {
+      this.set({ look: { ...this.state.look, unsaved: String(message.unsaved) } });
+    }
+  }
+
+  show(run: RunSummary): void {
+    const known = this.state.plotted.filter((n) => run.names?.includes(n));
+    this.set({
+      run,
+      plotted: known.length ? this.state.plotted : (run.plot ?? []).slice(0, 4),
+      span: [run.tBegin ?? 0, run.tEnd ?? 1],
+      cursor: null,
+      instant: null,
+      bottom: true,
+    });
+  }
+
+  // -- edits
+
+  /** Do one edit; edits wait for each other so that none is lost. */
+  edit(edit: Record<string, unknown>): Promise<Look | null> {
+    const asked = this.queue.then(() =>
+      this.taking(
+        this.transport.ask<Look>("edit", {
+          ...this.where(),
+          edit: { level: this.state.level, ...edit },
+        }),
+      ),
+    );
+    this.queue = asked;
+    this.set({ cursor: null, instant: null });
+    return asked;
+  }
+
+  ask(question: string, more: object = {}): Promise<Look | null> {
+    const asked = this.queue.then(() =>
+      this.taking(this.transport.ask<Look>(question, { ...this.where(), ...more })),
+    );
+    this.queue = asked;
+    return asked;
+  }
+
+  undo = () => this.ask("undo");
+  redo = () => this.ask("redo");
+
+  async add(element: object, stem: string, at?: [number, number]): Promise<void> {
+    const before = new Set(this.state.look?.view.nodes.map((n) => n.name));
+    const place = at ?? this.freePlace();
+    const look = await this.edit({ do: "add", element, stem, at: place });
+    const made = look?.view.nodes.find((n) => !before.has(n.name));
+    if (made) this.set({ nodes: new Set([made.name]), bonds: new Set(), tab: "item" });
+  }
+
+  /** A place beside what is selected, or beside the last node, where nothing stands. */
+  freePlace(): [number, number] {
+    const nodes = this.state.look?.view.nodes ?? [];
+    if (!nodes.length) return [0, 0];
+    const chosen = nodes.find((n) => this.state.nodes.has(n.name)) ?? nodes[nodes.length - 1];
+    const taken = (x: number, y: number) =>
+      nodes.some((n) => Math.abs(n.x - x) < 0.6 && Math.abs(n.y - y) < 0.6);
+    const x0 = Math.round(chosen.x);
+    const y0 = Math.round(chosen.y);
+    const near: [number, number][] = [[1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
+    for (const [dx, dy] of near) if (!taken(x0 + dx, y0 + dy)) return [x0 + dx, y0 + dy];
+    for (let x = 3; ; x++) if (!taken(x0 + x, y0)) return [x0 + x, y0];
+  }
+
+  async bond(tail: string, head: string): Promise<void> {
+    const before = new Set(this.state.look?.view.bonds.map((b) => b.key));
+    const look = await this.edit({ do: "bond", tail, head });
+    const made = look?.view.bonds.find((b) => !before.has(b.key));
+    if (made) this.set({ bonds: new Set([made.key]), nodes: new Set() });
+    this.set({ bondFrom: null });
+  }
+
+  remove(): void {
+    const { nodes, bonds } = this.state;
+    if (nodes.size || bonds.size) void this.edit({ do: "remove", names: [...nodes], bonds: [...bonds] });
+  }
+
+  reverse(): void {
+    if (this.state.bonds.size) void this.edit({ do: "reverse", bonds: [...this.state.bonds] });
+  }
+
+  async copy(): Promise<string> {
+    const names = [...this.state.nodes];
+    if (!names.length) return "";
+    const { text } = await this.transport.ask<{ text: string }>("copy", { ...this.where(), names });
+    return text;
+  }
+
+  async duplicate(): Promise<void> {
+    const text = await this.copy();
+    if (text) await this.paste(text);
+  }
+
+  async paste(text: string): Promise<void> {
+    const look = await this.ask("paste", { text, by: [1, 1] });
+    if (look?.pasted) this.set({ nodes: new Set(look.pasted), bonds: new Set() });
+  }
+
+  // -- where we are
+
+  open(path: string): void {
+    this.set({ level: path, nodes: new Set(), bonds: new Set(), cursor: null, instant: null });
+    void this.look();
+  }
+
+  setMode(machine: string, state: string): void {
+    const now = Object.fromEntries((this.state.look?.machines ?? []).map((m) => [m.path, m.state]));
+    this.set({ mode: { ...now, [machine]: state }, cursor: null, instant: null });
+    void this.look();
+  }
+
+  select(place: Place | undefined): void {
+    if (!place) return;
+    this.set({ nodes: new Set(place.nodes ?? []), bonds: new Set(place.bonds ?? []) });
+    if (place.entry?.[0] === "machines") this.set({ tab: "machines" });
+    else if (place.entry) this.set({ tab: "model" });
+  }
+
+  // -- runs
+
+  async start(until?: string): Promise<void> {
+    try {
+      const { run } = await this.transport.ask<{ run: number }>("run", until ? { until } : {});
+      this.set({ running: { run, t: 0, events: 0 }, bottom: true });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  cancel = () => void this.transport.ask("cancel").catch(() => {});
+
+  private cursorCount = 0;
+
+  async moveCursor(t: number, side: "left" | "right" = "right", mode?: Record<string, string>) {
+    const run = this.state.run;
+    if (!run) return;
+    const count = ++this.cursorCount;
+    try {
+      const cursor = await this.transport.ask<Cursor>("cursor", {
+        run: run.run,
+        t,
+        side,
+        mode: mode ?? null,
+        level: this.state.level,
+      });
+      if (count === this.cursorCount) this.set({ cursor });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  showInstant(event: Instant, step: number): void {
+    this.set({ instant: { event, step } });
+    void this.moveCursor(event.t, step < event.steps.length - 1 ? "left" : "right", event.steps[step].mode);
+  }
+}
+
+export function number(v: number | null, digits = 4): string {
+  if (v === null) return "—";
+  if (v === 0) return "0";
+  const size = Math.abs(v);
+  return size >= 1e5 || size < 1e-3 ? v.toExponential(digits - 1) : String(+v.toPrecision(digits));
+}
+
+const PREFIXES: [number, string][] = [
+  [1e9, "G"],
+  [1e6, "M"],
+  [1e3, "k"],
+  [1, ""],
+  [1e-3, "m"],
+  [1e-6, "µ"],
+  [1e-9, "n"],
+  [1e-12, "p"],
+];
+
+/** A value with an engineering prefix: 1.2 kV. */
+export function quantity(v: number | null, unit: string): string {
+  if (v === null) return "—";
+  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${unit}`.trim();
+  const [factor, prefix] = PREFIXES.find(([f]) => Math.abs(v) >= f * (1 - 1e-9)) ?? PREFIXES[PREFIXES.length - 1];
+  return `${+(v / factor).toPrecision(4)} ${prefix}${unit}`.trim();
+}
