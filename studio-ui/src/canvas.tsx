@@ -1,6 +1,6 @@
 /** The canvas: everything that the pointer and the keyboard do to a bond graph. */
 import { Component, createRef } from "preact";
-import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels } from "./shapes";
+import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
 import { bondShape, sides, type Point } from "./geometry";
 import type { GraphNode, Strokes } from "./messages";
 import { quantity, type State, type Store } from "./store";
@@ -307,6 +307,11 @@ export class Canvas extends Component<Props, Own> {
     store.set({ look: { ...look, view: { ...look.view, nodes } } });
   }
 
+  private centreOf(end: string, by: Map<string, GraphNode>, at: Map<string, Point>, ports: Map<string, string>): Point {
+    const name = end.split(".")[0];
+    return joint(by.get(name)!, end, false, at.get(name)!, ports.get(name))[0];
+  }
+
   private centre(end: string): Point {
     const node = this.props.state.look!.view.nodes.find((n) => n.name === end.split(".")[0]);
     return node ? pixels(node.x, node.y) : [0, 0];
@@ -400,6 +405,17 @@ export class Canvas extends Component<Props, Own> {
       const pair = [...b.ends].sort().join("|");
       pairs.set(pair, [...(pairs.get(pair) ?? []), b.key]);
     }
+    const toward = new Map<string, Point>();
+    for (const b of look.view.bonds)
+      for (const [end, own, other] of [[b.ends[0], b.tail, b.head], [b.ends[1], b.head, b.tail]])
+      {
+        const [x, y] = toward.get(end) ?? [0, 0];
+        const [p, q] = [at.get(own)!, at.get(other)!];
+        toward.set(end, [x + q[0] - p[0], y + q[1] - p[1]]);
+      }
+    const ports = new Map<string, string>();
+    for (const n of look.view.nodes) if (n.kind === "part") ports.set(n.name, portSides(n, toward));
+    const portsOf = (name: string) => ports.get(name) ?? "";
     const values = state.cursor?.values;
     const most = values
       ? Math.max(1e-300, ...Object.values(values).map((v) => Math.abs((v.e ?? 0) * (v.f ?? 0))))
@@ -435,7 +451,7 @@ export class Canvas extends Component<Props, Own> {
               const b = by.get(m.to)!;
               if (!a || !b) return null;
               const [p, q] = [at.get(m.from)!, at.get(m.to)!];
-              const s = bondShape(boxOf(a, controlled(a), p), boxOf(b, controlled(b), q), p, q, 7);
+              const s = bondShape(boxOf(a, controlled(a), p, portsOf(a.name)), boxOf(b, controlled(b), q, portsOf(b.name)), p, q, 7);
               return (
                 <line class="signal" x1={s.tail[0]} y1={s.tail[1]} x2={s.head[0]} y2={s.head[1]} marker-end="url(#signal)" />
               );
@@ -457,6 +473,8 @@ export class Canvas extends Component<Props, Own> {
                   hy={h[1]}
                   tailControlled={controlled(tail)}
                   headControlled={controlled(head)}
+                  tailPorts={portsOf(b.tail)}
+                  headPorts={portsOf(b.head)}
                   shift={same.indexOf(b.key) - (same.length - 1) / 2}
                   drawn={drawn.bonds[b.key] ?? drawn.bonds[`${b.ends[0]} -> ${b.ends[1]}`]}
                   selected={state.bonds.has(b.key)}
@@ -474,18 +492,13 @@ export class Canvas extends Component<Props, Own> {
                 y={at.get(n.name)![1]}
                 state={drawn.nodes[n.name]}
                 selected={state.nodes.has(n.name)}
+                ports={portsOf(n.name)}
                 target={target === n.name || state.bondFrom === n.name}
                 taken={[...sides(at.get(n.name)!, around.get(n.name) ?? [])].sort().join("")}
               />
             ))}
             {gesture?.kind === "wire" && (
-              <line
-                class="wire"
-                x1={joint(by.get(gesture.from.split(".")[0])!, gesture.from, false, at.get(gesture.from.split(".")[0])!)[0][0]}
-                y1={joint(by.get(gesture.from.split(".")[0])!, gesture.from, false, at.get(gesture.from.split(".")[0])!)[0][1]}
-                x2={gesture.now[0]}
-                y2={gesture.now[1]}
-              />
+              <Wire from={this.centreOf(gesture.from, by, at, ports)} to={gesture.now} />
             )}
             {gesture?.kind === "box" && (
               <rect
@@ -530,6 +543,10 @@ export class Canvas extends Component<Props, Own> {
       </div>
     );
   }
+}
+
+function Wire({ from, to }: { from: Point; to: Point }) {
+  return <line class="wire" x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />;
 }
 
 /** Which mode of which instant the canvas shows, and the way to the next. */

@@ -23,46 +23,77 @@ export function pixels(x: number, y: number): Point {
 
 const PORT_PITCH = 18;
 
-/** The frame of a part: as wide as its words, as high as its ports. */
-export function partSize(node: GraphNode): [number, number] {
-  const rows = Math.max(1, Math.ceil((node.ports?.length ?? 0) / 2));
+/**
+ * On which side each port of a part is, one letter a port: that of what it is bonded to.
+ *
+ * Ports that are not bonded keep to the order in which they are written, left and right in turn.
+ */
+export function portSides(node: GraphNode, toward: Map<string, Point>): string {
+  return (node.ports ?? [])
+    .map((port, k) => {
+      const [dx, dy] = toward.get(`${node.name}.${port}`) ?? [0, 0];
+      if (Math.abs(dx) < 1 && Math.abs(dy) < 1) return k % 2 ? "e" : "w";
+      if (Math.abs(dy) > 1.1 * Math.abs(dx)) return dy > 0 ? "s" : "n";
+      return dx > 0 ? "e" : "w";
+    })
+    .join("");
+}
+
+/** The frame of a part: half as wide to each side, from `top` to `bottom`, rows of ports around 0. */
+export function partFrame(node: GraphNode, ports: string) {
   const names = node.ports ?? [];
-  const left = Math.max(0, ...names.filter((_, k) => k % 2 === 0).map((p) => width(p, 9)));
-  const right = Math.max(0, ...names.filter((_, k) => k % 2 === 1).map((p) => width(p, 9)));
-  const wide = Math.max(54, Math.min(150, width(node.letters, 10.5) + 16), left + right + 26);
-  return [wide, 22 + rows * PORT_PITCH];
+  const of = (side: string) => names.filter((_, k) => ports[k] === side);
+  const widest = (side: string) => Math.max(0, ...of(side).map((p) => width(p, 9)));
+  const level = (side: string) => of(side).reduce((sum, p) => sum + width(p, 9) + 10, 0);
+  const rows = Math.max(of("e").length, of("w").length);
+  const wide = Math.max(54, Math.min(150, width(node.letters, 10.5) + 16), widest("e") + widest("w") + 26, level("n"), level("s"));
+  const first = rows ? (-(rows - 1) * PORT_PITCH) / 2 : 0;
+  const title = rows ? first - 15 : 4;
+  return {
+    half: wide / 2,
+    first,
+    title,
+    top: title - (of("n").length ? 27 : 15),
+    bottom: (rows ? -first + 11 : 12) + (of("s").length ? 13 : 0),
+  };
 }
 
 /** Where the ports of a part are, from its centre. */
-export function portPlaces(node: GraphNode): Map<string, Point> {
-  const [w, h] = partSize(node);
+export function portPlaces(node: GraphNode, ports: string): Map<string, Point> {
+  const { half, first, top, bottom } = partFrame(node, ports);
   const found = new Map<string, Point>();
+  const count: Record<string, number> = { e: 0, w: 0, n: 0, s: 0 };
   (node.ports ?? []).forEach((port, k) => {
-    const row = Math.floor(k / 2);
-    found.set(port, [k % 2 ? w / 2 : -w / 2, -h / 2 + 24 + row * PORT_PITCH]);
+    const side = ports[k];
+    const nth = count[side]++;
+    if (side === "e" || side === "w") found.set(port, [side === "e" ? half : -half, first + nth * PORT_PITCH]);
+    else {
+      const all = [...ports].filter((s) => s === side).length;
+      found.set(port, [(2 * half * (nth + 1)) / (all + 1) - half, side === "n" ? top : bottom]);
+    }
   });
   return found;
 }
 
-export function boxOf(node: GraphNode, controlled: boolean, at: Point): Box {
+export function boxOf(node: GraphNode, controlled: boolean, at: Point, ports = ""): Box {
   if (node.kind === "part") {
-    const [w, h] = partSize(node);
-    return { x0: at[0] - w / 2, y0: at[1] - h / 2, x1: at[0] + w / 2, y1: at[1] + h / 2 };
+    const { half, top, bottom } = partFrame(node, ports);
+    return { x0: at[0] - half, y0: at[1] + top, x1: at[0] + half, y1: at[1] + bottom };
   }
   return letterBox(node.letters, controlled, at);
 }
 
 /** Where a bond meets a node: its centre and letters, or a port of a part. */
-export function joint(node: GraphNode, end: string, controlled: boolean, at: Point): [Point, Box] {
+export function joint(node: GraphNode, end: string, controlled: boolean, at: Point, ports = ""): [Point, Box] {
   if (node.kind === "part") {
     const port = end.slice(node.name.length + 1);
-    const off = portPlaces(node).get(port);
+    const off = portPlaces(node, ports).get(port);
     if (off) {
       const p: Point = [at[0] + off[0], at[1] + off[1]];
       return [p, { x0: p[0] - 1, y0: p[1] - 1, x1: p[0] + 1, y1: p[1] + 1 }];
     }
   }
-  return [at, boxOf(node, controlled, at)];
+  return [at, boxOf(node, controlled, at, ports)];
 }
 
 const line = ([[a, b], [c, d]]: Segment) => ({ x1: a, y1: b, x2: c, y2: d });
@@ -77,6 +108,8 @@ interface BondProps {
   hy: number;
   tailControlled: boolean;
   headControlled: boolean;
+  tailPorts: string;
+  headPorts: string;
   shift: number;
   drawn?: BondStrokes;
   selected: boolean;
@@ -105,8 +138,8 @@ export class BondShapeView extends Component<BondProps> {
   }
 
   render(p: BondProps) {
-    const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty]);
-    const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy]);
+    const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty], p.tailPorts);
+    const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy], p.headPorts);
     const shape = bondShape(abox, bbox, a, b, p.shift * PARALLEL);
     const s = p.drawn;
     const state = (s?.off ? " off" : "") + (s?.conflict ? " conflict" : "");
@@ -160,6 +193,13 @@ interface NodeProps {
   selected: boolean;
   target: boolean;
   taken: string;
+  ports: string;
+}
+
+function portWords(side: string, x: number, y: number) {
+  if (side === "n") return { x, y: y + 13, "text-anchor": "middle" as const };
+  if (side === "s") return { x, y: y - 6, "text-anchor": "middle" as const };
+  return { x: side === "w" ? x + 6 : x - 6, y: y + 3, "text-anchor": side === "w" ? ("start" as const) : ("end" as const) };
 }
 
 /** Where the small text of a node goes: a side where no bond leaves, else a corner. */
@@ -170,6 +210,11 @@ function labelPlace(p: NodeProps, box: Box, lines: number) {
   const side = [...order].find((s) => !taken.has(s));
   const high = lines * 13;
   const cx = (box.x0 + box.x1) / 2 - p.x;
+  if (p.node.kind === "part" && p.ports.includes("s"))
+    return p.ports.includes("n")
+      ? { x: cx + 8, y: box.y1 - p.y + 13, anchor: "start" }
+      : { x: cx, y: box.y0 - p.y - 4 - high + 13, anchor: "middle" };
+  if (p.node.kind === "part") return { x: cx, y: box.y1 - p.y + 13, anchor: "middle" };
   if (side === "s") return { x: cx, y: box.y1 - p.y + 13, anchor: "middle" };
   if (side === "n") return { x: cx, y: box.y0 - p.y - 4 - high + 13, anchor: "middle" };
   if (side === "e") return { x: box.x1 - p.x + 4, y: 4 - high / 2 + 8, anchor: "start" };
@@ -185,7 +230,7 @@ export class NodeShape extends Component<NodeProps> {
   render(p: NodeProps) {
     const { node, state } = p;
     const controlled = state?.controlled ?? (!!node.machine || !!node.law);
-    const box = boxOf(node, controlled, [p.x, p.y]);
+    const box = boxOf(node, controlled, [p.x, p.y], p.ports);
     const classes =
       "node" +
       (node.kind === "0" || node.kind === "1" ? " junction" : "") +
@@ -204,20 +249,20 @@ export class NodeShape extends Component<NodeProps> {
     ];
     const at = labelPlace(p, box, words.length);
     const baseline = (CAP * LETTERS) / 2;
-    const [w, h] = node.kind === "part" ? partSize(node) : [0, 0];
+    const frame = partFrame(node, p.ports);
     return (
       <g class={classes} data-node={node.name} transform={`translate(${p.x},${p.y})`}>
         {node.kind === "part" ? (
           <>
-            <rect class="frame" x={-w / 2} y={-h / 2} width={w} height={h} rx={6} />
-            <text class="title" y={-h / 2 + 14} text-anchor="middle">
+            <rect class="frame" x={-frame.half} y={frame.top} width={2 * frame.half} height={frame.bottom - frame.top} rx={6} />
+            <text class="title" y={frame.title} text-anchor="middle">
               {node.letters}
             </text>
-            {[...portPlaces(node)].map(([port, [x, y]]) => (
+            {[...portPlaces(node, p.ports)].map(([port, [x, y]], k) => (
               <g class="port" data-port={`${node.name}.${port}`}>
                 <circle class="hit" cx={x} cy={y} r={9} />
                 <circle cx={x} cy={y} r={3} />
-                <text x={x < 0 ? x + 6 : x - 6} y={y + 3} text-anchor={x < 0 ? "start" : "end"}>
+                <text {...portWords(p.ports[k], x, y)}>
                   {port}
                 </text>
               </g>
@@ -256,8 +301,8 @@ export class NodeShape extends Component<NodeProps> {
           <text
             class={word.role}
             x={at.x}
-            y={(node.kind === "part" ? h / 2 + 13 : at.y) + 13 * k}
-            text-anchor={node.kind === "part" ? "middle" : at.anchor}
+            y={at.y + 13 * k}
+            text-anchor={at.anchor}
           >
             {word.text.length > 24 ? word.text.slice(0, 23) + "…" : word.text}
           </text>

@@ -53,13 +53,13 @@ def curve(run: Result, name: str, t0: float, t1: float, width: int) -> dict[str,
     >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
     >>> m.bond("node -> c", "node -> r")
     >>> seen = curve(hb.simulate(m, until="1 s"), "c.e", 0.0, 1.0, 100)
-    >>> seen["unit"], seen["y"][0], round(seen["y"][-1], 3), len(seen["t"]) <= 202
+    >>> seen["unit"], seen["y"][0], round(seen["y"][-1], 3), len(seen["t"]) <= 402
     ('V', 10.0, 3.679, True)
     """
     signal = run[name]
     t, y = signal.t, signal.y
-    first, last = np.searchsorted(t, (t0, t1), side="left")[0], np.searchsorted(t, t1, side="right")
-    first, last = max(int(first) - 1, 0), min(int(last) + 1, len(t))
+    first = max(int(np.searchsorted(t, t0, side="left")) - 1, 0)
+    last = min(int(np.searchsorted(t, t1, side="right")) + 1, len(t))
     t, y = reduced(t[first:last], y[first:last], max(16, min(int(width), WIDEST)))
     areas = impulses_of(run, name)
     inside = areas[(areas[:, 0] >= t0) & (areas[:, 0] <= t1)]

@@ -275,12 +275,12 @@ class Document:
 
 
 def edited(text: str, old: Data, new: Data) -> str:
-    """Return a text edited to say `new`; one that cannot be edited is written anew.
+    r"""Return a text edited to say `new`; one that cannot be edited is written anew.
 
     Examples
     --------
-    >>> edited("hybond = 1 # one\\n", {"hybond": 1}, {"hybond": 1, "title": "Ball"})
-    'hybond = 1 # one\\ntitle = "Ball"\\n'
+    >>> edited("hybond = 1 # one\n", {"hybond": 1}, {"hybond": 1, "title": "Ball"})
+    'hybond = 1 # one\ntitle = "Ball"\n'
     """
     from tomlkit.exceptions import TOMLKitError
 

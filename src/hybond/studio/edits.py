@@ -147,8 +147,8 @@ def _remove(level: Level, edit: Message) -> None:
         if section in level.data and not held:
             del level.data[section]
     for machine in table(level.data, "machines").values():
-        states = machine.get("states") if isinstance(machine, dict) else None
-        for state, on in states.items() if isinstance(states, dict) else ():
+        states = table(machine, "states") if isinstance(machine, dict) else {}
+        for state, on in states.items():
             states[state] = [n for n in on if n not in names] if isinstance(on, list) else on
 
 

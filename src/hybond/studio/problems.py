@@ -1,4 +1,4 @@
-"""What is wrong with a model and what is worth knowing, each with the place that the page selects."""
+"""What is wrong with a model and what is worth knowing, with places that the page selects."""
 
 from __future__ import annotations
 

@@ -94,7 +94,11 @@ def application(session: Session, token: str, names: set[str]) -> Any:
             with contextlib.suppress(asyncio.QueueFull):
                 waiting.put_nowait(message)
 
-        stop = session.listen(lambda m: loop.call_soon_threadsafe(put, m))
+        def told(message: dict[str, Any]) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended, the run has not
+                loop.call_soon_threadsafe(put, message)
+
+        stop = session.listen(told)
 
         async def send() -> None:
             while True:

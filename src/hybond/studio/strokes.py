@@ -177,7 +177,7 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
             "derivative": symbol.derivative,
             "controlled": symbol.controlled,
         }
-        told = {k: True for k, v in about.items() if v}
+        told: dict[str, Any] = {k: True for k, v in about.items() if v}
         if symbol.parameter and symbol.kind not in ("0", "1"):
             told["says"] = symbol.parameter
         nodes[symbol.path[len(start) :]] = told

@@ -37,7 +37,7 @@ function S(e, t) {
 }
 function C(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, ae(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), N(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, re(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
 }
 function w(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -56,12 +56,12 @@ function E() {
 }
 function D(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = N(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function O(e, t, n, r, i) {
 	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, y = 0, x = 0, C = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = ee(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = A(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
 	if (x) {
 		for (d = [], f = [], a = 0; a < i; a++) if ((o = C[a]) && 16 & o.__u) {
 			for (y = 0, p = d.length; y < p;) d[h = y + p >> 1] < o.__i ? y = h + 1 : p = h;
@@ -69,7 +69,7 @@ function O(e, t, n, r, i) {
 		}
 		for (y = d.length; a--;) f[a] && (f[a] == y ? y-- : C[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), P(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), I(s, s));
 	return r;
 }
 function k(e, t, n, r) {
@@ -83,7 +83,7 @@ function k(e, t, n, r) {
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function ee(e, t, n, r) {
+function A(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -92,18 +92,18 @@ function ee(e, t, n, r) {
 	}
 	return -1;
 }
-function A(e, t, n) {
+function j(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function j(e, t, n, r, i) {
+function M(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || A(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || A(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || j(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || j(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ee(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -114,7 +114,7 @@ function j(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function te(t) {
+function ee(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -124,58 +124,58 @@ function te(t) {
 		}
 	};
 }
-function ne(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, C, w, T, E, O, k, ee, A, j, te, ne, ae, N, F, I = n.type;
+function N(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, C, w, T, E, O, k, A, j, M, ee, N, re, F, L, R = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = te(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof R == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, O = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new I(E, ee) : (n.__c = y = new x(E, ee), y.constructor = I, y.render = oe), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== C && O && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
+			if (E = n.props, O = (p = R.prototype) && p.render, k = (p = R.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new R(E, A) : (n.__c = y = new x(E, A), y.constructor = R, y.render = ie), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), R.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, R.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== C && O && !R.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = S(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), O && y.componentDidUpdate && y.__h.push(function() {
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), O && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(C, w, T);
 				});
-			} else O && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, j = O ? 25 : 0;
+			} else O && !R.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = O ? 25 : 0;
 			do
-				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++j < 25);
-			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), te = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && P(e, e);
-			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++M < 25);
+			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), ee = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && I(e, e);
+			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
-						for (; N < o.length; N++) if (F = o[N]) {
-							if (o[N] = null, ne) {
-								if (F == ae) break;
+						for (~(F = o.indexOf(c || void 0)) || (F = o.length); (L = o[F - 1]) && L.nodeType == 8;) F--;
+						for (; F < o.length; F++) if (L = o[F]) {
+							if (o[F] = null, N) {
+								if (L == re) break;
 							} else {
-								if (F.nodeType != 8) break;
-								F.data.startsWith("$s") && (ae = re(ne = F));
+								if (L.nodeType != 8) break;
+								L.data.startsWith("$s") && (re = te(N = L));
 							}
 						}
 					}
-					if (!ne) {
+					if (!N) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						ne = c;
+						N = c;
 					}
-					(p = re(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = te(N = n.__c.__z || (n.__c.__z = N))) ? (n.__e = N, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ne(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function re(e, t) {
+function te(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -184,11 +184,11 @@ function re(e, t) {
 		t && t.push(e);
 	}
 }
-function ie(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
+function ne(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ne));
 }
-function ae(t, n, r) {
-	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
+function re(t, n, r) {
+	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -199,7 +199,7 @@ function ae(t, n, r) {
 		}
 	});
 }
-function M(t, n, r, i, a, o, s, c, l, u) {
+function P(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, C, w, T = r.props || d, E = n.props, O = n.type;
 	if (O == "svg" ? a = "http://www.w3.org/2000/svg" : O == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (O ? b.localName == O : b.nodeType == 3)) {
@@ -213,22 +213,22 @@ function M(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (O) {
 		if (u = O == "template" && t.content || t, o = O == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || j(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || j(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || j(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && j(t, f, C, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || M(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || M(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || M(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && M(t, f, C, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function N(t, n, r, i) {
+function F(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function P(t, n, r) {
+function I(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -236,15 +236,15 @@ function P(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && P(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && I(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = te(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function oe(e, t, n) {
+function ie(e, t, n) {
 	return this.constructor(e, n);
 }
-function F(t, n) {
+function L(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), ae(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], N(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), re(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -265,8 +265,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var I = 5.5, se = 35 * Math.PI / 180;
-function ce(e, t) {
+var R = 5.5, ae = 35 * Math.PI / 180;
+function oe(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -274,7 +274,7 @@ function ce(e, t) {
 		y1: e.y1 + t
 	};
 }
-function le(e, [t, n]) {
+function se(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -296,51 +296,51 @@ function le(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function ue(e, t) {
+function ce(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function de(e, t, n, r, i = 0) {
+function le(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, I), [u, d]), p = le(ce(t, I), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = ce(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = se(oe(e, R), [u, d]), p = se(oe(t, R), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(se), S = b * Math.sin(se);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ae), S = b * Math.sin(ae);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function fe(e, t) {
+function ue(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = ue(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = ce(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var pe = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), me = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function he(e, t, n = !1) {
+var de = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), fe = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function pe(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) pe.has(t) ? r += .42 : me.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) de.has(t) ? r += .42 : fe.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ge = .73;
-function _e(e, t, [n, r]) {
-	let i = Math.max(he(e, 19, !0) / 2, 6);
+var me = .73;
+function he(e, t, [n, r]) {
+	let i = Math.max(pe(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ge * 19 / 2 - 1,
+		y0: r - me * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ge * 19 / 2 + (t ? 3 : 1)
+		y1: r + me * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ce(a, 2) : a;
+	return t ? oe(a, 2) : a;
 }
-function ve(e, t) {
+function ge(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -349,9 +349,9 @@ function ve(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var ye = Symbol.for("pv"), be = 0;
+var _e = Symbol.for("pv"), ve = 0;
 Array.isArray;
-function L(t, n, r, i, a, o) {
+function z(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -365,47 +365,68 @@ function L(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: ye,
-		__v: --be,
+		constructor: _e,
+		__v: --ve,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var xe = [100, 84];
-function R(e, t) {
-	return [e * xe[0], t * xe[1]];
+var ye = [100, 84];
+function B(e, t) {
+	return [e * ye[0], t * ye[1]];
 }
-var z = 18;
-function Se(e) {
-	let t = Math.max(1, Math.ceil((e.ports?.length ?? 0) / 2)), n = e.ports ?? [], r = Math.max(0, ...n.filter((e, t) => t % 2 == 0).map((e) => he(e, 9))), i = Math.max(0, ...n.filter((e, t) => t % 2 == 1).map((e) => he(e, 9)));
-	return [Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), r + i + 26), 22 + t * z];
+var V = 18;
+function be(e, t) {
+	return (e.ports ?? []).map((n, r) => {
+		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
+		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
+	}).join("");
 }
-function Ce(e) {
-	let [t, n] = Se(e), r = /* @__PURE__ */ new Map();
-	return (e.ports ?? []).forEach((e, i) => {
-		let a = Math.floor(i / 2);
-		r.set(e, [i % 2 ? t / 2 : -t / 2, -n / 2 + 24 + a * z]);
-	}), r;
+function xe(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => pe(e, 9))), a = (e) => r(e).reduce((e, t) => e + pe(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, pe(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * V / 2 : 0, l = o ? c - 15 : 4;
+	return {
+		half: s / 2,
+		first: c,
+		title: l,
+		top: l - (r("n").length ? 27 : 15),
+		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
+	};
 }
-function we(e, t, n) {
+function Se(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = xe(e, t), o = /* @__PURE__ */ new Map(), s = {
+		e: 0,
+		w: 0,
+		n: 0,
+		s: 0
+	};
+	return (e.ports ?? []).forEach((e, c) => {
+		let l = t[c], u = s[l]++;
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * V]);
+		else {
+			let r = [...t].filter((e) => e === l).length;
+			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
+		}
+	}), o;
+}
+function Ce(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let [t, r] = Se(e);
+		let { half: t, top: i, bottom: a } = xe(e, r);
 		return {
-			x0: n[0] - t / 2,
-			y0: n[1] - r / 2,
-			x1: n[0] + t / 2,
-			y1: n[1] + r / 2
+			x0: n[0] - t,
+			y0: n[1] + i,
+			x1: n[0] + t,
+			y1: n[1] + a
 		};
 	}
-	return _e(e.letters, t, n);
+	return he(e.letters, t, n);
 }
-function Te(e, t, n, r) {
+function we(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), i = Ce(e).get(n);
-		if (i) {
-			let e = [r[0] + i[0], r[1] + i[1]];
+		let n = t.slice(e.name.length + 1), a = Se(e, i).get(n);
+		if (a) {
+			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
 				x0: e[0] - 1,
 				y0: e[1] - 1,
@@ -414,15 +435,15 @@ function Te(e, t, n, r) {
 			}];
 		}
 	}
-	return [r, we(e, n, r)];
+	return [r, Ce(e, n, r, i)];
 }
-var Ee = ([[e, t], [n, r]]) => ({
+var Te = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function De(e, t) {
+function Ee(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -434,68 +455,91 @@ function De(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Oe(e, t) {
+function De(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var ke = class extends x {
+var Oe = class extends x {
 	shouldComponentUpdate(e) {
-		return Oe(e, this.props);
+		return De(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Te(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty]), [r, i] = Te(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy]), a = de(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ L("g", {
+		let [t, n] = we(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = we(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = le(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ z("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "reach",
-					...Ee([a.tail, a.head])
+					...Te([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ L("line", {
+				e.flow !== 0 && /* @__PURE__ */ z("line", {
 					class: "power",
-					...Ee(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Te(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line",
-					...Ee([a.tail, a.head])
+					...Te([a.tail, a.head])
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line barb",
-					...Ee(a.barb)
+					...Te(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ee(fe(a, e))
+					...Te(ue(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ee(fe(a, e))
+					...Te(ue(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ L("path", {
+				o?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("text", {
+				e.effort && /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("text", {
 					class: "value",
-					...De(a, 1),
+					...Ee(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ L("text", {
+				}), /* @__PURE__ */ z("text", {
 					class: "value",
-					...De(a, -1),
+					...Ee(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
+function ke(e, t, n) {
+	return e === "n" ? {
+		x: t,
+		y: n + 13,
+		"text-anchor": "middle"
+	} : e === "s" ? {
+		x: t,
+		y: n - 6,
+		"text-anchor": "middle"
+	} : {
+		x: e === "w" ? t + 6 : t - 6,
+		y: n + 3,
+		"text-anchor": e === "w" ? "start" : "end"
+	};
+}
 function Ae(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
-	return a === "s" ? {
+	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
+		x: s + 8,
+		y: t.y1 - e.y + 13,
+		anchor: "start"
+	} : {
+		x: s,
+		y: t.y0 - e.y - 4 - o + 13,
+		anchor: "middle"
+	} : e.node.kind === "part" || a === "s" ? {
 		x: s,
 		y: t.y1 - e.y + 13,
 		anchor: "middle"
@@ -519,10 +563,10 @@ function Ae(e, t, n) {
 }
 var je = class extends x {
 	shouldComponentUpdate(e) {
-		return Oe(e, this.props);
+		return De(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = we(t, r, [e.x, e.y]), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ce(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -543,59 +587,57 @@ var je = class extends x {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Ae(e, i, s.length), l = ge * 19 / 2, [u, d] = t.kind === "part" ? Se(t) : [0, 0];
-		return /* @__PURE__ */ L("g", {
+		], c = Ae(e, i, s.length), l = me * 19 / 2, u = xe(t, e.ports);
+		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ L(b, { children: [
-					/* @__PURE__ */ L("rect", {
+				t.kind === "part" ? /* @__PURE__ */ z(b, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "frame",
-						x: -u / 2,
-						y: -d / 2,
-						width: u,
-						height: d,
+						x: -u.half,
+						y: u.top,
+						width: 2 * u.half,
+						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "title",
-						y: -d / 2 + 14,
+						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ce(t)].map(([e, [n, r]]) => /* @__PURE__ */ L("g", {
+					[...Se(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
 						class: "port",
-						"data-port": `${t.name}.${e}`,
+						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ z("circle", {
 								class: "hit",
-								cx: n,
-								cy: r,
+								cx: r,
+								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ L("circle", {
-								cx: n,
-								cy: r,
+							/* @__PURE__ */ z("circle", {
+								cx: r,
+								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ L("text", {
-								x: n < 0 ? n + 6 : n - 6,
-								y: r + 3,
-								"text-anchor": n < 0 ? "start" : "end",
-								children: e
+							/* @__PURE__ */ z("text", {
+								...ke(e.ports[a], r, i),
+								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ L(b, { children: [
-					/* @__PURE__ */ L("rect", {
+				] }) : /* @__PURE__ */ z(b, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ L("rect", {
+					r && /* @__PURE__ */ z("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -603,43 +645,43 @@ var je = class extends x {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ L("text", {
+					r && /* @__PURE__ */ z("text", {
 						class: "subscript",
-						x: he(t.letters, 19, !0) / 2 - 3.5,
+						x: pe(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, n) => /* @__PURE__ */ L("text", {
+				s.map((e, t) => /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: c.x,
-					y: (t.kind === "part" ? d / 2 + 13 : c.y) + 13 * n,
-					"text-anchor": t.kind === "part" ? "middle" : c.anchor,
+					y: c.y + 13 * t,
+					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ L("g", {
+				e.selected && /* @__PURE__ */ z("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ z("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ z("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -1052,7 +1094,7 @@ var ze = class extends x {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * xe[0]), i = e.map((e) => e.y * xe[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * ye[0]), i = e.map((e) => e.y * ye[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1250,7 +1292,7 @@ var ze = class extends x {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / xe[0], r = e.y + n[1] / xe[1];
+						let t = e.x + n[0] / ye[0], r = e.y + n[1] / ye[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1259,13 +1301,13 @@ var ze = class extends x {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = R(t.x, t.y);
+						let [r, i] = B(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ve(t.now, this.centre(t.from))) < 30 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...He(t.now, this.centre(t.from))) < 30 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1292,16 +1334,20 @@ var ze = class extends x {
 			}
 		} });
 	}
+	centreOf(e, t, n, r) {
+		let i = e.split(".")[0];
+		return we(t.get(i), e, !1, n.get(i), r.get(i))[0];
+	}
 	centre(e) {
 		let t = this.props.state.look.view.nodes.find((t) => t.name === e.split(".")[0]);
-		return t ? R(t.x, t.y) : [0, 0];
+		return t ? B(t.x, t.y) : [0, 0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = He[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ue[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1312,7 +1358,7 @@ var ze = class extends x {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? Ue(r, a, o) : e;
+			let n = a ? We(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1353,14 +1399,14 @@ var ze = class extends x {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / xe[0] * 4) / 4, Math.round(a / xe[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / ye[0] * 4) / 4, Math.round(a / ye[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ z("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = R(e.x, e.y);
+			let [t, n] = B(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1369,13 +1415,28 @@ var ze = class extends x {
 			let t = [...e.ends].sort().join("|");
 			f.set(t, [...f.get(t) ?? [], e.key]);
 		}
-		let p = e.cursor?.values, m = p ? Math.max(1e-300, ...Object.values(p).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, h = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ L("div", {
+		let p = /* @__PURE__ */ new Map();
+		for (let e of a.view.bonds) for (let [t, n, r] of [[
+			e.ends[0],
+			e.tail,
+			e.head
+		], [
+			e.ends[1],
+			e.head,
+			e.tail
+		]]) {
+			let [e, i] = p.get(t) ?? [0, 0], [a, o] = [c.get(n), c.get(r)];
+			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
+		}
+		let m = /* @__PURE__ */ new Map();
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, be(e, p));
+		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
+		return /* @__PURE__ */ z("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ L("svg", {
+				/* @__PURE__ */ z("svg", {
 					ref: this.svg,
 					tabIndex: 0,
 					role: "application",
@@ -1388,19 +1449,19 @@ var ze = class extends x {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
+						/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
 							id: "dots",
-							width: xe[0] / 4,
-							height: xe[1] / 4,
+							width: ye[0] / 4,
+							height: ye[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ L("circle", {
+							children: /* @__PURE__ */ z("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ L("marker", {
+						}), /* @__PURE__ */ z("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1408,25 +1469,25 @@ var ze = class extends x {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ L("path", {
+							children: /* @__PURE__ */ z("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ L("rect", {
+						n.k > .45 && /* @__PURE__ */ z("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ L("g", {
+						/* @__PURE__ */ z("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = de(we(t, u(t), r), we(n, u(n), i), r, i, 7);
-									return /* @__PURE__ */ L("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = le(Ce(t, u(t), r, h(t.name)), Ce(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ z("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1436,8 +1497,8 @@ var ze = class extends x {
 									});
 								}),
 								a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), h = p?.[t.key];
-									return /* @__PURE__ */ L(ke, {
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
+									return /* @__PURE__ */ z(Oe, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1447,31 +1508,31 @@ var ze = class extends x {
 										hy: s[1],
 										tailControlled: u(r),
 										headControlled: u(i),
+										tailPorts: h(t.tail),
+										headPorts: h(t.head),
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: h && n.k > .6 ? Re(h.e, h.units[0]) : "",
-										rate: h && n.k > .6 ? Re(h.f, h.units[1]) : "",
-										flow: e.flowing && h ? (h.e ?? 0) * (h.f ?? 0) / m : 0
+										effort: p && n.k > .6 ? Re(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? Re(p.f, p.units[1]) : "",
+										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key + t.text);
 								}),
-								a.view.nodes.map((t) => /* @__PURE__ */ L(je, {
+								a.view.nodes.map((t) => /* @__PURE__ */ z(je, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
 									state: o.nodes[t.name],
 									selected: e.nodes.has(t.name),
-									target: h === t.name || e.bondFrom === t.name,
-									taken: [...ve(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									ports: h(t.name),
+									target: v === t.name || e.bondFrom === t.name,
+									taken: [...ge(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)),
-								r?.kind === "wire" && /* @__PURE__ */ L("line", {
-									class: "wire",
-									x1: Te(l.get(r.from.split(".")[0]), r.from, !1, c.get(r.from.split(".")[0]))[0][0],
-									y1: Te(l.get(r.from.split(".")[0]), r.from, !1, c.get(r.from.split(".")[0]))[0][1],
-									x2: r.now[0],
-									y2: r.now[1]
+								r?.kind === "wire" && /* @__PURE__ */ z(Be, {
+									from: this.centreOf(r.from, l, c, m),
+									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ L("rect", {
+								r?.kind === "box" && /* @__PURE__ */ z("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1482,7 +1543,7 @@ var ze = class extends x {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+				r?.kind === "wire" && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1493,11 +1554,11 @@ var ze = class extends x {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(Be, {
+				e.instant && /* @__PURE__ */ z(Ve, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ L("div", {
+				e.bondFrom && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1509,22 +1570,22 @@ var ze = class extends x {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ z("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1532,23 +1593,23 @@ var ze = class extends x {
 						})
 					]
 				}),
-				/* @__PURE__ */ L(We, {
+				/* @__PURE__ */ z(Ge, {
 					state: e,
 					sight: n
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(b, { children: [" › ", /* @__PURE__ */ L("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(b, { children: [" › ", /* @__PURE__ */ z("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+						!a.view.editable && /* @__PURE__ */ z("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1559,13 +1620,22 @@ var ze = class extends x {
 		});
 	}
 };
-function Be({ store: e, state: t }) {
+function Be({ from: e, to: t }) {
+	return /* @__PURE__ */ z("line", {
+		class: "wire",
+		x1: e[0],
+		y1: e[1],
+		x2: t[0],
+		y2: t[1]
+	});
+}
+function Ve({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
@@ -1578,14 +1648,14 @@ function Be({ store: e, state: t }) {
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ L("b", { children: i.kind }),
+			/* @__PURE__ */ z("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ z("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1594,13 +1664,13 @@ function Be({ store: e, state: t }) {
 		]
 	});
 }
-var Ve = (e, t) => [e[0] - t[0], e[1] - t[1]], He = {
+var He = (e, t) => [e[0] - t[0], e[1] - t[1]], Ue = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function Ue(e, t, [n, r]) {
+function We(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1610,56 +1680,56 @@ function Ue(e, t, [n, r]) {
 	}
 	return i;
 }
-function We({ state: e, sight: t }) {
+function Ge({ state: e, sight: t }) {
 	let n = e.look.view.nodes;
 	if (n.length < 25) return null;
 	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / xe[0],
-		y: -t.y / t.k / xe[1]
+		x: -t.x / t.k / ye[0],
+		y: -t.y / t.k / ye[1]
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ z("svg", {
 		class: "minimap",
 		viewBox: `${a} ${o} ${s} ${c}`,
 		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ L("circle", {
+		children: [n.map((e) => /* @__PURE__ */ z("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: s / 90
-		})), /* @__PURE__ */ L("rect", {
+		})), /* @__PURE__ */ z("rect", {
 			x: l.x,
 			y: l.y,
-			width: 900 / t.k / xe[0],
-			height: 500 / t.k / xe[1]
+			width: 900 / t.k / ye[0],
+			height: 500 / t.k / ye[1]
 		})]
 	});
 }
 // node_modules/preact/hooks/dist/hooks.mjs
-var Ge, B, Ke, qe, Je = Object.is, Ye = 0, Xe = [], Ze = [], V = e, Qe = V.__b, $e = V.__r, et = V.diffed, tt = V.__c, nt = V.unmount, rt = V.__;
-function it(e, t) {
-	V.__h && V.__h(B, e, Ye || t), Ye = 0;
-	var n = B.__H || (B.__H = {
+var Ke, H, qe, Je, Ye = Object.is, Xe = 0, Ze = [], Qe = [], U = e, $e = U.__b, et = U.__r, tt = U.diffed, nt = U.__c, rt = U.unmount, it = U.__;
+function at(e, t) {
+	U.__h && U.__h(H, e, Xe || t), Xe = 0;
+	var n = H.__H || (H.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function H(e) {
-	return Ye = 1, at(ht, e);
+function ot(e) {
+	return Xe = 1, st(vt, e);
 }
-function at(e, t, n) {
-	var r = it(Ge++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : ht(void 0, t), function(e) {
+function st(e, t, n) {
+	var r = at(Ke++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : vt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		Je(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = B, !B.__f)) {
-		B.__f = !0;
-		var i = B.shouldComponentUpdate;
-		B.shouldComponentUpdate = function(e, t, n) {
+		Ye(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = H, !H.__f)) {
+		H.__f = !0;
+		var i = H.shouldComponentUpdate;
+		H.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, Je(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, Ye(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1669,67 +1739,67 @@ function at(e, t, n) {
 	}
 	return r.__;
 }
-function U(e, t) {
-	var n = it(Ge++, 3);
-	!V.__s && mt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+function ct(e, t) {
+	var n = at(Ke++, 3);
+	!U.__s && _t(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, H.__H.__h.push(n));
 }
-function ot(e) {
-	return Ye = 5, st(function() {
+function lt(e) {
+	return Xe = 5, ut(function() {
 		return { current: e };
 	}, []);
 }
-function st(e, t) {
-	var n = it(Ge++, 7);
-	return mt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function ut(e, t) {
+	var n = at(Ke++, 7);
+	return _t(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function ct() {
+function dt() {
 	var e;
 	do {
-		for (; e = Ze.shift();) try {
-			ft(e);
+		for (; e = Qe.shift();) try {
+			ht(e);
 		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
+			U.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = Xe.shift();) {
+		for (; e = Ze.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(ft), t.__h.some(pt), t.__h = [];
+				t.__h.some(ht), t.__h.some(gt), t.__h = [];
 			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
+				t.__h = [], U.__e(n, e.__v);
 			}
 		}
-	} while (Ze.length);
+	} while (Qe.length);
 }
-V.__b = function(e) {
-	B = null, Qe && Qe(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), rt && rt(e, t);
-}, V.__r = function(e) {
-	$e && $e(e), Ge = 0;
-	var t = (B = e.__c).__H;
-	t && (Ke == B ? B.__h = [] : (t.__h.some(ft), t.__h.some(pt), Ge = 0), t.__h = [], t.__.some(function(e) {
+U.__b = function(e) {
+	H = null, $e && $e(e);
+}, U.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), it && it(e, t);
+}, U.__r = function(e) {
+	et && et(e), Ke = 0;
+	var t = (H = e.__c).__H;
+	t && (qe == H ? H.__h = [] : (t.__h.some(ht), t.__h.some(gt), Ke = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Ke = B;
-}, V.diffed = function(e) {
-	et && et(e);
+	})), qe = H;
+}, U.diffed = function(e) {
+	tt && tt(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && dt(Xe.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && mt(Ze.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Ke = B = null;
-}, V.__c = function(e, t) {
+	})), qe = H = null;
+}, U.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(ft), e.__h = e.__h.filter(function(e) {
-				return !e.__ || pt(e);
+			e.__h.some(ht), e.__h = e.__h.filter(function(e) {
+				return !e.__ || gt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), tt && tt(e, t);
-}, V.unmount = function(e) {
-	nt && nt(e);
+	}), nt && nt(e, t);
+}, U.unmount = function(e) {
+	rt && rt(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1738,50 +1808,50 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, dt(Ze.push(r));
-			} else ft(r);
+				r.__P = n, mt(Qe.push(r));
+			} else ht(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
+	}), r.__H = void 0, t && U.__e(t, r.__v));
 };
-var lt = typeof requestAnimationFrame == "function";
-function ut(e) {
-	var t, n = function() {
-		clearTimeout(r), lt && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	lt && (t = requestAnimationFrame(n));
-}
-function dt(e) {
-	e != 1 && qe == V.requestAnimationFrame || ((qe = V.requestAnimationFrame) || ut)(ct);
-}
-function ft(e) {
-	var t = B, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), B = t;
-}
+var ft = typeof requestAnimationFrame == "function";
 function pt(e) {
-	var t = B;
-	e.__c = e.__(), B = t;
+	var t, n = function() {
+		clearTimeout(r), ft && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	ft && (t = requestAnimationFrame(n));
 }
-function mt(e, t) {
+function mt(e) {
+	e != 1 && Je == U.requestAnimationFrame || ((Je = U.requestAnimationFrame) || pt)(dt);
+}
+function ht(e) {
+	var t = H, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), H = t;
+}
+function gt(e) {
+	var t = H;
+	e.__c = e.__(), H = t;
+}
+function _t(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !Je(t, e[n]);
+		return !Ye(t, e[n]);
 	});
 }
-function ht(e, t) {
+function vt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var gt = 100;
-function _t({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	U(() => s(0), [c?.run]), U(() => {
+var yt = 100;
+function bt({ store: e, state: t }) {
+	let [n, r] = ot([]), [i, a] = ot(0), [o, s] = ot(0), c = t.run;
+	ct(() => s(0), [c?.run]), ct(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: gt
+			count: yt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1789,15 +1859,15 @@ function _t({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "events",
 		tabIndex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
@@ -1805,44 +1875,44 @@ function _t({ store: e, state: t }) {
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
 				class: "warning",
 				children: e
 			})),
-			i > gt && /* @__PURE__ */ L("p", { children: [
-				/* @__PURE__ */ L("button", {
+			i > yt && /* @__PURE__ */ z("p", { children: [
+				/* @__PURE__ */ z("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - gt)),
+					onClick: () => s(Math.max(0, o - yt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + gt, i),
+				Math.min(o + yt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ L("button", {
-					disabled: o + gt >= i,
-					onClick: () => s(o + gt),
+				/* @__PURE__ */ z("button", {
+					disabled: o + yt >= i,
+					onClick: () => s(o + yt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ L("b", { children: Re(n.t, "s") }),
+						/* @__PURE__ */ z("b", { children: Re(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ L("i", { children: n.cause }),
+						/* @__PURE__ */ z("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", vt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", xt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(yt, {
+				}), n.event === l && /* @__PURE__ */ z(St, {
 					store: e,
 					state: t,
 					event: n
@@ -1851,18 +1921,18 @@ function _t({ store: e, state: t }) {
 		]
 	});
 }
-function vt(e) {
+function xt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function yt({ store: e, state: t, event: n }) {
+function St({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1874,32 +1944,32 @@ function yt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ L("p", { children: [
+			/* @__PURE__ */ z("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ L("p", {
+			i.fired.map((e) => /* @__PURE__ */ z("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ L("b", { children: e.machine }),
+					/* @__PURE__ */ z("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ L("code", { children: e.why })
+					/* @__PURE__ */ z("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
 				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ie(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ L("p", { children: [
+			i.energy && /* @__PURE__ */ z("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -1909,17 +1979,17 @@ function yt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/fields.tsx
-var bt = 0;
-function xt(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++bt}`), i = ot(!1);
-	return U(() => {
+var Ct = 0;
+function wt(e) {
+	let [t, n] = ot(e.value), [r] = ot(() => `list${++Ct}`), i = lt(!1);
+	return ct(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("input", {
+	}, [e.value]), /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -1936,20 +2006,20 @@ function xt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ L("datalist", {
+	}), e.list && /* @__PURE__ */ z("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
 	})] });
 }
-function St(e) {
+function Tt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Ct = {
+var Et = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, wt = {
+}, Dt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1960,25 +2030,25 @@ var Ct = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Tt({ store: e, state: t }) {
+function Ot({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(kt, {
+	if (r.length === 1) return /* @__PURE__ */ z(Mt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ L("section", { children: [
-			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(xt, {
+		return /* @__PURE__ */ z("section", { children: [
+			/* @__PURE__ */ z("h2", { children: "Bond" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(wt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Et(e, t, r.key, n)
+				onWrite: (n) => void kt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ L("p", { children: [
+			a && /* @__PURE__ */ z("p", { children: [
 				"effort ",
 				Re(a.e, a.units[0]),
 				", flow ",
@@ -1987,49 +2057,49 @@ function Tt({ store: e, state: t }) {
 				" ",
 				a.e === null || a.f === null ? "—" : Re(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ L("div", {
+	] }), /* @__PURE__ */ z("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ L("button", {
-				onClick: () => Dt(e, r, "y"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => At(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ L("button", {
-				onClick: () => Dt(e, r, "x"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => At(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(Ot, {
+	})] }) : /* @__PURE__ */ z(jt, {
 		store: e,
 		state: t
 	});
 }
-async function Et(e, t, n, r) {
+async function kt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2044,33 +2114,33 @@ async function Et(e, t, n, r) {
 		text: r
 	}));
 }
-function Dt(e, t, n) {
+function At(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Ot({ store: e, state: t }) {
+function jt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(xt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Model" }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(wt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ L("option", {
+			children: r.map((e) => /* @__PURE__ */ z("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2079,21 +2149,21 @@ function Ot({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ L("kbd", { children: "a" }),
+				/* @__PURE__ */ z("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ L("kbd", { children: "b" }),
+				/* @__PURE__ */ z("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function kt({ store: e, state: t, node: n }) {
+function Mt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2107,66 +2177,66 @@ function kt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(xt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(wt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(At, {
+		!s && n.kind !== "part" && /* @__PURE__ */ z(Nt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Ct[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(xt, {
+		Et[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(wt, {
 			label: `Start value ${e}`,
-			value: Nt(i[e]),
+			value: It(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], St(t))
+			onWrite: (t) => a([e], Tt(t))
 		})] })),
-		s && /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+		s && /* @__PURE__ */ z(b, { children: [
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ L("option", {
+				}), /* @__PURE__ */ z("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
 				disabled: r,
-				value: Nt(i.law),
+				value: It(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(wt[Nt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(xt, {
+			(Dt[It(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(wt, {
 				label: e,
-				value: Nt(i[e]),
+				value: It(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], St(t))
+				onWrite: (t) => a([e], Tt(t))
 			})] })),
-			/* @__PURE__ */ L(jt, {
+			/* @__PURE__ */ z(Pt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ L(b, { children: [
-			c && /* @__PURE__ */ L("p", {
+		n.kind === "part" && /* @__PURE__ */ z(b, { children: [
+			c && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2175,41 +2245,41 @@ function kt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(xt, {
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(wt, {
 					label: e,
-					value: Nt(t),
+					value: It(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], St(t))
+					onWrite: (t) => a(["parameters", e], Tt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(xt, {
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(wt, {
 				label: `Input ${e}`,
-				value: Nt(i.inputs?.[e]),
+				value: It(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Pt(t),
-				onWrite: (t) => a(["inputs", e], St(t))
+				list: Lt(t),
+				onWrite: (t) => a(["inputs", e], Tt(t))
 			})] })),
-			n.known && /* @__PURE__ */ L("button", {
+			n.known && /* @__PURE__ */ z("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ L("div", {
+		/* @__PURE__ */ z("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2218,11 +2288,11 @@ function kt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function At({ node: e, off: t, set: n }) {
+function Nt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(xt, {
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(wt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2230,31 +2300,31 @@ function At({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(xt, {
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(wt, {
 		label: "Value",
 		first: !0,
-		value: Nt(r),
+		value: It(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : St(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Tt(t) ?? 1);
 		}
 	})] });
 }
-function jt({ store: e, state: t, node: n }) {
+function Pt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Mt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Ft(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2267,14 +2337,14 @@ function jt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Mt(e, t) {
+function Ft(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Nt(e) {
+function It(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Pt(e) {
+function Lt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2282,7 +2352,7 @@ function Pt(e) {
 	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
 }
 // src/machines.tsx
-function Ft(e) {
+function Rt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2290,19 +2360,19 @@ function Ft(e) {
 		guard: t[3]
 	} : null;
 }
-function It({ store: e, state: t }) {
+function zt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L(Lt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ z(Bt, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ L("button", {
+		n.view.editable && /* @__PURE__ */ z("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Mt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Ft([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2318,23 +2388,23 @@ function It({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				/* @__PURE__ */ z("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				/* @__PURE__ */ z("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ L("code", { children: "x" }),
+				/* @__PURE__ */ z("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				/* @__PURE__ */ z("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Lt({ store: e, state: t, name: n, machine: r }) {
+function Bt({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2343,13 +2413,13 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 		...r,
 		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
 	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(xt, {
+				children: [/* @__PURE__ */ z(wt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2358,7 +2428,7 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ L("button", {
+				}), !a && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2369,15 +2439,15 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(Rt, {
+			/* @__PURE__ */ z(Vt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ L("div", {
+			c.map((e) => /* @__PURE__ */ z("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2389,7 +2459,7 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ L(xt, {
+					/* @__PURE__ */ z(wt, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2407,17 +2477,17 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Ft(t);
+									let r = Rt(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ z("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(xt, {
+					/* @__PURE__ */ z(wt, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2434,43 +2504,43 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Ft(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ L("div", {
+				let i = Rt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ z("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ L(b, { children: [
-						/* @__PURE__ */ L("select", {
+					children: [i ? /* @__PURE__ */ z(b, { children: [
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ L("select", {
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(xt, {
+						/* @__PURE__ */ z(wt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							list: Pt(t),
+							list: Lt(t),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ L("span", {
+						/* @__PURE__ */ z("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(xt, {
+					] }) : /* @__PURE__ */ z(wt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ L("button", {
+					}), !a && /* @__PURE__ */ z("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2478,21 +2548,21 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ L("div", {
+			!a && /* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Mt(c, "state")]: []
+							[Ft(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Ft(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Rt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2504,15 +2574,15 @@ function Lt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Rt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Ft).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ L("svg", {
+function Vt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Rt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ z("svg", {
 		class: "diagram",
 		viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 		role: "group",
 		"aria-label": "States and rules",
 		children: [
-			/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+			/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
 				id: "rulehead",
 				viewBox: "0 0 8 8",
 				refX: 7,
@@ -2520,26 +2590,26 @@ function Rt({ machine: e, now: t, onState: n }) {
 				markerWidth: 7,
 				markerHeight: 7,
 				orient: "auto",
-				children: /* @__PURE__ */ L("path", {
+				children: /* @__PURE__ */ z("path", {
 					d: "M0,1L8,4L0,7z",
 					class: "rulehead"
 				})
 			}) }),
 			a.map((e) => {
 				let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-				if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+				if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
 					class: "arc",
 					d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 					"marker-end": "url(#rulehead)",
-					children: /* @__PURE__ */ L("title", { children: e.guard })
+					children: /* @__PURE__ */ z("title", { children: e.guard })
 				});
 				let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-				return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+				return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
 					class: "arc",
 					d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 					"marker-end": "url(#rulehead)",
-					children: /* @__PURE__ */ L("title", { children: e.guard })
-				}), /* @__PURE__ */ L("text", {
+					children: /* @__PURE__ */ z("title", { children: e.guard })
+				}), /* @__PURE__ */ z("text", {
 					class: "guard",
 					x: (t + n) / 2,
 					y: .78 * c + (s < 0 ? -3 : 10),
@@ -2547,7 +2617,7 @@ function Rt({ machine: e, now: t, onState: n }) {
 					children: l
 				})] });
 			}),
-			r.map((r) => /* @__PURE__ */ L("g", {
+			r.map((r) => /* @__PURE__ */ z("g", {
 				class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 				role: "button",
 				tabIndex: 0,
@@ -2556,20 +2626,20 @@ function Rt({ machine: e, now: t, onState: n }) {
 				onClick: () => n(r),
 				onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 				children: [
-					/* @__PURE__ */ L("rect", {
+					/* @__PURE__ */ z("rect", {
 						x: i(r) - 38,
 						y: -14,
 						width: 76,
 						height: 28,
 						rx: 8
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						x: i(r),
 						y: 4,
 						"text-anchor": "middle",
 						children: r.length > 11 ? r.slice(0, 10) + "…" : r
 					}),
-					r === e.start && /* @__PURE__ */ L("circle", {
+					r === e.start && /* @__PURE__ */ z("circle", {
 						cx: i(r) - 38,
 						cy: -14,
 						r: 4
@@ -2580,23 +2650,23 @@ function Rt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/panels.tsx
-function zt({ store: e, state: t }) {
+function Ht({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(Vt, {
+		return /* @__PURE__ */ z(b, { children: [
+			/* @__PURE__ */ z("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ z(Wt, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ L("button", {
+			!r && /* @__PURE__ */ z("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2607,53 +2677,53 @@ function zt({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Mt(t, e)], s);
+					a([i, Ft(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ L("section", { children: [
+	return /* @__PURE__ */ z("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(xt, {
+		!t.level && /* @__PURE__ */ z(b, { children: [
+			/* @__PURE__ */ z("h2", { children: "Run" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(wt, {
 				label: "Until",
-				value: Nt(i.until),
+				value: It(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], St(e))
+				onWrite: (e) => void a(["experiment", "until"], Tt(e))
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
-				value: Nt(i.solver),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
+				value: It(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(xt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(wt, {
 				label: "Relative tolerance",
-				value: Nt(i.rtol),
+				value: It(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], St(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Tt(e))
 			})] })
 		] })
 	] });
 }
-var Bt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function Vt({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Bt.exec(Nt(i)) : null, [c] = H(() => s && Number(s[1]) || 1);
-	return /* @__PURE__ */ L("div", {
+var Ut = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function Wt({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Ut.exec(It(i)) : null, [c] = ot(() => s && Number(s[1]) || 1);
+	return /* @__PURE__ */ z("div", {
 		class: "entry",
 		"data-entry": r,
-		children: [/* @__PURE__ */ L("label", { children: [
-			/* @__PURE__ */ L(xt, {
+		children: [/* @__PURE__ */ z("label", { children: [
+			/* @__PURE__ */ z(wt, {
 				label: `Name ${r}`,
 				value: r,
 				disabled: a,
@@ -2663,23 +2733,23 @@ function Vt({ store: e, state: t, section: n, name: r, value: i }) {
 					new: t.trim()
 				})
 			}),
-			o ? /* @__PURE__ */ L(xt, {
+			o ? /* @__PURE__ */ z(wt, {
 				label: r,
-				value: Nt(i),
+				value: It(i),
 				disabled: a,
-				list: n === "signals" ? Pt(t) : void 0,
+				list: n === "signals" ? Lt(t) : void 0,
 				onWrite: (t) => void e.edit({
 					do: "set",
 					path: [n, r],
-					value: St(t)
+					value: Tt(t)
 				})
-			}) : /* @__PURE__ */ L(Ht, {
+			}) : /* @__PURE__ */ z(Gt, {
 				store: e,
 				path: [n, r],
 				value: i,
 				off: a
 			}),
-			!a && /* @__PURE__ */ L("button", {
+			!a && /* @__PURE__ */ z("button", {
 				class: "small",
 				"aria-label": `Delete ${r}`,
 				onClick: () => void e.edit({
@@ -2689,7 +2759,7 @@ function Vt({ store: e, state: t, section: n, name: r, value: i }) {
 				}),
 				children: "✕"
 			})
-		] }), s && !a && /* @__PURE__ */ L("input", {
+		] }), s && !a && /* @__PURE__ */ z("input", {
 			type: "range",
 			"aria-label": `Slider ${r}`,
 			min: -1,
@@ -2707,20 +2777,20 @@ function Vt({ store: e, state: t, section: n, name: r, value: i }) {
 		})]
 	});
 }
-function Ht({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ L("span", {
+function Gt({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ z("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(Ht, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(Gt, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(xt, {
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(wt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Nt(i),
+			value: It(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = St(r);
+				let i = Tt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -2733,58 +2803,58 @@ function Ht({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function Ut({ store: e, state: t }) {
+function Kt({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
-		/* @__PURE__ */ L("ul", {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
+		/* @__PURE__ */ z("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ L("li", {
+			children: n.map((t) => /* @__PURE__ */ z("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ z("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ L("b", { children: t.code }),
+						/* @__PURE__ */ z("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ L("i", { children: t.where }),
-						/* @__PURE__ */ L("span", { children: t.why }),
-						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ z("i", { children: t.where }),
+						/* @__PURE__ */ z("span", { children: t.why }),
+						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function Wt({ store: e, state: t }) {
+function qt({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "Elements" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("h2", { children: "Elements" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -2792,9 +2862,9 @@ function Wt({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ L("td", { children: [
+						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ z("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -2803,26 +2873,26 @@ function Wt({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ L("h2", { children: "Bonds" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("h2", { children: "Bonds" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -2830,17 +2900,17 @@ function Wt({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function Gt({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	U(() => {
+function Jt({ store: e, state: t }) {
+	let [n, r] = ot(null), [i, a] = ot(null), o = t.look.revision;
+	ct(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -2849,15 +2919,15 @@ function Gt({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: [
+			/* @__PURE__ */ z("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ L("textarea", {
+			/* @__PURE__ */ z("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -2866,13 +2936,13 @@ function Gt({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -2881,21 +2951,21 @@ function Gt({ store: e, state: t }) {
 		]
 	});
 }
-function Kt({ store: e, state: t }) {
-	let [n, r] = H("…"), i = t.look.revision;
-	return U(() => {
+function Yt({ store: e, state: t }) {
+	let [n, r] = ot("…"), i = t.look.revision;
+	return ct(() => {
 		let t = !1;
 		return e.transport.ask("equations").then((e) => !t && r(e.text)).catch((e) => !t && r(String(e.message))), () => {
 			t = !0;
 		};
-	}, [i]), /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: "Equations of all modes" }), /* @__PURE__ */ L("pre", {
+	}, [i]), /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: "Equations of all modes" }), /* @__PURE__ */ z("pre", {
 		class: "equations",
 		tabIndex: 0,
 		children: n
 	})] });
 }
 // src/palette.tsx
-function qt(e) {
+function Xt(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -2918,20 +2988,20 @@ function qt(e) {
 		parts: r
 	};
 }
-function Jt({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = qt(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function Zt({ store: e, state: t }) {
+	let [n, r] = ot(""), { kinds: i, parts: a } = Xt(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ L("aside", {
+	return /* @__PURE__ */ z("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ L("button", {
+				children: i.map((e) => /* @__PURE__ */ z("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -2942,27 +3012,27 @@ function Jt({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "shelves",
 				tabIndex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ L("details", {
+					return n.length ? /* @__PURE__ */ z("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ L("summary", { children: [
+						children: [/* @__PURE__ */ z("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ L("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							/* @__PURE__ */ z("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ z("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -2978,8 +3048,8 @@ function Jt({ store: e, state: t }) {
 		]
 	});
 }
-function Yt({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = qt(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function Qt({ store: e, state: t }) {
+	let [n, r] = ot(""), { kinds: i, parts: a } = Xt(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		e.set({ adding: !1 }), requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -2996,11 +3066,11 @@ function Yt({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ z("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3009,10 +3079,10 @@ function Yt({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("b", { children: e.letters }),
+				/* @__PURE__ */ z("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3020,65 +3090,65 @@ function Yt({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var Xt = !0, Zt = "uplot", Qt = "u-hz", $t = "u-vt", en = "u-title", tn = "u-wrap", nn = "u-under", rn = "u-over", an = "u-axis", on = "u-off", sn = "u-select", cn = "u-cursor-x", ln = "u-cursor-y", un = "u-cursor-pt", dn = "u-legend", fn = "u-live", pn = "u-inline", mn = "u-series", hn = "u-marker", gn = "u-label", _n = "u-value", vn = "width", yn = "height", bn = "top", xn = "bottom", Sn = "left", Cn = "right", wn = "#000", Tn = "#0000", En = "mousemove", Dn = "mousedown", On = "mouseup", kn = "mouseenter", An = "mouseleave", jn = "dblclick", Mn = "resize", Nn = "scroll", Pn = "change", Fn = "dppxchange", In = "--", Ln = typeof window < "u", Rn = Ln ? document : null, zn = Ln ? window : null, Bn = Ln ? navigator : null, W, Vn;
-function G() {
+var $t = !0, en = "uplot", tn = "u-hz", nn = "u-vt", rn = "u-title", an = "u-wrap", on = "u-under", sn = "u-over", cn = "u-axis", ln = "u-off", un = "u-select", dn = "u-cursor-x", fn = "u-cursor-y", pn = "u-cursor-pt", mn = "u-legend", hn = "u-live", gn = "u-inline", _n = "u-series", vn = "u-marker", yn = "u-label", bn = "u-value", xn = "width", Sn = "height", Cn = "top", wn = "bottom", Tn = "left", En = "right", Dn = "#000", On = "#0000", kn = "mousemove", An = "mousedown", jn = "mouseup", Mn = "mouseenter", Nn = "mouseleave", Pn = "dblclick", Fn = "resize", In = "scroll", Ln = "change", Rn = "dppxchange", zn = "--", W = typeof window < "u", Bn = W ? document : null, Vn = W ? window : null, G = W ? navigator : null, K, Hn;
+function Un() {
 	let e = devicePixelRatio;
-	W != e && (W = e, Vn && er(Pn, Vn, G), Vn = matchMedia(`(min-resolution: ${W - .001}dppx) and (max-resolution: ${W + .001}dppx)`), $n(Pn, Vn, G), zn.dispatchEvent(new CustomEvent(Fn)));
+	K != e && (K = e, Hn && nr(Ln, Hn, Un), Hn = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), tr(Ln, Hn, Un), Vn.dispatchEvent(new CustomEvent(Rn)));
 }
-function Hn(e, t) {
+function Wn(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function Un(e, t) {
+function Gn(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function K(e, t, n) {
+function q(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Wn(e, t, n, r) {
-	let i = Rn.createElement(e);
-	return t != null && Hn(i, t), n?.insertBefore(i, r), i;
+function Kn(e, t, n, r) {
+	let i = Bn.createElement(e);
+	return t != null && Wn(i, t), n?.insertBefore(i, r), i;
 }
-function Gn(e, t) {
-	return Wn("div", e, t);
+function qn(e, t) {
+	return Kn("div", e, t);
 }
-var q = /* @__PURE__ */ new WeakMap();
-function Kn(e, t, n, r, i) {
+var Jn = /* @__PURE__ */ new WeakMap();
+function Yn(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != q.get(e) && (e.style.transform = a, q.set(e, a), t < 0 || n < 0 || t > r || n > i ? Hn(e, on) : Un(e, on));
+	a != Jn.get(e) && (e.style.transform = a, Jn.set(e, a), t < 0 || n < 0 || t > r || n > i ? Wn(e, ln) : Gn(e, ln));
 }
-var qn = /* @__PURE__ */ new WeakMap();
-function Jn(e, t, n) {
+var Xn = /* @__PURE__ */ new WeakMap();
+function Zn(e, t, n) {
 	let r = t + n;
-	r != qn.get(e) && (qn.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != Xn.get(e) && (Xn.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var Yn = /* @__PURE__ */ new WeakMap();
-function Xn(e, t, n, r) {
+var J = /* @__PURE__ */ new WeakMap();
+function Qn(e, t, n, r) {
 	let i = t + "" + n;
-	i != Yn.get(e) && (Yn.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != J.get(e) && (J.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Zn = { passive: !0 }, Qn = {
-	...Zn,
+var $n = { passive: !0 }, er = {
+	...$n,
 	capture: !0
 };
-function $n(e, t, n, r) {
-	t.addEventListener(e, n, r ? Qn : Zn);
-}
-function er(e, t, n, r) {
-	t.removeEventListener(e, n, Zn);
-}
-Ln && G();
 function tr(e, t, n, r) {
+	t.addEventListener(e, n, r ? er : $n);
+}
+function nr(e, t, n, r) {
+	t.removeEventListener(e, n, $n);
+}
+W && Un();
+function rr(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : xr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : wr((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function J(e) {
+function ir(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3092,9 +3162,9 @@ function J(e) {
 		return [i, a];
 	};
 }
-var nr = (e) => e != null, rr = (e) => e != null && e > 0, ir = J(nr), ar = J(rr);
-function or(e, t, n, r = 0, i = !1) {
-	let a = i ? ar : ir, o = i ? rr : nr;
+var ar = (e) => e != null, or = (e) => e != null && e > 0, sr = ir(ar), cr = ir(or);
+function lr(e, t, n, r = 0, i = !1) {
+	let a = i ? cr : sr, o = i ? or : ar;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3105,106 +3175,106 @@ function or(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? Mr, c ?? -Mr];
+	return [s ?? X, c ?? -X];
 }
-function sr(e, t, n, r) {
-	let i = Dr(e), a = Dr(t);
+function ur(e, t, n, r) {
+	let i = Ar(e), a = Ar(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Or : kr, s = i == 1 ? xr : Cr, c = a == 1 ? Cr : xr, l = s(o(br(e))), u = c(o(br(t))), d = Er(n, l), f = Er(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Kr(e, d), t = Gr(t, f)), [e, t];
+	let o = n == 10 ? jr : Mr, s = i == 1 ? wr : Er, c = a == 1 ? Er : wr, l = s(o(Cr(e))), u = c(o(Cr(t))), d = kr(n, l), f = kr(n, u);
+	return n == 10 && (l < 0 && (d = Q(d, -l)), u < 0 && (f = Q(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Jr(e, d), t = qr(t, f)), [e, t];
 }
-function cr(e, t, n, r) {
-	let i = sr(e, t, n, r);
+function dr(e, t, n, r) {
+	let i = ur(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var lr = .1, ur = {
+var fr = .1, pr = {
 	mode: 3,
-	pad: lr
-}, dr = {
+	pad: fr
+}, mr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, fr = {
-	min: dr,
-	max: dr
+}, hr = {
+	min: mr,
+	max: mr
 };
-function pr(e, t, n, r) {
-	return ri(n) ? hr(e, t, n) : (dr.pad = n, dr.soft = r ? 0 : null, dr.mode = r ? 3 : 0, hr(e, t, fr));
+function gr(e, t, n, r) {
+	return ai(n) ? vr(e, t, n) : (mr.pad = n, mr.soft = r ? 0 : null, mr.mode = r ? 3 : 0, vr(e, t, hr));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function mr(e, t, n) {
+function _r(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function hr(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Mr), c = Y(i.hard, Mr), l = Y(r.soft, Mr), u = Y(i.soft, -Mr), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Or(p), h = Tr(br(e), br(t)), g = br(Or(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Mr && (a = 0), f == 2 && u != -Mr && (o = 0)));
-	let _ = p || h || 1e3, v = Er(10, xr(Or(_))), y = Z(Kr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Mr, x = Tr(s, y < b && e >= b ? b : wr(b, y)), S = Z(Gr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Mr, w = wr(c, S > C && t <= C ? C : Tr(C, S));
+function vr(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -X), c = Y(i.hard, X), l = Y(r.soft, X), u = Y(i.soft, -X), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = jr(p), h = Or(Cr(e), Cr(t)), g = Cr(jr(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != X && (a = 0), f == 2 && u != -X && (o = 0)));
+	let _ = p || h || 1e3, v = kr(10, wr(jr(_))), y = Q(Jr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : X, x = Or(s, y < b && e >= b ? b : Dr(b, y)), S = Q(qr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -X, w = Dr(c, S > C && t <= C ? C : Or(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var gr = new Intl.NumberFormat(Ln ? Bn.language : "en-US"), _r = (e) => gr.format(e), vr = Math, yr = vr.PI, br = vr.abs, xr = vr.floor, Sr = vr.round, Cr = vr.ceil, wr = vr.min, Tr = vr.max, Er = vr.pow, Dr = vr.sign, Or = vr.log10, kr = vr.log2, Ar = (e, t = 1) => vr.sinh(e) * t, jr = (e, t = 1) => vr.asinh(e / t), Mr = Infinity;
-function Nr(e) {
-	return (Or((e ^ e >> 31) - (e >> 31)) | 0) + 1;
-}
-function Pr(e, t, n) {
-	return wr(Tr(e, t), n);
-}
+var yr = new Intl.NumberFormat(W ? G.language : "en-US"), br = (e) => yr.format(e), xr = Math, Sr = xr.PI, Cr = xr.abs, wr = xr.floor, Tr = xr.round, Er = xr.ceil, Dr = xr.min, Or = xr.max, kr = xr.pow, Ar = xr.sign, jr = xr.log10, Mr = xr.log2, Nr = (e, t = 1) => xr.sinh(e) * t, Pr = (e, t = 1) => xr.asinh(e / t), X = Infinity;
 function Fr(e) {
+	return (jr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function Ir(e, t, n) {
+	return Dr(Or(e, t), n);
+}
+function Lr(e) {
 	return typeof e == "function";
 }
-function X(e) {
-	return Fr(e) ? e : () => e;
+function Z(e) {
+	return Lr(e) ? e : () => e;
 }
-var Ir = () => {}, Lr = (e) => e, Rr = (e, t) => t, zr = (e) => null, Br = (e) => !0, Vr = (e, t) => e == t, Hr = /\.\d*?(?=9{6,}|0{6,})/gm, Ur = (e) => {
-	if (ei(e) || qr.has(e)) return e;
-	let t = `${e}`, n = t.match(Hr);
+var Rr = () => {}, zr = (e) => e, Br = (e, t) => t, Vr = (e) => null, Hr = (e) => !0, Ur = (e, t) => e == t, Wr = /\.\d*?(?=9{6,}|0{6,})/gm, Gr = (e) => {
+	if (ni(e) || Yr.has(e)) return e;
+	let t = `${e}`, n = t.match(Wr);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Ur(e)}e${n}`;
+		return +`${Gr(e)}e${n}`;
 	}
-	return Z(e, r);
+	return Q(e, r);
 };
-function Wr(e, t) {
-	return Ur(Z(Ur(e / t)) * t);
-}
-function Gr(e, t) {
-	return Ur(Cr(Ur(e / t)) * t);
-}
 function Kr(e, t) {
-	return Ur(xr(Ur(e / t)) * t);
+	return Gr(Q(Gr(e / t)) * t);
 }
-function Z(e, t = 0) {
-	if (ei(e)) return e;
+function qr(e, t) {
+	return Gr(Er(Gr(e / t)) * t);
+}
+function Jr(e, t) {
+	return Gr(wr(Gr(e / t)) * t);
+}
+function Q(e, t = 0) {
+	if (ni(e)) return e;
 	let n = 10 ** t;
-	return Sr(e * n * (1 + 2 ** -52)) / n;
+	return Tr(e * n * (1 + 2 ** -52)) / n;
 }
-var qr = /* @__PURE__ */ new Map();
-function Jr(e) {
+var Yr = /* @__PURE__ */ new Map();
+function Xr(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Yr(e, t, n, r) {
-	let i = [], a = r.map(Jr);
+function Zr(e, t, n, r) {
+	let i = [], a = r.map(Xr);
 	for (let o = t; o < n; o++) {
-		let t = br(o), n = Z(Er(e, o), t);
+		let t = Cr(o), n = Q(kr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), qr.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Q(c, l);
+			i.push(u), Yr.set(u, l);
 		}
 	}
 	return i;
 }
-var Xr = {}, Zr = [], Qr = [null, null], $r = Array.isArray, ei = Number.isInteger, ti = (e) => e === void 0;
-function ni(e) {
+var Qr = {}, $r = [], ei = [null, null], ti = Array.isArray, ni = Number.isInteger, ri = (e) => e === void 0;
+function ii(e) {
 	return typeof e == "string";
 }
-function ri(e) {
+function ai(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3212,35 +3282,35 @@ function ri(e) {
 	}
 	return t;
 }
-function ii(e) {
+function oi(e) {
 	return typeof e == "object" && !!e;
 }
-var ai = Object.getPrototypeOf(Uint8Array), oi = "__proto__";
-function si(e, t = ri) {
+var si = Object.getPrototypeOf(Uint8Array), ci = "__proto__";
+function li(e, t = ai) {
 	let n;
-	if ($r(e)) {
+	if (ti(e)) {
 		let r = e.find((e) => e != null);
-		if ($r(r) || t(r)) {
+		if (ti(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = si(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = li(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof ai) n = e.slice();
+	} else if (e instanceof si) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != oi && (n[r] = si(e[r], t));
+		for (let r in e) r != ci && (n[r] = li(e[r], t));
 	} else n = e;
 	return n;
 }
-function ci(e) {
+function ui(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != oi && (ri(e[t]) ? ci(e[t], si(r[t])) : e[t] = si(r[t]));
+		for (let t in r) t != ci && (ai(e[t]) ? ui(e[t], li(r[t])) : e[t] = li(r[t]));
 	}
 	return e;
 }
-var li = 0, ui = 1, di = 2;
-function fi(e, t, n) {
+var di = 0, fi = 1, pi = 2;
+function mi(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3249,11 +3319,11 @@ function fi(e, t, n) {
 		}
 	}
 }
-function pi(e, t) {
-	if (gi(e)) {
+function hi(e, t) {
+	if (vi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return _i(t[0]) || (t = hi(t)), t;
+		return yi(t[0]) || (t = _i(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3265,18 +3335,18 @@ function pi(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : ui, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : fi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != li && (l[n] = t, u == di && d.push(n)) : l[n] = t;
+				t === null ? u != di && (l[n] = t, u == pi && d.push(n)) : l[n] = t;
 			}
-			fi(l, d, i), r.push(l);
+			mi(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var mi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function hi(e) {
+var gi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function _i(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3288,7 +3358,7 @@ function hi(e) {
 	}
 	return i;
 }
-function gi(e) {
+function vi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3299,14 +3369,14 @@ function gi(e) {
 	}
 	return !0;
 }
-function _i(e, t = 100) {
+function yi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Tr(1, xr((i - r + 1) / t));
+	let a = Or(1, wr((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3316,7 +3386,7 @@ function _i(e, t = 100) {
 	}
 	return !0;
 }
-var vi = [
+var bi = [
 	"January",
 	"February",
 	"March",
@@ -3329,7 +3399,7 @@ var vi = [
 	"October",
 	"November",
 	"December"
-], yi = [
+], xi = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3338,33 +3408,33 @@ var vi = [
 	"Friday",
 	"Saturday"
 ];
-function bi(e) {
+function Si(e) {
 	return e.slice(0, 3);
 }
-var xi = yi.map(bi), Si = {
-	MMMM: vi,
-	MMM: vi.map(bi),
-	WWWW: yi,
-	WWW: xi
+var Ci = xi.map(Si), wi = {
+	MMMM: bi,
+	MMM: bi.map(Si),
+	WWWW: xi,
+	WWW: Ci
 };
-function Ci(e) {
+function Ti(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function wi(e) {
+function Ei(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Ti = {
+var Di = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ci(e.getMonth() + 1),
+	MM: (e) => Ti(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ci(e.getDate()),
+	DD: (e) => Ti(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ci(e.getHours()),
+	HH: (e) => Ti(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3373,35 +3443,35 @@ var Ti = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ci(e.getMinutes()),
+	mm: (e) => Ti(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ci(e.getSeconds()),
+	ss: (e) => Ti(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => wi(e.getMilliseconds())
+	fff: (e) => Ei(e.getMilliseconds())
 };
-function Ei(e, t) {
-	t ||= Si;
+function Oi(e, t) {
+	t ||= wi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ti[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Di[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Di = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Oi(e, t) {
+var ki = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Ai(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Di ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == ki ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var ki = (e) => e % 1 == 0, Q = [
+var ji = (e) => e % 1 == 0, Mi = [
 	1,
 	2,
 	2.5,
 	5
-], Ai = Yr(10, -32, 0, Q), ji = Yr(10, 0, 32, Q), Mi = ji.filter(ki), Ni = Ai.concat(ji), Pi = "\n", Fi = "{YYYY}", Ii = Pi + Fi, Li = "{M}/{D}", Ri = Pi + Li, zi = Ri + "/{YY}", Bi = "{aa}", Vi = "{h}:{mm}" + Bi, Hi = Pi + Vi, Ui = ":{ss}", $ = null;
-function Wi(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Yr(10, 0, 3, Q).filter(ki) : Yr(10, -3, 0, Q)).concat([
+], Ni = Zr(10, -32, 0, Mi), Pi = Zr(10, 0, 32, Mi), Fi = Pi.filter(ji), Ii = Ni.concat(Pi), Li = "\n", Ri = "{YYYY}", zi = Li + Ri, Bi = "{M}/{D}", Vi = Li + Bi, Hi = Vi + "/{YY}", Ui = "{aa}", Wi = "{h}:{mm}" + Ui, Gi = Li + Wi, Ki = ":{ss}", $ = null;
+function qi(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Zr(10, 0, 3, Mi).filter(ji) : Zr(10, -3, 0, Mi)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -3445,7 +3515,7 @@ function Wi(e) {
 	]), c = [
 		[
 			o,
-			Fi,
+			Ri,
 			$,
 			$,
 			$,
@@ -3457,7 +3527,7 @@ function Wi(e) {
 		[
 			i * 28,
 			"{MMM}",
-			Ii,
+			zi,
 			$,
 			$,
 			$,
@@ -3467,8 +3537,8 @@ function Wi(e) {
 		],
 		[
 			i,
-			Li,
-			Ii,
+			Bi,
+			zi,
 			$,
 			$,
 			$,
@@ -3478,10 +3548,10 @@ function Wi(e) {
 		],
 		[
 			r,
-			"{h}" + Bi,
-			zi,
+			"{h}" + Ui,
+			Hi,
 			$,
-			Ri,
+			Vi,
 			$,
 			$,
 			$,
@@ -3489,10 +3559,10 @@ function Wi(e) {
 		],
 		[
 			n,
-			Vi,
-			zi,
+			Wi,
+			Hi,
 			$,
-			Ri,
+			Vi,
 			$,
 			$,
 			$,
@@ -3500,45 +3570,45 @@ function Wi(e) {
 		],
 		[
 			t,
-			Ui,
-			zi + " " + Vi,
+			Ki,
+			Hi + " " + Wi,
 			$,
-			Ri + " " + Vi,
+			Vi + " " + Wi,
 			$,
-			Hi,
+			Gi,
 			$,
 			1
 		],
 		[
 			e,
-			Ui + ".{fff}",
-			zi + " " + Vi,
+			Ki + ".{fff}",
+			Hi + " " + Wi,
 			$,
-			Ri + " " + Vi,
+			Vi + " " + Wi,
 			$,
-			Hi,
+			Gi,
 			$,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Q(g * e, 3), v = ra(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Q(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Sr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Q(ra(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Tr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
-					i = Z((+o + s) * e, 3), i <= u && p.push(i);
+					let o = ra(c + r * a, l + n * a, 1), s = o - t(Q(o * e, 3));
+					i = Q((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (xr(l) - xr(_)) + Gr(_ - y, a);
+				let a = d >= i ? i : d, o = y + (wr(l) - wr(_)) + qr(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = xr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Q(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = wr(Q(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Z((o - i) / d, 3) * v >= .7 && p.push(o);
+					Q((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -3550,12 +3620,12 @@ function Wi(e) {
 		l
 	];
 }
-var [Gi, Ki, qi] = Wi(1), [Ji, Yi, Xi] = Wi(.001);
-Yr(2, -53, 53, [1]);
-function Zi(e, t) {
+var [Ji, Yi, Xi] = qi(1), [Zi, Qi, $i] = qi(.001);
+Zr(2, -53, 53, [1]);
+function ea(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Qi(e, t) {
+function ta(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -3564,98 +3634,98 @@ function Qi(e, t) {
 		});
 	};
 }
-function $i(e, t) {
-	let n = Ei(t);
+function na(e, t) {
+	let n = Oi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function ea(e, t, n) {
+function ra(e, t, n) {
 	return new Date(e, t, n);
 }
-function ta(e, t) {
+function ia(e, t) {
 	return t(e);
 }
-var na = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function ra(e, t) {
-	return (n, r, i, a) => a == null ? In : t(e(r));
+var aa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function oa(e, t) {
+	return (n, r, i, a) => a == null ? zn : t(e(r));
 }
-function ia(e, t) {
+function sa(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function aa(e, t) {
+function ca(e, t) {
 	return e.series[t].fill(e, t);
 }
-var oa = {
+var la = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: Ir,
+	mount: Rr,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: ia,
-		fill: aa,
+		stroke: sa,
+		fill: ca,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function sa(e, t) {
-	let n = e.cursor.points, r = Gn(), i = n.size(e, t);
-	K(r, vn, i), K(r, yn, i);
+function ua(e, t) {
+	let n = e.cursor.points, r = qn(), i = n.size(e, t);
+	q(r, xn, i), q(r, Sn, i);
 	let a = i / -2;
-	K(r, "marginLeft", a), K(r, "marginTop", a);
+	q(r, "marginLeft", a), q(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && K(r, "borderWidth", o), r;
+	return o && q(r, "borderWidth", o), r;
 }
-function ca(e, t) {
+function da(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function la(e, t) {
+function fa(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function ua(e, t) {
+function pa(e, t) {
 	return e.series[t].points.size;
 }
-var da = [0, 0];
-function fa(e, t, n) {
-	return da[0] = t, da[1] = n, da;
+var ma = [0, 0];
+function ha(e, t, n) {
+	return ma[0] = t, ma[1] = n, ma;
 }
-function pa(e, t, n, r = !0) {
+function ga(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function ma(e, t, n, r = !0) {
+function _a(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var ha = {
+var va = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: fa,
+	move: ha,
 	points: {
 		one: !1,
-		show: sa,
-		size: ua,
+		show: ua,
+		size: pa,
 		width: 0,
-		stroke: la,
-		fill: ca
+		stroke: fa,
+		fill: da
 	},
 	bind: {
-		mousedown: pa,
-		mouseup: pa,
-		click: pa,
-		dblclick: pa,
-		mousemove: ma,
-		mouseleave: ma,
-		mouseenter: ma
+		mousedown: ga,
+		mouseup: ga,
+		click: ga,
+		dblclick: ga,
+		mousemove: _a,
+		mouseleave: _a,
+		mouseenter: _a
 	},
 	drag: {
 		setScale: !0,
@@ -3685,139 +3755,139 @@ var ha = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, ga = {
+}, ya = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, _a = ci({}, ga, { filter: Rr }), va = ci({}, _a, { size: 10 }), ya = ci({}, ga, { show: !1 }), ba = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", xa = "bold " + ba, Sa = 1.5, Ca = {
+}, ba = ui({}, ya, { filter: Br }), xa = ui({}, ba, { size: 10 }), Sa = ui({}, ya, { show: !1 }), Ca = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", wa = "bold " + Ca, Ta = 1.5, Ea = {
 	show: !0,
 	scale: "x",
-	stroke: wn,
+	stroke: Dn,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: xa,
+	labelFont: wa,
 	side: 2,
-	grid: _a,
-	ticks: va,
-	border: ya,
-	font: ba,
-	lineGap: Sa,
+	grid: ba,
+	ticks: xa,
+	border: Sa,
+	font: Ca,
+	lineGap: Ta,
 	rotate: 0
-}, wa = "Value", Ta = "Time", Ea = {
+}, Da = "Value", Oa = "Time", ka = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: Mr,
+	min: X,
 	max: -Infinity,
 	idxs: []
 };
-function Da(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : _r(e));
+function Aa(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : br(e));
 }
-function Oa(e, t, n, r, i, a, o) {
-	let s = [], c = qr.get(i) || 0;
-	n = o ? n : Z(Gr(n, i), c);
-	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function ja(e, t, n, r, i, a, o) {
+	let s = [], c = Yr.get(i) || 0;
+	n = o ? n : Q(qr(n, i), c);
+	for (let e = n; e <= r; e = Q(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function ka(e, t, n, r, i, a, o) {
+function Ma(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Er(c, xr((c == 10 ? Or : kr)(n))), c == 10 && (i = Ni[tr(i, Ni)]);
+	i = kr(c, wr((c == 10 ? jr : Mr)(n))), c == 10 && (i = Ii[rr(i, Ii)]);
 	let l = n, u = i * c;
-	c == 10 && (u = Ni[tr(u, Ni)]);
+	c == 10 && (u = Ii[rr(u, Ii)]);
 	do
-		s.push(l), l += i, c == 10 && !qr.has(l) && (l = Z(l, qr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Ni[tr(u, Ni)]));
+		s.push(l), l += i, c == 10 && !Yr.has(l) && (l = Q(l, Yr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Ii[rr(u, Ii)]));
 	while (l <= r);
 	return s;
 }
-function Aa(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ka(e, t, Tr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? ka(e, t, Tr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function Na(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ma(e, t, Or(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? Ma(e, t, Or(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ja = /./, Ma = /[12357]/, Na = /[125]/, Pa = /1/, Fa = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Ia(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ja : c(7, o) - u >= l ? Ma : c(5, o) - u >= l ? Na : Pa;
-	if (d == Pa) {
-		let e = br(c(1, o) - u);
-		if (e < l) return Fa(t.slice().reverse(), s.distr, d, Cr(l / e)).reverse();
+var Pa = /./, Fa = /[12357]/, Ia = /[125]/, La = /1/, Ra = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function za(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Pa : c(7, o) - u >= l ? Fa : c(5, o) - u >= l ? Ia : La;
+	if (d == La) {
+		let e = Cr(c(1, o) - u);
+		if (e < l) return Ra(t.slice().reverse(), s.distr, d, Er(l / e)).reverse();
 	}
-	return Fa(t, s.distr, d, 1);
+	return Ra(t, s.distr, d, 1);
 }
-function La(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = br(c(1, o) - c(2, o));
-	return l < s ? Fa(t.slice().reverse(), 3, ja, Cr(s / l)).reverse() : t;
+function Ba(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Cr(c(1, o) - c(2, o));
+	return l < s ? Ra(t.slice().reverse(), 3, Pa, Er(s / l)).reverse() : t;
 }
-function Ra(e, t, n, r) {
-	return r == null ? In : t == null ? "" : _r(t);
+function Va(e, t, n, r) {
+	return r == null ? zn : t == null ? "" : br(t);
 }
-var za = {
+var Ha = {
 	show: !0,
 	scale: "y",
-	stroke: wn,
+	stroke: Dn,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: xa,
+	labelFont: wa,
 	side: 3,
-	grid: _a,
-	ticks: va,
-	border: ya,
-	font: ba,
-	lineGap: Sa,
+	grid: ba,
+	ticks: xa,
+	border: Sa,
+	font: Ca,
+	lineGap: Ta,
 	rotate: 0
 };
-function Ba(e, t) {
-	return Z((3 + (e || 1) * 2) * t, 3);
+function Ua(e, t) {
+	return Q((3 + (e || 1) * 2) * t, 3);
 }
-function Va(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = br(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * W);
+function Wa(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Cr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
 	return r[1] - r[0] <= o;
 }
-var Ha = {
+var Ga = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: Mr,
+	min: X,
 	max: -Infinity
-}, Ua = (e, t, n, r, i) => i, Wa = {
+}, Ka = (e, t, n, r, i) => i, qa = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: Ua,
+	gaps: Ka,
 	alpha: 1,
-	facets: [ci({}, Ha, { scale: "x" }), ci({}, Ha, { scale: "y" })]
-}, Ga = {
+	facets: [ui({}, Ga, { scale: "x" }), ui({}, Ga, { scale: "y" })]
+}, Ja = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: Ua,
+	gaps: Ka,
 	alpha: 1,
 	points: {
-		show: Va,
+		show: Wa,
 		filter: null
 	},
 	values: null,
-	min: Mr,
+	min: X,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Ka(e, t, n, r, i) {
+function Ya(e, t, n, r, i) {
 	return n / 10;
 }
-var qa = {
-	time: Xt,
+var Xa = {
+	time: $t,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -3826,12 +3896,12 @@ var qa = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Ja = ci({}, qa, {
+}, Za = ui({}, Xa, {
 	time: !1,
 	ori: 1
-}), Ya = {};
-function Xa(e, t) {
-	let n = Ya[e];
+}), Qa = {};
+function $a(e, t) {
+	let n = Qa[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -3844,38 +3914,38 @@ function Xa(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Ya[e] = n)), n;
+	}, e != null && (Qa[e] = n)), n;
 }
-var Za = 1, Qa = 2;
-function $a(e, t, n) {
+var eo = 1, to = 2;
+function no(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, co, uo, po, ho, _o) : n(i, c, l, u, d, _, g, p, f, h, m, lo, fo, mo, go, vo);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, fo, mo, go, vo, bo) : n(i, c, l, u, d, _, g, p, f, h, m, po, ho, _o, yo, xo);
 }
-function eo(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Zr);
+function ro(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, $r);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function to(e, t, n, r, i) {
+function io(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function no(e, t, n, r, i, a) {
-	return $a(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? uo : fo, v, y;
+function ao(e, t, n, r, i, a) {
+	return no(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? mo : ho, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function ro(e, t, n, r, i, a) {
+function oo(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? po : mo, c = n;
+		let s = t == 0 ? go : _o, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -3888,11 +3958,11 @@ function ro(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function io(e, t, n) {
+function so(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function ao(e, t, n, r, i, a, o) {
+function co(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -3905,11 +3975,11 @@ function ao(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function oo(e) {
-	return e == 0 ? Lr : e == 1 ? Sr : (t) => Wr(t, e);
+function lo(e) {
+	return e == 0 ? zr : e == 1 ? Tr : (t) => Kr(t, e);
 }
-function so(e) {
-	let t = e == 0 ? co : lo, n = e == 0 ? (e, t, n, r, i, a) => {
+function uo(e) {
+	let t = e == 0 ? fo : po, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -3919,36 +3989,36 @@ function so(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = wr(c, o / 2, s / 2), l = wr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Dr(c, o / 2, s / 2), l = Dr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var co = (e, t, n) => {
+var fo = (e, t, n) => {
 	e.moveTo(t, n);
-}, lo = (e, t, n) => {
+}, po = (e, t, n) => {
 	e.moveTo(n, t);
-}, uo = (e, t, n) => {
+}, mo = (e, t, n) => {
 	e.lineTo(t, n);
-}, fo = (e, t, n) => {
+}, ho = (e, t, n) => {
 	e.lineTo(n, t);
-}, po = so(0), mo = so(1), ho = (e, t, n, r, i, a) => {
+}, go = uo(0), _o = uo(1), vo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, go = (e, t, n, r, i, a) => {
+}, yo = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, _o = (e, t, n, r, i, a, o) => {
+}, bo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, vo = (e, t, n, r, i, a, o) => {
+}, xo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function yo(e) {
-	return (e, t, n, r, i) => $a(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function So(e) {
+	return (e, t, n, r, i) => no(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = co, v = ho) : (_ = lo, v = go);
-		let y = Z(g.width * W, 3), b = (g.size - g.width) / 2 * W, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		po(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = fo, v = vo) : (_ = po, v = yo);
+		let y = Q(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Q(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		go(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, yr * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Sr * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -3961,25 +4031,25 @@ function yo(e) {
 		};
 	});
 }
-function bo(e) {
+function Co(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var xo = bo(uo), So = bo(fo);
-function Co(e) {
+var wo = Co(mo), To = Co(ho);
+function Eo(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => $a(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = ir(s, r, i);
+	return (e, n, r, i) => no(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = sr(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = uo, b = xo) : (y = fo, b = So);
+		c.ori == 0 ? (y = mo, b = wo) : (y = ho, b = To);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Za
+			flags: eo
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -3992,134 +4062,134 @@ function Co(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = eo(e, n);
+		let [T, E] = ro(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...ao(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = ro(l, c.ori, f, p, m, h);
+			w && l.push(...co(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = oo(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [no(e, n, r, i, C, -1), no(e, n, r, i, C, 1)] : no(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [ao(e, n, r, i, C, -1), ao(e, n, r, i, C, 1)] : ao(e, n, r, i, C, E)), S;
 	});
 }
-function wo(e) {
+function Do(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => $a(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = ir(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? uo : fo, T = {
+	return (e, a, o, s) => no(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = sr(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? mo : ho, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Za
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
-		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
+			flags: eo
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
+		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
+			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let j = ee;
-		i && t == 1 && (j = b + x, w(E, j, O));
-		let [te, ne] = eo(e, a);
-		if (c.fill != null || te != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
-			w(t, j, n), w(t, A, n);
+		let M = A;
+		i && t == 1 && (M = b + x, w(E, M, O));
+		let [ee, N] = ro(e, a);
+		if (c.fill != null || ee != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
+			w(t, M, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...ao(l, u, o, s, D, S, r));
-			let f = c.width * W / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...co(l, u, o, s, D, S, r));
+			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = ro(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = oo(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [no(e, a, o, s, E, -1), no(e, a, o, s, E, 1)] : no(e, a, o, s, E, ne)), T;
+		return N != 0 && (T.band = N == 2 ? [ao(e, a, o, s, E, -1), ao(e, a, o, s, E, 1)] : ao(e, a, o, s, E, N)), T;
 	});
 }
-function To(e, t, n, r, i, a, o = Mr) {
+function Oo(e, t, n, r, i, a, o = X) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = br(e[c] - e[s]);
-				t < l && (l = t, o = br(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Cr(e[c] - e[s]);
+				t < l && (l = t, o = Cr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Eo(e) {
-	e ||= Xr;
+function ko(e) {
+	e ||= Qr;
 	let t = Y(e.size, [
 		.6,
-		Mr,
+		X,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], Mr), c = Y(t[2], 1), l = Y(e.disp, Xr), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => $a(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * W, O = s * W, k = c * W, ee, A;
-		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
-		let j = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? po : mo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = Z(i), o = 1 - t[0], s = Y(t[1], X), c = Y(t[2], 1), l = Y(e.disp, Qr), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => no(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
+		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
+		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? go : _o, N = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Zr).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * W), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+		}, te = Y(e.bands, $r).find((e) => e.series[0] == t), ne = te == null ? 0 : te.dir, re = m.fillTo(e, t, m.min, m.max, ne), P = T(b(re, v, w, S)), F, I, ie, L = C, R = T(m.width * K), ae = !1, oe = null, se = null, ce = null, le = null;
+		d != null && (R == 0 || f != null) && (ae = !0, oe = d.values(e, t, i, p), se = /* @__PURE__ */ new Map(), new Set(oe).forEach((e) => {
+			e != null && se.set(e, new Path2D());
+		}), R > 0 && (ce = f.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = To(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = To(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Lr);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(Pr(he, k, O)), N = (E == 0 ? P / 2 : E == j ? 0 : P) - E * j * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: ue, size: de } = l;
+		if (ue != null && de != null) {
+			E = 1, h = ue.values(e, t, i, p), ue.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = de.values(e, t, i, p);
+			I = de.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), L = Oo(h, g, y, _, C, x, L), ie = L - I + D;
+		} else L = Oo(h, g, y, _, C, x, L), ie = L * o + D, I = L - ie;
+		ie < 1 && (ie = 0), R >= I / 2 && (R = 0), ie < 5 && (T = zr);
+		let fe = ie > 0, pe = L - ie - (fe ? R : 0);
+		I = T(Ir(pe, k, O)), F = (E == 0 ? I / 2 : E == M ? 0 : I) - E * M * ((E == 0 ? D / 2 : 0) + (fe ? R / 2 : 0));
+		let me = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, he = ae ? null : new Path2D(), ge = null;
+		if (te != null) ge = e.data[te.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ge = n.values(e, t, i, p));
 		}
-		let ye = ee * P, be = A * P;
-		for (let n = j == 1 ? i : p; n >= i && n <= p; n += j) {
+		let _e = A * I, ve = j * I;
+		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (ge != null) {
+				let e = ge[n] ?? 0;
 				if (r - e == 0) continue;
-				M = b(e, v, w, S);
+				P = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Tr(a, M)), c = T(wr(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, re), v, w, S), o = T(i - F), s = T(Or(a, P)), c = T(Dr(a, P)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + xr(I / 2), P, Tr(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + xr(I / 2), P, Tr(0, u - I), i, a)) : te(_e, o, c + xr(I / 2), P, Tr(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? ve : _e, a = r < 0 ? _e : ve;
+				ae ? (R > 0 && ce[n] != null && ee(le.get(ce[n]), o, c + wr(R / 2), I, Or(0, u - R), i, a), oe[n] != null && ee(se.get(oe[n]), o, c + wr(R / 2), I, Or(0, u - R), i, a)) : ee(he, o, c + wr(R / 2), I, Or(0, u - R), i, a), N(e, t, n, o - R / 2, c, I + R, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return R > 0 ? me.stroke = ae ? le : he : ae || (me._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, me.width = 0), me.fill = ae ? se : he, me;
 	});
 }
-function Do(e, t) {
+function Ao(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => $a(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = ir(c, i, a);
+	return (t, r, i, a) => no(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = sr(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = co, S = uo, x = _o) : (b = lo, S = fo, x = vo);
+		l.ori == 0 ? (b = fo, S = mo, x = bo) : (b = po, S = ho, x = xo);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4131,23 +4201,23 @@ function Do(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Za
-		}, k = O.stroke, [ee, A] = eo(t, r);
-		if (o.fill != null || ee != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
+			flags: eo
+		}, k = O.stroke, [A, j] = ro(t, r);
+		if (o.fill != null || A != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...ao(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = ro(e, l.ori, p, m, h, g);
+			e.push(...co(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = oo(e, l.ori, p, m, h, g);
 		}
-		return A != 0 && (O.band = A == 2 ? [no(t, r, i, a, k, -1), no(t, r, i, a, k, 1)] : no(t, r, i, a, k, A)), O;
+		return j != 0 && (O.band = j == 2 ? [ao(t, r, i, a, k, -1), ao(t, r, i, a, k, 1)] : ao(t, r, i, a, k, j)), O;
 	});
 }
-function Oo(e) {
-	return Do(ko, e);
+function jo(e) {
+	return Ao(Mo, e);
 }
-function ko(e, t, n, r, i, a) {
+function Mo(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4162,61 +4232,61 @@ function ko(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var Ao = /* @__PURE__ */ new Set();
-function jo() {
-	for (let e of Ao) e.syncRect(!0);
+var No = /* @__PURE__ */ new Set();
+function Po() {
+	for (let e of No) e.syncRect(!0);
 }
-Ln && ($n(Mn, zn, jo), $n(Nn, zn, jo, !0), $n(Fn, zn, () => {
-	qo.pxRatio = W;
+W && (tr(Fn, Vn, Po), tr(In, Vn, Po, !0), tr(Rn, Vn, () => {
+	Xo.pxRatio = K;
 }));
-var Mo = Co(), No = yo();
-function Po(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Io(e, r, t, n));
+var Fo = Eo(), Io = So();
+function Lo(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => zo(e, r, t, n));
 }
-function Fo(e, t) {
-	return e.map((e, n) => n == 0 ? {} : ci({}, t, e));
+function Ro(e, t) {
+	return e.map((e, n) => n == 0 ? {} : ui({}, t, e));
 }
-function Io(e, t, n, r) {
-	return ci({}, t == 0 ? n : r, e);
+function zo(e, t, n, r) {
+	return ui({}, t == 0 ? n : r, e);
 }
-function Lo(e, t, n) {
-	return t == null ? Qr : [t, n];
-}
-var Ro = Lo;
-function zo(e, t, n) {
-	return t == null ? Qr : pr(t, n, lr, !0);
-}
-function Bo(e, t, n, r) {
-	return t == null ? Qr : sr(t, n, e.scales[r].log, !1);
+function Bo(e, t, n) {
+	return t == null ? ei : [t, n];
 }
 var Vo = Bo;
-function Ho(e, t, n, r) {
-	return t == null ? Qr : cr(t, n, e.scales[r].log, !1);
+function Ho(e, t, n) {
+	return t == null ? ei : gr(t, n, fr, !0);
 }
-var Uo = Ho;
-function Wo(e, t, n, r, i) {
-	let a = Tr(Nr(e), Nr(t)), o = t - e, s = tr(i / r * o, n);
+function Uo(e, t, n, r) {
+	return t == null ? ei : ur(t, n, e.scales[r].log, !1);
+}
+var Wo = Uo;
+function Go(e, t, n, r) {
+	return t == null ? ei : dr(t, n, e.scales[r].log, !1);
+}
+var Ko = Go;
+function qo(e, t, n, r, i) {
+	let a = Or(Fr(e), Fr(t)), o = t - e, s = rr(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? qr.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Yr.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Go(e) {
+function Jo(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Sr((n = +r) * W)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Tr((n = +r) * K)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Ko(e) {
+function Yo(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * W, 1);
+		let t = Q(e[2] * K, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function qo(e, t, n) {
+function Xo(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -4232,33 +4302,33 @@ function qo(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Gn(Zt);
-	if (e.id != null && (l.id = e.id), Hn(l, e.class), e.title) {
-		let t = Gn(en, l);
+	let l = r.root = qn(en);
+	if (e.id != null && (l.id = e.id), Wn(l, e.class), e.title) {
+		let t = qn(rn, l);
 		t.textContent = e.title;
 	}
-	let u = Wn("canvas"), d = r.ctx = u.getContext("2d"), f = Gn(tn, l);
-	$n("click", f, (e) => {
-		e.target === m && (G != Pn || q != Ln) && Yn.click(r, e);
+	let u = Kn("canvas"), d = r.ctx = u.getContext("2d"), f = qn(an, l);
+	tr("click", f, (e) => {
+		e.target === m && (W != Dn || G != Fn) && Un.click(r, e);
 	}, !0);
-	let p = r.under = Gn(nn, f);
+	let p = r.under = qn(on, f);
 	f.appendChild(u);
-	let m = r.over = Gn(rn, f);
-	e = si(e);
-	let h = +Y(e.pxAlign, 1), g = oo(h);
+	let m = r.over = qn(sn, f);
+	e = li(e);
+	let h = +Y(e.pxAlign, 1), g = lo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? Po(e.series || [], Ea, Ga, !1) : Fo(e.series || [null], Wa), y = r.axes = Po(e.axes || [], Ca, za, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? Lo(e.series || [], ka, Ja, !1) : Ro(e.series || [null], qa), y = r.axes = Lo(e.axes || [], Ea, Ha, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
+		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
 		axes: Rt,
 		series: Dt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Or(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => jr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => jr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Pr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4267,30 +4337,30 @@ function qo(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Xr)[t] || Xr;
+			let r = (e.scales || Qr)[t] || Qr;
 			if (r.from != null) {
 				E(r.from);
-				let e = ci({}, b[r.from], r, { key: t });
+				let e = ui({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = ci({}, t == S ? qa : Ja, r), n.key = t;
-				let e = n.time, a = n.range, o = $r(a);
+				n = b[t] = ui({}, t == S ? Xa : Za, r), n.key = t;
+				let e = n.time, a = n.range, o = ti(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? ur : {
+					min: a[0] == null ? pr : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? ur : {
+					max: a[1] == null ? pr : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && ri(a))) {
+				}, o = !1), !o && ai(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Qr : pr(n, r, e);
+					a = (t, n, r) => n == null ? ei : gr(n, r, e);
 				}
-				n.range = X(a || (e ? Ro : t == S ? n.distr == 3 ? Vo : n.distr == 4 ? Uo : Lo : n.distr == 3 ? Bo : n.distr == 4 ? Ho : zo)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ka), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Z(a || (e ? Vo : t == S ? n.distr == 3 ? Wo : n.distr == 4 ? Ko : Bo : n.distr == 3 ? Uo : n.distr == 4 ? Go : Ho)), n.auto = Z(!o && n.auto), n.clamp = Z(n.clamp || Ya), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4300,107 +4370,107 @@ function qo(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, ee;
-	D.ori == 0 ? (Hn(l, Qt), k = a, ee = o) : (Hn(l, $t), k = o, ee = a);
-	let A = {};
+	let D = b[S], O = D.distr, k, A;
+	D.ori == 0 ? (Wn(l, tn), k = a, A = o) : (Wn(l, nn), k = o, A = a);
+	let j = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (A[e] = {
+		(t.min != null || t.max != null) && (j[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let j = e.tzDate || ((e) => new Date(Sr(e / _))), te = e.fmtDate || Ei, ne = _ == 1 ? qi(j) : Xi(j), re = Qi(j, Zi(_ == 1 ? Ki : Yi, te)), ie = ra(j, ta(na, te)), ae = [], M = r.legend = ci({}, oa, e.legend), N = r.cursor = ci({}, ha, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
-	if (M.live) {
+	let M = e.tzDate || ((e) => new Date(Tr(e / _))), ee = e.fmtDate || Oi, N = _ == 1 ? Xi(M) : $i(M), te = ta(M, ea(_ == 1 ? Yi : Qi, ee)), ne = oa(M, ia(aa, ee)), re = [], P = r.legend = ui({}, la, e.legend), F = r.cursor = ui({}, va, { drag: { y: i == 2 } }, e.cursor), I = P.show, ie = F.show, L = P.markers;
+	P.idxs = re, L.width = Z(L.width), L.dash = Z(L.dash), L.stroke = Z(L.stroke), L.fill = Z(L.fill);
+	let R, ae, oe, se = [], ce = [], le, ue = !1, de = {};
+	if (P.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = In;
+		ue = e != null, le = ue ? e(r, 1, 0) : { _: 0 };
+		for (let e in le) de[e] = zn;
 	}
-	if (P) {
-		if (I = Wn("table", dn, l), ce = Wn("tbody", null, I), M.mount(r, I), fe) {
-			se = Wn("thead", null, I, ce);
-			let e = Wn("tr", null, se);
-			for (var me in Wn("th", null, e), de) Wn("th", gn, e).textContent = me;
-		} else Hn(I, pn), M.live && Hn(I, fn);
+	if (I) {
+		if (R = Kn("table", mn, l), oe = Kn("tbody", null, R), P.mount(r, R), ue) {
+			ae = Kn("thead", null, R, oe);
+			let e = Kn("tr", null, ae);
+			for (var fe in Kn("th", null, e), le) Kn("th", yn, e).textContent = fe;
+		} else Wn(R, gn), P.live && Wn(R, hn);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return Qr;
-		let n = [], a = Wn("tr", mn, ce, ce.childNodes[t]);
-		Hn(a, e.class), e.show || Hn(a, on);
-		let o = Wn("th", null, a);
-		if (F.show) {
-			let e = Gn(hn, o);
+	let pe = { show: !0 }, me = { show: !1 };
+	function he(e, t) {
+		if (t == 0 && (ue || !P.live || i == 2)) return ei;
+		let n = [], a = Kn("tr", _n, oe, oe.childNodes[t]);
+		Wn(a, e.class), e.show || Wn(a, ln);
+		let o = Kn("th", null, a);
+		if (L.show) {
+			let e = qn(vn, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = L.width(r, t);
+				n && (e.style.border = n + "px " + L.dash(r, t) + " " + L.stroke(r, t)), e.style.background = L.fill(r, t);
 			}
 		}
-		let s = Gn(gn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
-			if (N._lock) return;
-			We(t);
+		let s = qn(yn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (L.show || (s.style.color = e.width > 0 ? L.stroke(r, t) : L.fill(r, t)), _e("click", o, (t) => {
+			if (F._lock) return;
+			He(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+			if ((t.ctrlKey || t.metaKey) != P.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && dr(r, e ? r == n ? he : ge : he, !0, Q.setSeries);
+					r > 0 && or(r, e ? r == n ? pe : me : pe, !0, ki.setSeries);
 				});
-			} else dr(n, { show: !e.show }, !0, Q.setSeries);
-		}, !1), Ke && ye(kn, o, (t) => {
-			N._lock || (We(t), dr(v.indexOf(e), kr, !0, Q.setSeries));
-		}, !1)), de) {
-			let e = Wn("td", _n, a);
+			} else or(n, { show: !e.show }, !0, ki.setSeries);
+		}, !1), Ge && _e(Mn, o, (t) => {
+			F._lock || (He(t), or(v.indexOf(e), xr, !0, ki.setSeries));
+		}, !1)), le) {
+			let e = Kn("td", bn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && ($n(e, t, a[e] = o), ve.set(t, a));
+	let ge = /* @__PURE__ */ new Map();
+	function _e(e, t, n, i = !0) {
+		let a = ge.get(t) || {}, o = F.bind[e](r, t, n, i);
+		o && (tr(e, t, a[e] = o), ge.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (er(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+	function ve(e, t, n) {
+		let r = ge.get(t) || {};
+		for (let n in r) (e == null || n == e) && (nr(n, t, r[n]), delete r[n]);
+		e ?? ge.delete(t);
 	}
-	let L = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let z = 0, ye = 0, B = 0, V = 0, be = 0, xe = 0, Se = be, Ce = xe, we = B, Te = V, Ee = 0, De = 0, Oe = 0, ke = 0;
 	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), zt(!1), Pe = !0, Ne = !0, Wt();
+	let Ae = !1, je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1;
+	function Ie(e, t, n) {
+		(n || e != r.width || t != r.height) && Le(e, t), zt(!1), Me = !0, je = !0, Wt();
 	}
-	function ze(e, t) {
-		r.width = L = R = e, r.height = xe = z = t, Se = Ce = 0, He(), Ue();
+	function Le(e, t) {
+		r.width = z = B = e, r.height = ye = V = t, be = xe = 0, Be(), Ve();
 		let n = r.bbox;
-		Oe = n.left = Wr(Se * W, .5), ke = n.top = Wr(Ce * W, .5), Ae = n.width = Wr(R * W, .5), je = n.height = Wr(z * W, .5);
+		Ee = n.left = Kr(be * K, .5), De = n.top = Kr(xe * K, .5), Oe = n.width = Kr(B * K, .5), ke = n.height = Kr(V * K, .5);
 	}
-	function Be() {
+	function Re() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = It(t), i = Lt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+			e = t == 3 || n && i, e || (Le(r.width, r.height), je = !0);
 		}
 	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
+	function ze({ width: e, height: t }) {
+		Ie(e, t);
 	}
-	r.setSize = Ve;
-	function He() {
+	r.setSize = ze;
+	function Be() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+				c > 0 && (s ? (B -= c, a == 3 ? (be += c, r = !0) : n = !0) : (V -= c, a == 0 ? (xe += c, e = !0) : t = !0));
 			}
-		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, R -= it[1] + it[3], Se += it[3], z -= it[2] + it[0], Ce += it[0];
+		}), U[0] = e, U[1] = n, U[2] = t, U[3] = r, B -= nt[1] + nt[3], be += nt[3], V -= nt[2] + nt[0], xe += nt[0];
 	}
-	function Ue() {
-		let e = Se + R, t = Ce + z, n = Se, r = Ce;
+	function Ve() {
+		let e = be + B, t = xe + V, n = be, r = xe;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -4416,13 +4486,13 @@ function qo(e, t, n) {
 			}
 		});
 	}
-	if (N.dataIdx == null) {
-		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+	if (F.dataIdx == null) {
+		let e = F.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = X(e.prox), i = e.bias ??= 0;
-		N.dataIdx = (e, a, o, s) => {
+		let r = e.prox = Z(e.prox), i = e.bias ??= 0;
+		F.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? Mr, u = l >= 0 && l < Mr, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? X, u = l >= 0 && l < X, d = D.ori == 0 ? B : V, f = F.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -4434,127 +4504,127 @@ function qo(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && br(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Cr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let We = (e) => {
-		N.event = e;
+	let He = (e) => {
+		F.event = e;
 	};
-	N.idxs = ae, N._lock = !1;
-	let Ge = N.points;
-	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let B = r.focus = ci({}, e.focus || { alpha: .3 }, N.focus), Ke = B.prox >= 0, qe = Ke && Ge.one, Je = [], Ye = [], Xe = [];
-	function Ze(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return Hn(n, un), Hn(n, e.class), Kn(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
+	F.idxs = re, F._lock = !1;
+	let Ue = F.points;
+	Ue.show = Z(Ue.show), Ue.size = Z(Ue.size), Ue.stroke = Z(Ue.stroke), Ue.width = Z(Ue.width), Ue.fill = Z(Ue.fill);
+	let We = r.focus = ui({}, e.focus || { alpha: .3 }, F.focus), Ge = We.prox >= 0, Ke = Ge && Ue.one, H = [], qe = [], Je = [];
+	function Ye(e, t) {
+		let n = Ue.show(r, t);
+		if (n instanceof HTMLElement) return Wn(n, pn), Wn(n, e.class), Yn(n, -10, -10, B, V), m.insertBefore(n, H[t]), n;
 	}
-	function V(e, t) {
+	function Xe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? ni(n) ? ra(j, ta(n, te)) : n || ie : n || Ra, e.label = e.label || (t ? Ta : wa);
+			e.value = t ? ii(n) ? oa(M, ia(n, ee)) : n || ne : n || Va, e.label = e.label || (t ? Oa : Da);
 		}
-		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Mo || zr, e.fillTo = X(e.fillTo || to), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = oo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Ba(Tr(1, e.width), 1), n = e.points = ci({}, {
+		if (Ke || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Fo || Vr, e.fillTo = Z(e.fillTo || io), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = lo(e.pxAlign), e.stroke = Z(e.stroke || null), e.fill = Z(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Ua(Or(1, e.width), 1), n = e.points = ui({}, {
 				size: t,
-				width: Tr(1, t * .2),
+				width: Or(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: No,
+				paths: Io,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
+			n.show = Z(n.show), n.filter = Z(n.filter), n.fill = Z(n.fill), n.stroke = Z(n.stroke), n.paths = Z(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		if (I) {
+			let n = he(e, t);
+			se.splice(t, 0, n[0]), ce.splice(t, 0, n[1]), P.values.push(null);
 		}
-		if (oe) {
-			ae.splice(t, 0, null);
+		if (ie) {
+			re.splice(t, 0, null);
 			let n = null;
-			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
+			Ke ? t == 0 && (n = Ye(e, t)) : t > 0 && (n = Ye(e, t)), H.splice(t, 0, n), qe.splice(t, 0, 0), Je.splice(t, 0, 0);
 		}
-		Oi("addSeries", t);
+		Ei("addSeries", t);
 	}
-	function Qe(e, t) {
-		t ??= v.length, e = i == 1 ? Io(e, t, Ea, Ga) : Io(e, t, {}, Wa), v.splice(t, 0, e), V(v[t], t);
+	function Ze(e, t) {
+		t ??= v.length, e = i == 1 ? zo(e, t, ka, Ja) : zo(e, t, {}, qa), v.splice(t, 0, e), Xe(v[t], t);
 	}
-	r.addSeries = Qe;
-	function $e(e) {
-		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+	r.addSeries = Ze;
+	function Qe(e) {
+		if (v.splice(e, 1), I) {
+			P.values.splice(e, 1), ce.splice(e, 1);
+			let t = se.splice(e, 1)[0];
+			ve(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Oi("delSeries", e);
+		ie && (re.splice(e, 1), H.splice(e, 1)[0].remove(), qe.splice(e, 1), Je.splice(e, 1)), Ei("delSeries", e);
 	}
-	r.delSeries = $e;
-	let et = [
+	r.delSeries = Qe;
+	let U = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function tt(e, t) {
+	function $e(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), $r(e.incrs) && e.incrs.forEach((e) => {
-				!qr.has(e) && qr.set(e, Jr(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? Mi : a ? _ == 1 ? Gi : Ji : Ni)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ka : i.distr == 4 ? Aa : Oa)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = Z(e.size), e.space = Z(e.space), e.rotate = Z(e.rotate), ti(e.incrs) && e.incrs.forEach((e) => {
+				!Yr.has(e) && Yr.set(e, Xr(e));
+			}), e.incrs = Z(e.incrs || (i.distr == 2 ? Fi : a ? _ == 1 ? Ji : Zi : Ii)), e.splits = Z(e.splits || (a && i.distr == 1 ? N : i.distr == 3 ? Ma : i.distr == 4 ? Na : ja)), e.stroke = Z(e.stroke), e.grid.stroke = Z(e.grid.stroke), e.ticks.stroke = Z(e.ticks.stroke), e.border.stroke = Z(e.border.stroke);
 			let o = e.values;
-			e.values = $r(o) && !$r(o[0]) ? X(o) : a ? $r(o) ? Qi(j, Zi(o, te)) : ni(o) ? $i(j, o) : o || re : o || Da, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ia : i.distr == 3 && i.log == 2 ? La : Rr)), e.font = Go(e.font), e.labelFont = Go(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = Gn(an, f));
+			e.values = ti(o) && !ti(o[0]) ? Z(o) : a ? ti(o) ? ta(M, ea(o, ee)) : ii(o) ? na(M, o) : o || te : o || Aa, e.filter = Z(e.filter || (i.distr >= 3 && i.log == 10 ? za : i.distr == 3 && i.log == 2 ? Ba : Br)), e.font = Jo(e.font), e.labelFont = Jo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (U[t] = !0, e._el = qn(cn, f));
 		}
 	}
-	function nt(e, t, n, r) {
+	function et(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Sr(Ca.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Sr(za.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Tr(Ea.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Tr(Ha.size / 2) : 0), l;
 	}
-	let rt = r.padding = (e.padding || [
-		nt,
-		nt,
-		nt,
-		nt
-	]).map((e) => X(Y(e, nt))), it = r._padding = rt.map((e, t) => e(r, t, et, 0)), H, at = null, U = null, ot = i == 1 ? v[0].idxs : null, st = null, ct = !1;
+	let tt = r.padding = (e.padding || [
+		et,
+		et,
+		et,
+		et
+	]).map((e) => Z(Y(e, et))), nt = r._padding = tt.map((e, t) => e(r, t, U, 0)), rt, it = null, at = null, ot = i == 1 ? v[0].idxs : null, st = null, ct = !1;
 	function lt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			H = 0;
-			for (let e = 1; e < v.length; e++) H += t[e][0].length;
+			rt = 0;
+			for (let e = 1; e < v.length; e++) rt += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), st = t[0], H = st.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), st = t[0], rt = st.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(H);
-				for (let e = 0; e < H; e++) n[e] = e;
+				let n = e[0] = Array(rt);
+				for (let e = 0; e < rt; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (zt(!0), Oi("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (zt(!0), Ei("setData"), O == 2 && (Me = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ct) ? ut() : ar(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Wt();
+			e.auto(r, ct) ? ut() : ar(S, e.min, e.max), Ne ||= F.left >= 0, Fe = !0, Wt();
 		}
 	}
 	r.setData = lt;
 	function ut() {
 		ct = !0;
 		let e, n;
-		i == 1 && (H > 0 ? (at = ot[0] = 0, U = ot[1] = H - 1, e = t[0][at], n = t[0][U], O == 2 ? (e = at, n = U) : e == n && (O == 3 ? [e, n] = sr(e, e, D.log, !1) : O == 4 ? [e, n] = cr(e, e, D.log, !1) : D.time ? n = e + Sr(86400 / _) : [e, n] = pr(e, n, lr, !0))) : (at = ot[0] = e = null, U = ot[1] = n = null)), ar(S, e, n);
+		i == 1 && (rt > 0 ? (it = ot[0] = 0, at = ot[1] = rt - 1, e = t[0][it], n = t[0][at], O == 2 ? (e = it, n = at) : e == n && (O == 3 ? [e, n] = ur(e, e, D.log, !1) : O == 4 ? [e, n] = dr(e, e, D.log, !1) : D.time ? n = e + Tr(86400 / _) : [e, n] = gr(e, n, fr, !0))) : (it = ot[0] = e = null, at = ot[1] = n = null)), ar(S, e, n);
 	}
 	let dt, ft, pt, mt, ht, gt, _t, vt, yt, bt;
 	function xt(e, t, n, r, i, a) {
-		e ??= Tn, n ??= Zr, r ??= "butt", i ??= Tn, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
+		e ??= On, n ??= $r, r ??= "butt", i ??= On, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
 	}
 	function St(e, t, n, r) {
 		t != ft && (d.fillStyle = ft = t), e != _t && (d.font = _t = e), n != vt && (d.textAlign = vt = n), r != yt && (d.textBaseline = yt = r);
 	}
 	function Ct(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, ct) && (t == null || t.min == null)) {
-			let t = Y(at, 0), r = Y(U, i.length - 1), o = n.min == null ? or(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = wr(e.min, n.min = o[0]), e.max = Tr(e.max, n.max = o[1]);
+			let t = Y(it, 0), r = Y(at, i.length - 1), o = n.min == null ? lr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Dr(e.min, n.min = o[0]), e.max = Or(e.max, n.max = o[1]);
 		}
 	}
 	let wt = {
@@ -4564,47 +4634,47 @@ function qo(e, t, n) {
 	function Tt() {
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && (t.min == null || A[S] != null && t.auto(r, ct)) && (A[e] = wt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ct)) && (j[e] = wt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && t.from != null && A[t.from] != null && (A[e] = wt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = wt);
 		}
-		A[S] != null && zt(!0);
+		j[S] != null && zt(!0);
 		let e = {};
-		for (let t in A) {
-			let n = A[t];
+		for (let t in j) {
+			let n = j[t];
 			if (n != null) {
-				let a = e[t] = si(b[t], ii);
-				if (n.min != null) ci(a, n);
+				let a = e[t] = li(b[t], oi);
+				if (n.min != null) ui(a, n);
 				else if (t != S || i == 2) {
-					if (H == 0 && a.from == null) {
+					if (rt == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = Mr, a.max = -Infinity;
+					} else a.min = X, a.max = -Infinity;
 				}
 			}
 		}
-		if (H > 0) {
+		if (rt > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = A[i];
+					let i = n.scale, o = j[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], at = tr(s.min, t[0]), U = tr(s.max, t[0]), U - at > 1 && (t[0][at] < s.min && at++, t[0][U] > s.max && U--), n.min = st[at], n.max = st[U];
+						s.min = e[0], s.max = e[1], it = rr(s.min, t[0]), at = rr(s.max, t[0]), at - it > 1 && (t[0][it] < s.min && it++, t[0][at] > s.max && at--), n.min = st[it], n.max = st[at];
 					} else n.show && n.auto && Ct(s, o, n, t[a], n.sorted);
-					n.idxs[0] = at, n.idxs[1] = U;
+					n.idxs[0] = it, n.idxs[1] = at;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Ct(u, A[o], r, c, r.sorted), d != null && Ct(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Ct(u, j[o], r, c, r.sorted), d != null && Ct(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = A[t];
+				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == Mr ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == X ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -4626,28 +4696,28 @@ function qo(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Or(i.min) : e == 4 ? jr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Or(i.max) : e == 4 ? jr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? jr(i.min) : e == 4 ? Pr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? jr(i.max) : e == 4 ? Pr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, Oi("setScale", e);
-			oe && N.left >= 0 && (Fe = Le = !0);
+			for (let e in n) Me = !0, Ei("setScale", e);
+			ie && F.left >= 0 && (Ne = Fe = !0);
 		}
-		for (let e in A) A[e] = null;
+		for (let e in j) j[e] = null;
 	}
 	function Et(e) {
-		let t = Pr(at - 1, 0, H - 1), n = Pr(U + 1, 0, H - 1);
+		let t = Ir(it - 1, 0, rt - 1), n = Ir(at + 1, 0, rt - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < H - 1;) n++;
+		for (; e[n] == null && n < rt - 1;) n++;
 		return [t, n];
 	}
 	function Dt() {
-		if (H > 0) {
-			let e = v.some((e) => e._focus) && bt != B.alpha;
-			e && (d.globalAlpha = bt = B.alpha), v.forEach((e, n) => {
+		if (rt > 0) {
+			let e = v.some((e) => e._focus) && bt != We.alpha;
+			e && (d.globalAlpha = bt = We.alpha), v.forEach((e, n) => {
 				if (n > 0 && e.show && (Ot(n, !1), Ot(n, !0), e._paths == null)) {
 					let a = bt;
 					bt != e.alpha && (d.globalAlpha = bt = e.alpha);
@@ -4659,10 +4729,10 @@ function qo(e, t, n) {
 					let n = bt;
 					bt != e.alpha && (d.globalAlpha = bt = e.alpha), e._paths != null && kt(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, at, U, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, at, U, a), kt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, it, at, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, it, at, a), kt(t, !0));
 					}
-					bt != n && (d.globalAlpha = bt = n), Oi("drawSeries", t);
+					bt != n && (d.globalAlpha = bt = n), Ei("drawSeries", t);
 				}
 			}), e && (d.globalAlpha = bt = 1);
 		}
@@ -4673,12 +4743,12 @@ function qo(e, t, n) {
 	}
 	function kt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * W, 3);
+		l = Q(l * K, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			let e = Ee - l / 2, t = De - l / 2, n = Oe + l, r = ke + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
 		t ? jt(s, l, n.dash, n.cap, c, r, i, o, a) : At(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
@@ -4687,15 +4757,15 @@ function qo(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Xr).band;
-				$r(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Qr).band;
+				ti(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && mr(g, at, U) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && _r(g, it, at) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || jt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function jt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & Qa ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & Za && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
+		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & to ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & eo && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Mt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -4712,7 +4782,7 @@ function qo(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Wo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = qo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -4734,19 +4804,19 @@ function qo(e, t, n) {
 				return;
 			}
 			n._show || (t = !1, n._show = !0, zt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? R : z);
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? B : V);
 			if (d == 0) return;
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => st[e]) : p, h = a.distr == 2 ? st[p[1]] - st[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Cr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Er(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Lt(e) {
 		let t = !0;
-		return rt.forEach((n, i) => {
-			let a = n(r, i, et, e);
-			a != it[i] && (t = !1), it[i] = a;
+		return tt.forEach((n, i) => {
+			let a = n(r, i, U, e);
+			a != nt[i] && (t = !1), nt[i] = a;
 		}), t;
 	}
 	function Rt() {
@@ -4755,33 +4825,33 @@ function qo(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Sr((t._lpos + s) * W);
-				St(t.labelFont[0], c, "center", n == 2 ? bn : xn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Sr(ke + je / 2)), d.rotate((n == 3 ? -yr : yr) / 2)) : (a = Sr(Oe + Ae / 2), o = p);
-				let m = Fr(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Tr((t._lpos + s) * K);
+				St(t.labelFont[0], c, "center", n == 2 ? Cn : wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Tr(De + ke / 2)), d.rotate((n == 3 ? -Sr : Sr) / 2)) : (a = Tr(Ee + Oe / 2), o = p);
+				let m = Lr(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => st[e]) : _, x = p.distr == 2 ? st[_[1]] - st[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Sr(w * W), E = Sr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * W), D = t._rotate * -yr / 180, O = g(t._pos * W), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Oe : ke, h = i == 0 ? Ee : De, _ = t._splits, v = p.distr == 2 ? _.map((e) => st[e]) : _, x = p.distr == 2 ? st[_[1]] - st[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Tr(w * K), E = Tr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Sr / 180, O = g(t._pos * K), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let ee = t.font[0];
-			St(ee, c, t.align == 1 ? Sn : t.align == 2 ? Cn : D > 0 ? Sn : D < 0 ? Cn : i == 0 ? "center" : n == 3 ? Cn : Sn, D || i == 1 ? "middle" : n == 2 ? bn : xn);
-			let A = t.font[1] * t.lineGap, j = _.map((e) => g(s(e, p, m, h))), te = t._values;
-			for (let e = 0; e < te.length; e++) {
-				let t = te[e];
+			let A = t.font[0];
+			St(A, c, t.align == 1 ? Tn : t.align == 2 ? En : D > 0 ? Tn : D < 0 ? En : i == 0 ? "center" : n == 3 ? En : Tn, D || i == 1 ? "middle" : n == 2 ? Cn : wn);
+			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
+			for (let e = 0; e < ee.length; e++) {
+				let t = ee[e];
 				if (t != null) {
-					i == 0 ? a = j[e] : o = j[e], t = "" + t;
+					i == 0 ? a = M[e] : o = M[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
+						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
 					}
 				}
 			}
-			S.show && Ft(j, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * W, 3), S.stroke(r, e), S.dash, S.cap);
-			let ne = t.grid;
-			ne.show && Ft(j, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * W, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * W, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && Ft(M, S.filter(r, v, e, f, x), i, n, O, T, Q(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
+			let N = t.grid;
+			N.show && Ft(M, N.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? De : Ee, i == 0 ? ke : Oe, Q(N.width * K, 3), N.stroke(r, e), N.dash, N.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? De : Ee, i == 1 ? ke : Oe, Q(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Oi("drawAxes");
+		Ei("drawAxes");
 	}
 	function zt(e) {
 		v.forEach((t, n) => {
@@ -4793,52 +4863,52 @@ function qo(e, t, n) {
 	let Bt = !1, Vt = !1, Ht = [];
 	function Ut() {
 		Vt = !1;
-		for (let e = 0; e < Ht.length; e++) Oi(...Ht[e]);
+		for (let e = 0; e < Ht.length; e++) Ei(...Ht[e]);
 		Ht.length = 0;
 	}
 	function Wt() {
-		Bt ||= (mi(Kt), !0);
+		Bt ||= (gi(Kt), !0);
 	}
 	function Gt(e, t = !1) {
 		Bt = !0, Vt = t, e(r), Kt(), t && Ht.length > 0 && queueMicrotask(Ut);
 	}
 	r.batch = Gt;
 	function Kt() {
-		if (Me &&= (Tt(), !1), Pe &&= (Be(), !1), Ne) {
-			if (K(p, Sn, Se), K(p, bn, Ce), K(p, vn, R), K(p, yn, z), K(m, Sn, Se), K(m, bn, Ce), K(m, vn, R), K(m, yn, z), K(f, vn, L), K(f, yn, xe), u.width = Sr(L * W), u.height = Sr(xe * W), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (Ae &&= (Tt(), !1), Me &&= (Re(), !1), je) {
+			if (q(p, Tn, be), q(p, Cn, xe), q(p, xn, B), q(p, Sn, V), q(m, Tn, be), q(m, Cn, xe), q(m, xn, B), q(m, Sn, V), q(f, xn, z), q(f, Sn, ye), u.width = Tr(z * K), u.height = Tr(ye * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						K(e, a ? "left" : "top", r - t), K(e, a ? "width" : "height", n), K(e, a ? "top" : "left", a ? Ce : Se), K(e, a ? "height" : "width", a ? z : R), Un(e, on);
-					} else Hn(e, on);
+						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? xe : be), q(e, a ? "height" : "width", a ? V : B), Gn(e, ln);
+					} else Wn(e, ln);
 				}
-			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, ui(!0), Se != we || Ce != Te || R != Ee || z != De) {
+			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, si(!0), be != Se || xe != Ce || B != we || V != Te) {
 				zt(!1);
-				let e = R / Ee, t = z / De;
-				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Xt && Kn(Xt, Sr(N.left), 0, R, z), wn && Kn(wn, 0, Sr(N.top), R, z);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, Kn(r, Cr(Ye[n]), Cr(Xe[n]), R, z));
+				let e = B / we, t = V / Te;
+				if (ie && !Ne && F.left >= 0) {
+					F.left *= e, F.top *= t, Xt && Yn(Xt, Tr(F.left), 0, B, V), Zt && Yn(Zt, 0, Tr(F.top), B, V);
+					for (let n = 0; n < H.length; n++) {
+						let r = H[n];
+						r != null && (qe[n] *= e, Je[n] *= t, Yn(r, Er(qe[n]), Er(Je[n]), B, V));
 					}
 				}
-				if (J.show && !Ie && J.left >= 0 && J.width > 0) {
+				if (J.show && !Pe && J.left >= 0 && J.width > 0) {
 					J.left *= e, J.width *= e, J.top *= t, J.height *= t;
-					for (let e in pi) K(nr, e, J[e]);
+					for (let e in fi) q($n, e, J[e]);
 				}
-				we = Se, Te = Ce, Ee = R, De = z;
+				Se = be, Ce = xe, we = B, Te = V;
 			}
-			Oi("setSize"), Ne = !1;
+			Ei("setSize"), je = !1;
 		}
-		L > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), Oi("drawClear"), w.forEach((e) => e()), Oi("draw")), J.show && Ie && (rr(J), Ie = !1), oe && Fe && (oi(null, !0, !1), Fe = !1), M.show && M.live && Le && (ei(), Le = !1), c || (c = !0, r.status = 1, Oi("ready")), ct = !1, Bt = !1;
+		z > 0 && ye > 0 && (d.clearRect(0, 0, u.width, u.height), Ei("drawClear"), w.forEach((e) => e()), Ei("draw")), J.show && Pe && (er(J), Pe = !1), ie && Ne && (Zr(null, !0, !1), Ne = !1), P.show && P.live && Fe && (qr(), Fe = !1), c || (c = !0, r.status = 1, Ei("ready")), ct = !1, Bt = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Wt() : ar(S, D.min, D.max);
+		Me = t || !1, e === !1 ? Wt() : ar(S, D.min, D.max);
 	};
 	function qt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (H == 0) {
+			if (rt == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -4846,33 +4916,33 @@ function qo(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (H > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && H > 0 && (n.min = tr(n.min, t[0]), n.max = tr(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Me = !0, Wt();
+			if (rt > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && rt > 0 && (n.min = rr(n.min, t[0]), n.max = rr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ae = !0, Wt();
 		}
 	}
 	r.setScale = qt;
-	let Jt, Yt, Xt, wn, Mn, Nn, Pn, Ln, Bn, Vn, G, q, qn = !1, Yn = N.drag, Zn = Yn.x, Qn = Yn.y;
-	oe && (N.x && (Jt = Gn(cn, m)), N.y && (Yt = Gn(ln, m)), D.ori == 0 ? (Xt = Jt, wn = Yt) : (Xt = Yt, wn = Jt), G = N.left, q = N.top);
-	let J = r.select = ci({
+	let Jt, Yt, Xt, Zt, Qt, $t, Dn, Fn, In, Ln, W, G, Hn = !1, Un = F.drag, Jn = Un.x, Xn = Un.y;
+	ie && (F.x && (Jt = qn(dn, m)), F.y && (Yt = qn(fn, m)), D.ori == 0 ? (Xt = Jt, Zt = Yt) : (Xt = Yt, Zt = Jt), W = F.left, G = F.top);
+	let J = r.select = ui({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), nr = J.show ? Gn(sn, J.over ? m : p) : null;
-	function rr(e, t) {
+	}, e.select), $n = J.show ? qn(un, J.over ? m : p) : null;
+	function er(e, t) {
 		if (J.show) {
-			for (let t in e) J[t] = e[t], t in pi && K(nr, t, e[t]);
-			t !== !1 && Oi("setSelect");
+			for (let t in e) J[t] = e[t], t in fi && q($n, t, e[t]);
+			t !== !1 && Ei("setSelect");
 		}
 	}
-	r.setSelect = rr;
+	r.setSelect = er;
 	function ir(e) {
-		if (v[e].show) P && Un(le[e], on);
-		else if (P && Hn(le[e], on), oe) {
-			let t = qe ? Je[0] : Je[e];
-			t != null && Kn(t, -10, -10, R, z);
+		if (v[e].show) I && Gn(se[e], ln);
+		else if (I && Wn(se[e], ln), ie) {
+			let t = Ke ? H[0] : H[e];
+			t != null && Yn(t, -10, -10, B, V);
 		}
 	}
 	function ar(e, t, n) {
@@ -4881,304 +4951,304 @@ function qo(e, t, n) {
 			max: n
 		});
 	}
-	function dr(e, t, n, a) {
-		t.focus != null && Nr(e), t.show != null && v.forEach((n, r) => {
+	function or(e, t, n, a) {
+		t.focus != null && wr(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, ir(r), i == 2 ? (ar(n.facets[0].scale, null, null), ar(n.facets[1].scale, null, null)) : ar(n.scale, null, null), Wt());
-		}), n !== !1 && Oi("setSeries", e, t), a && Pi("setSeries", r, e, t);
+		}), n !== !1 && Ei("setSeries", e, t), a && Mi("setSeries", r, e, t);
 	}
-	r.setSeries = dr;
-	function fr(e, t) {
-		ci(x[e], t);
+	r.setSeries = or;
+	function sr(e, t) {
+		ui(x[e], t);
 	}
-	function hr(e, t) {
-		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	function cr(e, t) {
+		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function gr(e) {
+	function mr(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = hr, r.setBand = fr, r.delBand = gr;
-	function _r(e, t) {
-		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = cr, r.setBand = sr, r.delBand = mr;
+	function hr(e, t) {
+		v[e].alpha = t, ie && H[e] != null && (H[e].style.opacity = t), I && se[e] && (se[e].style.opacity = t);
 	}
-	let vr, xr, Dr, kr = { focus: !0 };
-	function Nr(e) {
-		if (e != Dr) {
-			let t = e == null, n = B.alpha != 1;
+	let vr, yr, br, xr = { focus: !0 };
+	function wr(e) {
+		if (e != br) {
+			let t = e == null, n = We.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && _r(a, i ? 1 : B.alpha);
+					r._focus = t ? null : i, n && hr(a, i ? 1 : We.alpha);
 				}
-			}), Dr = e, n && Wt();
+			}), br = e, n && Wt();
 		}
 	}
-	P && Ke && ye(An, I, (e) => {
-		N._lock || (We(e), Dr != null && dr(null, kr, !0, Q.setSeries));
+	I && Ge && _e(Nn, R, (e) => {
+		F._lock || (He(e), br != null && or(null, xr, !0, ki.setSeries));
 	});
-	function Ir(e, t, n) {
+	function Ar(e, t, n) {
 		let r = b[t];
-		n && (e = e / W - (r.ori == 1 ? Ce : Se));
-		let i = R;
-		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / K - (r.ori == 1 ? xe : be));
+		let i = B;
+		r.ori == 1 && (i = V, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Er(10, c) : l == 4 ? Ar(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? kr(10, c) : l == 4 ? Nr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function Lr(e, n) {
-		return tr(Ir(e, S, n), t[0], at, U);
+	function Mr(e, n) {
+		return rr(Ar(e, S, n), t[0], it, at);
 	}
-	r.valToIdx = (e) => tr(e, t[0]), r.posToIdx = Lr, r.posToVal = Ir, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
-		G = e.left, q = e.top, oi(null, t, n);
+	r.valToIdx = (e) => rr(e, t[0]), r.posToIdx = Mr, r.posToVal = Ar, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Oe : B, n ? Ee : 0) : o(e, b[t], n ? ke : V, n ? De : 0), r.setCursor = (e, t, n) => {
+		W = e.left, G = e.top, Zr(null, t, n);
 	};
-	function Hr(e, t) {
-		K(nr, Sn, J.left = e), K(nr, vn, J.width = t);
+	function Fr(e, t) {
+		q($n, Tn, J.left = e), q($n, xn, J.width = t);
 	}
-	function Ur(e, t) {
-		K(nr, bn, J.top = e), K(nr, yn, J.height = t);
+	function Rr(e, t) {
+		q($n, Cn, J.top = e), q($n, Sn, J.height = t);
 	}
-	let Gr = D.ori == 0 ? Hr : Ur, Kr = D.ori == 1 ? Hr : Ur;
-	function Yr() {
-		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
-			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+	let zr = D.ori == 0 ? Fr : Rr, Wr = D.ori == 1 ? Fr : Rr;
+	function Gr() {
+		if (I && P.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && ue) continue;
+			let t = P.values[e], n = 0;
+			for (let r in t) ce[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function ei(e, t) {
+	function qr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ae[t] = e;
-		}) : ti(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && ai(e, ae[e]);
-			Yr();
+			re[t] = e;
+		}) : ri(e.idx) || re.fill(e.idx), P.idx = re[0]), I && P.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !ue) && Jr(e, re[e]);
+			Gr();
 		}
-		Le = !1, t !== !1 && Oi("setLegend");
+		Fe = !1, t !== !1 && Ei("setLegend");
 	}
-	r.setLegend = ei;
-	function ai(e, n) {
+	r.setLegend = qr;
+	function Jr(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? st : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+		ue ? o = i.values(r, e, n) ?? de : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? de : { _: o }), P.values[e] = o;
 	}
-	function oi(e, n, a) {
-		Bn = G, Vn = q, [G, q] = N.move(r, G, q), N.left = G, N.top = q, oe && (Xt && Kn(Xt, Sr(G), 0, R, z), wn && Kn(wn, 0, Sr(q), R, z));
-		let o, s = at > U;
-		vr = Mr, xr = null;
-		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
-		if (G < 0 || H == 0 || s) {
-			o = N.idx = null;
+	function Zr(e, n, a) {
+		In = W, Ln = G, [W, G] = F.move(r, W, G), F.left = W, F.top = G, ie && (Xt && Yn(Xt, Tr(W), 0, B, V), Zt && Yn(Zt, 0, Tr(G), B, V));
+		let o, s = it > at;
+		vr = X, yr = null;
+		let c = D.ori == 0 ? B : V, l = D.ori == 1 ? B : V;
+		if (W < 0 || rt == 0 || s) {
+			o = F.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && Kn(t, -10, -10, R, z);
+				let t = H[e];
+				t != null && Yn(t, -10, -10, B, V);
 			}
-			Ke && dr(null, kr, !0, e == null && Q.setSeries), M.live && (ae.fill(o), Le = !0);
+			Ge && or(null, xr, !0, e == null && ki.setSeries), P.live && (re.fill(o), Fe = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? G : q, n = Ir(e, S), o = N.idx = tr(n, t[0], at, U), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? W : G, n = Ar(e, S), o = F.idx = rr(n, t[0], it, at), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ke && S != null) {
-						let t = D.ori == 1 ? G : q, n = br(B.dist(r, e, x, _, t));
+				let g = v[e], _ = re[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = F.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Fe = Fe || S != y || x != _, re[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (Ge && S != null) {
+						let t = D.ori == 1 ? W : G, n = Cr(We.dist(r, e, x, _, t));
 						if (n < vr) {
-							let r = B.bias;
+							let r = We.bias;
 							if (r != 0) {
-								let i = Ir(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, xr = e);
-							} else vr = n, xr = e;
+								let i = Ar(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, yr = e);
+							} else vr = n, yr = e;
 						}
 					}
-					if (Le || qe) {
+					if (Fe || Ke) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						let a, o, c, l, g, v, y = !0, b = Ue.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), qe) e == xr && vr <= B.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = Ue.size(r, e);
+						if (v = Ue.fill(r, e), g = Ue.stroke(r, e), Ke) e == yr && vr <= We.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, Xn(t, a, o, y), Jn(t, v, g), Kn(t, Cr(c), Cr(l), R, z));
+							let t = H[e];
+							t != null && (qe[e] = c, Je[e] = l, Qn(t, a, o, y), Zn(t, v, g), Yn(t, Er(c), Er(l), B, V));
 						}
 					}
 				}
 			}
-			if (qe) {
-				let e = B.prox;
-				if (Le || (Dr == null ? vr <= e : vr > e || xr != Dr)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, Xn(e, d, f, p), Jn(e, m, h), Kn(e, Cr(s), Cr(u), R, z));
+			if (Ke) {
+				let e = We.prox;
+				if (Fe || (br == null ? vr <= e : vr > e || yr != br)) {
+					let e = H[0];
+					e != null && (qe[0] = s, Je[0] = u, Qn(e, d, f, p), Zn(e, m, h), Yn(e, Er(s), Er(u), B, V));
 				}
 			}
 		}
-		if (J.show && qn) {
+		if (J.show && Hn) {
 			if (e != null) {
-				let [t, n] = Q.scales, [r, i] = Q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (Zn = s._x, Qn = s._y, Zn || Qn) {
+				let [t, n] = ki.scales, [r, i] = ki.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (Jn = s._x, Xn = s._y, Jn || Xn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && Zn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Gr(wr(v, y), br(y - v))) : Gr(0, c), S && Qn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), Kr(wr(v, y), br(y - v))) : Kr(0, l);
-				} else hi();
+					x && Jn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), zr(Dr(v, y), Cr(y - v))) : zr(0, c), S && Xn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Wr(Dr(v, y), Cr(y - v))) : Wr(0, l);
+				} else pi();
 			} else {
-				let e = br(Bn - Mn), t = br(Vn - Nn);
+				let e = Cr(In - Qt), t = Cr(Ln - $t);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				Zn = Yn.x && e >= Yn.dist, Qn = Yn.y && t >= Yn.dist;
-				let n = Yn.uni;
-				n == null ? Yn.x && Yn.y && (Zn || Qn) && (Zn = Qn = !0) : Zn && Qn && (Zn = e >= n, Qn = t >= n, !Zn && !Qn && (t > e ? Qn = !0 : Zn = !0));
+				Jn = Un.x && e >= Un.dist, Xn = Un.y && t >= Un.dist;
+				let n = Un.uni;
+				n == null ? Un.x && Un.y && (Jn || Xn) && (Jn = Xn = !0) : Jn && Xn && (Jn = e >= n, Xn = t >= n, !Jn && !Xn && (t > e ? Xn = !0 : Jn = !0));
 				let r, i;
-				Zn && (D.ori == 0 ? (r = Pn, i = G) : (r = Ln, i = q), Gr(wr(r, i), br(i - r)), Qn || Kr(0, l)), Qn && (D.ori == 1 ? (r = Pn, i = G) : (r = Ln, i = q), Kr(wr(r, i), br(i - r)), Zn || Gr(0, c)), !Zn && !Qn && (Gr(0, 0), Kr(0, 0));
+				Jn && (D.ori == 0 ? (r = Dn, i = W) : (r = Fn, i = G), zr(Dr(r, i), Cr(i - r)), Xn || Wr(0, l)), Xn && (D.ori == 1 ? (r = Dn, i = W) : (r = Fn, i = G), Wr(Dr(r, i), Cr(i - r)), Jn || zr(0, c)), !Jn && !Xn && (zr(0, 0), Wr(0, 0));
 			}
 		}
-		if (Yn._x = Zn, Yn._y = Qn, e == null) {
+		if (Un._x = Jn, Un._y = Xn, e == null) {
 			if (a) {
 				if (Ai != null) {
-					let [e, t] = Q.scales;
-					Q.values[0] = e == null ? null : Ir(D.ori == 0 ? G : q, e), Q.values[1] = t == null ? null : Ir(D.ori == 1 ? G : q, t);
+					let [e, t] = ki.scales;
+					ki.values[0] = e == null ? null : Ar(D.ori == 0 ? W : G, e), ki.values[1] = t == null ? null : Ar(D.ori == 1 ? W : G, t);
 				}
-				Pi(En, r, G, q, R, z, o);
+				Mi(kn, r, W, G, B, V, o);
 			}
-			if (Ke) {
-				let e = a && Q.setSeries, t = B.prox;
-				Dr == null ? vr <= t && dr(xr, kr, !0, e) : vr > t ? dr(null, kr, !0, e) : xr != Dr && dr(xr, kr, !0, e);
+			if (Ge) {
+				let e = a && ki.setSeries, t = We.prox;
+				br == null ? vr <= t && or(yr, xr, !0, e) : vr > t ? or(null, xr, !0, e) : yr != br && or(yr, xr, !0, e);
 			}
 		}
-		Le && (M.idx = o, ei()), n !== !1 && Oi("setCursor");
+		Fe && (P.idx = o, qr()), n !== !1 && Ei("setCursor");
 	}
-	let li = null;
+	let ni = null;
 	Object.defineProperty(r, "rect", { get() {
-		return li ?? ui(!1), li;
+		return ni ?? si(!1), ni;
 	} });
-	function ui(e = !1) {
-		e ? li = null : (li = m.getBoundingClientRect(), Oi("syncRect", li));
+	function si(e = !1) {
+		e ? ni = null : (ni = m.getBoundingClientRect(), Ei("syncRect", ni));
 	}
-	function di(e, t, n, r, i, a, o) {
-		N._lock || qn && e != null && e.movementX == 0 && e.movementY == 0 || (fi(e, t, n, r, i, a, o, !1, e != null), e == null ? oi(t, !0, !1) : oi(null, !0, !0));
+	function ci(e, t, n, r, i, a, o) {
+		F._lock || Hn && e != null && e.movementX == 0 && e.movementY == 0 || (di(e, t, n, r, i, a, o, !1, e != null), e == null ? Zr(t, !0, !1) : Zr(null, !0, !0));
 	}
-	function fi(e, t, n, i, a, o, c, l, u) {
-		if (li ?? ui(!1), We(e), e != null) n = e.clientX - li.left, i = e.clientY - li.top;
+	function di(e, t, n, i, a, o, c, l, u) {
+		if (ni ?? si(!1), He(e), e != null) n = e.clientX - ni.left, i = e.clientY - ni.top;
 		else {
 			if (n < 0 || i < 0) {
-				G = -10, q = -10;
+				W = -10, G = -10;
 				return;
 			}
-			let [e, r] = Q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = ki.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = ki.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? B : V, _ = D.ori == 1 ? B : V, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == En) && ((n <= 1 || n >= R - 1) && (n = Wr(n, R)), (i <= 1 || i >= z - 1) && (i = Wr(i, z))), l ? (Mn = n, Nn = i, [Pn, Ln] = N.move(r, n, i)) : (G = n, q = i);
+		u && (t == null || t.cursor.event.type == kn) && ((n <= 1 || n >= B - 1) && (n = Kr(n, B)), (i <= 1 || i >= V - 1) && (i = Kr(i, V))), l ? (Qt = n, $t = i, [Dn, Fn] = F.move(r, n, i)) : (W = n, G = i);
 	}
-	let pi = {
+	let fi = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function hi() {
-		rr(pi, !1);
+	function pi() {
+		er(fi, !1);
 	}
-	let gi, _i, vi, yi;
-	function bi(e, t, n, i, a, o, s) {
-		qn = !0, Zn = Qn = Yn._x = Yn._y = !1, fi(e, t, n, i, a, o, s, !0, !1), e != null && (ye(On, Rn, xi, !1), Pi(Dn, r, Pn, Ln, R, z, null));
+	let mi, hi, _i, vi;
+	function yi(e, t, n, i, a, o, s) {
+		Hn = !0, Jn = Xn = Un._x = Un._y = !1, di(e, t, n, i, a, o, s, !0, !1), e != null && (_e(jn, Bn, bi, !1), Mi(An, r, Dn, Fn, B, V, null));
 		let { left: c, top: l, width: u, height: d } = J;
-		gi = c, _i = l, vi = u, yi = d;
+		mi = c, hi = l, _i = u, vi = d;
 	}
-	function xi(e, t, n, i, a, o, s) {
-		qn = Yn._x = Yn._y = !1, fi(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = J, f = u > 0 || d > 0, p = gi != c || _i != l || vi != u || yi != d;
-		if (f && p && rr(J), Yn.setScale && f && p) {
+	function bi(e, t, n, i, a, o, s) {
+		Hn = Un._x = Un._y = !1, di(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = J, f = u > 0 || d > 0, p = mi != c || hi != l || _i != u || vi != d;
+		if (f && p && er(J), Un.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Zn && ar(S, Ir(e, S), Ir(e + t, S)), Qn) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Jn && ar(S, Ar(e, S), Ar(e + t, S)), Xn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != Mr && ar(e, Ir(n + r, e), Ir(n, e));
+				e != S && t.from == null && t.min != X && ar(e, Ar(n + r, e), Ar(n, e));
 			}
-			hi();
-		} else N.lock && (N._lock = !N._lock, oi(t, !0, e != null));
-		e != null && (be(On, Rn), Pi(On, r, G, q, R, z, null));
+			pi();
+		} else F.lock && (F._lock = !F._lock, Zr(t, !0, e != null));
+		e != null && (ve(jn, Bn), Mi(jn, r, W, G, B, V, null));
 	}
-	function Si(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		We(e);
-		let s = qn;
-		if (qn) {
+	function xi(e, t, n, r, i, a, o) {
+		if (F._lock) return;
+		He(e);
+		let s = Hn;
+		if (Hn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = Zn, r = Qn) : (n = Qn, r = Zn), n && r && (e = G <= 10 || G >= R - 10, t = q <= 10 || q >= z - 10), n && e && (G = G < Pn ? 0 : R), r && t && (q = q < Ln ? 0 : z), oi(null, !0, !0), qn = !1;
+			D.ori == 0 ? (n = Jn, r = Xn) : (n = Xn, r = Jn), n && r && (e = W <= 10 || W >= B - 10, t = G <= 10 || G >= V - 10), n && e && (W = W < Dn ? 0 : B), r && t && (G = G < Fn ? 0 : V), Zr(null, !0, !0), Hn = !1;
 		}
-		G = -10, q = -10, ae.fill(null), oi(null, !0, !0), s && (qn = s);
+		W = -10, G = -10, re.fill(null), Zr(null, !0, !0), s && (Hn = s);
 	}
-	function Ci(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ut(), hi(), e != null && Pi(jn, r, G, q, R, z, null));
+	function Si(e, t, n, i, a, o, s) {
+		F._lock || (He(e), ut(), pi(), e != null && Mi(Pn, r, W, G, B, V, null));
 	}
-	function wi() {
-		y.forEach(Ko), Re(r.width, r.height, !0);
+	function Ci() {
+		y.forEach(Yo), Ie(r.width, r.height, !0);
 	}
-	$n(Fn, zn, wi);
-	let Ti = {};
-	Ti.mousedown = bi, Ti.mousemove = di, Ti.mouseup = xi, Ti.dblclick = Ci, Ti.setSeries = (e, t, n, i) => {
-		let a = Q.match[2];
-		n = a(r, t, n), n != -1 && dr(n, i, !0, !1);
-	}, oe && (ye(Dn, m, bi), ye(En, m, di), ye(kn, m, (e) => {
-		We(e), ui(!1);
-	}), ye(An, m, Si), ye(jn, m, Ci), Ao.add(r), r.syncRect = ui);
-	let Di = r.hooks = e.hooks || {};
-	function Oi(e, t, n) {
+	tr(Rn, Vn, Ci);
+	let wi = {};
+	wi.mousedown = yi, wi.mousemove = ci, wi.mouseup = bi, wi.dblclick = Si, wi.setSeries = (e, t, n, i) => {
+		let a = ki.match[2];
+		n = a(r, t, n), n != -1 && or(n, i, !0, !1);
+	}, ie && (_e(An, m, yi), _e(kn, m, ci), _e(Mn, m, (e) => {
+		He(e), si(!1);
+	}), _e(Nn, m, xi), _e(Pn, m, Si), No.add(r), r.syncRect = si);
+	let Ti = r.hooks = e.hooks || {};
+	function Ei(e, t, n) {
 		Vt ? Ht.push([
 			e,
 			t,
 			n
-		]) : e in Di && Di[e].forEach((e) => {
+		]) : e in Ti && Ti[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Di[t] = (Di[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Ti[t] = (Ti[t] || []).concat(e.hooks[t]);
 	});
-	let ki = (e, t, n) => n, Q = ci({
+	let Di = (e, t, n) => n, ki = ui({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Br,
-			sub: Br
+			pub: Hr,
+			sub: Hr
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Vr,
-			Vr,
-			ki
+			Ur,
+			Ur,
+			Di
 		],
 		values: [null, null]
-	}, N.sync);
-	Q.match.length == 2 && Q.match.push(ki), N.sync = Q;
-	let Ai = Q.key, ji = Xa(Ai);
-	function Pi(e, t, n, r, i, a, o) {
-		Q.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
+	}, F.sync);
+	ki.match.length == 2 && ki.match.push(Di), F.sync = ki;
+	let Ai = ki.key, ji = $a(Ai);
+	function Mi(e, t, n, r, i, a, o) {
+		ki.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
 	}
 	ji.sub(r);
-	function Fi(e, t, n, r, i, a, o) {
-		Q.filters.sub(e, t, n, r, i, a, o) && Ti[e](null, t, n, r, i, a, o);
+	function Ni(e, t, n, r, i, a, o) {
+		ki.filters.sub(e, t, n, r, i, a, o) && wi[e](null, t, n, r, i, a, o);
 	}
-	r.pub = Fi;
-	function Ii() {
-		ji.unsub(r), Ao.delete(r), ve.clear(), er(Fn, zn, wi), l.remove(), I?.remove(), Oi("destroy");
+	r.pub = Ni;
+	function Pi() {
+		ji.unsub(r), No.delete(r), ge.clear(), nr(Rn, Vn, Ci), l.remove(), R?.remove(), Ei("destroy");
 	}
-	r.destroy = Ii;
+	r.destroy = Pi;
 	function Li() {
-		Oi("init", e, t), lt(t || e.data, !1), A[S] ? qt(S, A[S]) : ut(), Ie = J.show && (J.width > 0 || J.height > 0), Fe = Le = !0, Re(e.width, e.height);
+		Ei("init", e, t), lt(t || e.data, !1), j[S] ? qt(S, j[S]) : ut(), Pe = J.show && (J.width > 0 || J.height > 0), Ne = Fe = !0, Ie(e.width, e.height);
 	}
-	return v.forEach(V), y.forEach(tt), n ? n instanceof HTMLElement ? (n.appendChild(l), Li()) : n(r, Li) : Li(), r;
+	return v.forEach(Xe), y.forEach($e), n ? n instanceof HTMLElement ? (n.appendChild(l), Li()) : n(r, Li) : Li(), r;
 }
-qo.assign = ci, qo.fmtNum = _r, qo.rangeNum = pr, qo.rangeLog = sr, qo.rangeAsinh = cr, qo.orient = $a, qo.pxRatio = W, qo.join = pi, qo.fmtDate = Ei, qo.tzDate = Oi, qo.sync = Xa;
+Xo.assign = ui, Xo.fmtNum = br, Xo.rangeNum = gr, Xo.rangeLog = ur, Xo.rangeAsinh = dr, Xo.orient = no, Xo.pxRatio = K, Xo.join = hi, Xo.fmtDate = Oi, Xo.tzDate = Ai, Xo.sync = $a;
 {
-	qo.addGap = io, qo.clipGaps = ro;
-	let e = qo.paths = { points: yo };
-	e.linear = Co, e.stepped = wo, e.bars = Eo, e.spline = Oo;
+	Xo.addGap = so, Xo.clipGaps = oo;
+	let e = Xo.paths = { points: So };
+	e.linear = Eo, e.stepped = Do, e.bars = ko, e.spline = jo;
 }
 // src/plots.tsx
-var Jo = [
+var Zo = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5186,16 +5256,16 @@ var Jo = [
 	"--c5",
 	"--c6"
 ];
-function Yo({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = ot(null), l = t.run, [u, d] = t.span;
-	U(() => {
+function Qo({ store: e, state: t }) {
+	let [n, r] = ot(null), [i, a] = ot(!1), [o, s] = ot(800), c = lt(null), l = t.run, [u, d] = t.span;
+	ct(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (U(() => {
+	if (ct(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5222,25 +5292,25 @@ function Yo({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), !l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+	]), !l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
 		class: "hint plots",
 		children: l?.error ? "" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(Xo, {
+					/* @__PURE__ */ z($o, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
-						/* @__PURE__ */ L("input", {
+					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
+						/* @__PURE__ */ z("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5249,15 +5319,15 @@ function Yo({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ L("button", {
+					!m && /* @__PURE__ */ z("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ L("label", {
+					/* @__PURE__ */ z("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ L("span", { children: "t" }),
-							/* @__PURE__ */ L("input", {
+							/* @__PURE__ */ z("span", { children: "t" }),
+							/* @__PURE__ */ z("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -5268,19 +5338,19 @@ function Yo({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ L("output", { children: p === null ? "" : Re(p, "s") })
+							/* @__PURE__ */ z("output", { children: p === null ? "" : Re(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(Zo, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(es, {
 				name: r,
-				ink: Jo[i % Jo.length],
+				ink: Zo[i % Zo.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -5292,7 +5362,7 @@ function Yo({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			/* @__PURE__ */ L(ts, {
+			/* @__PURE__ */ z(is, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -5301,18 +5371,18 @@ function Yo({ store: e, state: t }) {
 		]
 	});
 }
-function Xo({ store: e, state: t, run: n }) {
+function $o({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ z("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+			t.plotted.map((n) => /* @__PURE__ */ z("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -5322,14 +5392,14 @@ function Xo({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ L("datalist", {
+			/* @__PURE__ */ z("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
 			})
 		]
 	});
 }
-var Zo = class extends x {
+var es = class extends x {
 	box = y();
 	plot = null;
 	componentDidMount() {
@@ -5348,8 +5418,8 @@ var Zo = class extends x {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Jo[(t + 3) % Jo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : qo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new qo({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Zo[(t + 3) % Zo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Xo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Xo({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			legend: { show: !1 },
@@ -5365,7 +5435,7 @@ var Zo = class extends x {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Qo(t, n, m.length > 0) }
+				y: { range: (e, t, n) => ts(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -5376,7 +5446,7 @@ var Zo = class extends x {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => $o(t, "s")
+				values: (e, t) => ns(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -5389,7 +5459,7 @@ var Zo = class extends x {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => $o(t, p)
+				values: (e, t) => ns(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -5435,10 +5505,10 @@ var Zo = class extends x {
 	}
 	render({ name: e, curves: t }) {
 		let n = t.find((e) => e.error);
-		return /* @__PURE__ */ L("figure", {
+		return /* @__PURE__ */ z("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
-			children: [/* @__PURE__ */ L("div", { ref: this.box }), n && /* @__PURE__ */ L("p", {
+			children: [/* @__PURE__ */ z("div", { ref: this.box }), n && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: [
 					n.error.code,
@@ -5449,13 +5519,13 @@ var Zo = class extends x {
 		});
 	}
 };
-function Qo(e, t, n) {
+function ts(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function $o(e, t) {
+function ns(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -5476,7 +5546,7 @@ function $o(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var es = [
+var rs = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -5486,21 +5556,21 @@ var es = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ts({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function is({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ L("span", {
+				children: e.map((e) => /* @__PURE__ */ z("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ z("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -5510,24 +5580,24 @@ function ts({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: es[o % es.length],
-						children: /* @__PURE__ */ L("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						fill: rs[o % rs.length],
+						children: /* @__PURE__ */ z("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: es[t % es.length],
+						fill: rs[t % rs.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -5535,10 +5605,10 @@ function ts({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -5550,7 +5620,7 @@ function ts({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/app.tsx
-var ns = [
+var as = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -5558,7 +5628,7 @@ var ns = [
 	["table", "Table"],
 	["text", "Text"],
 	["equations", "Equations"]
-], rs = class extends x {
+], os = class extends x {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -5601,81 +5671,81 @@ var ns = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ L("div", {
+		if (!n) return /* @__PURE__ */ z("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ L("main", {
+		return /* @__PURE__ */ z("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			children: [
-				/* @__PURE__ */ L(as, {
+				/* @__PURE__ */ z(cs, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ z("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(Jt, {
+						/* @__PURE__ */ z(Zt, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L(ze, {
+						/* @__PURE__ */ z(ze, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L("aside", {
+						/* @__PURE__ */ z("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ L("div", {
+							children: [/* @__PURE__ */ z("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: ns.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: as.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ L("div", {
+							}), /* @__PURE__ */ z("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabIndex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(Tt, {
+									t.tab === "item" && /* @__PURE__ */ z(Ot, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(It, {
+									t.tab === "machines" && /* @__PURE__ */ z(zt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(zt, {
+									t.tab === "model" && /* @__PURE__ */ z(Ht, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(Ut, {
+									t.tab === "problems" && /* @__PURE__ */ z(Kt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(Wt, {
+									t.tab === "table" && /* @__PURE__ */ z(qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(Gt, {
+									t.tab === "text" && /* @__PURE__ */ z(Jt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(Kt, {
+									t.tab === "equations" && /* @__PURE__ */ z(Yt, {
 										store: e,
 										state: t
 									})
@@ -5684,28 +5754,28 @@ var ns = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ L("div", {
+				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ L(Yo, {
+					children: [/* @__PURE__ */ z(Qo, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ L(_t, {
+					}), /* @__PURE__ */ z(bt, {
 						store: e,
 						state: t
 					})]
 				}),
-				/* @__PURE__ */ L("footer", { children: [
-					/* @__PURE__ */ L("span", {
+				/* @__PURE__ */ z("footer", { children: [
+					/* @__PURE__ */ z("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(is, {
+					/* @__PURE__ */ z(ss, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -5713,34 +5783,34 @@ var ns = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(Yt, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(Qt, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ L("div", {
+				t.notice && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						/* @__PURE__ */ z("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ L("button", {
+						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ z("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ L("div", {
+				!t.connected && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -5749,94 +5819,94 @@ var ns = [
 		});
 	}
 };
-function is({ store: e, state: t }) {
+function ss({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ L("span", {
+	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ L("b", { children: [
+			t.cursor && /* @__PURE__ */ z("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function as({ store: e, state: t, errors: n }) {
+function cs({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(os, {
+	return /* @__PURE__ */ z("header", { children: [
+		/* @__PURE__ */ z(ls, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ L("h1", {
+		/* @__PURE__ */ z("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ L("span", {
+		/* @__PURE__ */ z("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ L("span", { class: "spring" }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("span", { class: "spring" }),
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		i ? /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("progress", {
+		i ? /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ L("button", {
+		}), /* @__PURE__ */ z("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ L("button", {
+		})] }) : /* @__PURE__ */ z("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -5844,7 +5914,7 @@ function as({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function os({ store: e, state: t }) {
+function ls({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -5874,75 +5944,75 @@ function os({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ L("details", {
+	return /* @__PURE__ */ z("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ L("summary", {
+		children: [/* @__PURE__ */ z("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ z("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ z("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ L("button", {
+				].map((e) => /* @__PURE__ */ z("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ L("hr", {}),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function ss({ model: e, el: t }) {
+function us({ model: e, el: t }) {
 	let n = new Ne(), r = new Fe(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ L(rs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), F(null, t);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ z(os, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), L(null, t);
 	};
 }
-var cs = { render: ss };
-export { cs as default, ss as render };
+var ds = { render: us };
+export { ds as default, us as render };

@@ -1,0 +1,333 @@
+"""The studio in a real browser, as a new user goes: draw, watch strokes, run, look at an instant."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from studio.chromium import browser, missing
+
+import hybond as hb
+
+pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "there is a browser")
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+class Page:
+    """A page of the studio and what a hand does to it."""
+
+    def __init__(self, driver: Any, address: str) -> None:
+        self.driver = driver
+        driver.get(address)
+        self.until(lambda: self.all("[data-kind]"), "the page opens")
+
+    def all(self, selector: str) -> list[Any]:
+        return list(self.driver.find_elements("css selector", selector))
+
+    def one(self, selector: str) -> Any:
+        return self.driver.find_element("css selector", selector)
+
+    def until(self, what: Callable[[], Any], told: str) -> Any:
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            try:
+                found = what()
+            except Exception:
+                found = None
+            if found:
+                return found
+            time.sleep(0.03)
+        raise AssertionError(f"not so after 20 s: {told}")
+
+    def click(self, selector: str) -> None:
+        self.until(lambda: self.one(selector), selector)
+        self.one(selector).click()
+
+    def write(self, selector: str, text: str) -> None:
+        from selenium.webdriver.common.keys import Keys
+
+        field = self.until(lambda: self.one(selector), selector)
+        field.click()
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(text, Keys.ENTER)
+
+    def keys(self, *keys: str) -> None:
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def chord(self, holder: str, key: str) -> None:
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        ActionChains(self.driver).key_down(holder).send_keys(key).key_up(holder).perform()
+
+    def drag(self, source: Any, target: Any) -> None:
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        ActionChains(self.driver, duration=30).click_and_hold(source).move_to_element(
+            target
+        ).release().perform()
+
+    def node(self, name: str) -> Any:
+        return self.one(f'[data-node="{name}"] .letters')
+
+    def strokes(self, text: str) -> list[str]:
+        """Return the strokes of a bond: its ends, with what they are besides solid."""
+        return [
+            f"{s.get_attribute('data-end')}{s.get_attribute('class').removeprefix('stroke')}"
+            for s in self.all(f'[data-text="{text}"] .stroke')
+        ]
+
+    def complaints(self) -> list[str]:
+        return [str(e["message"]) for e in self.driver.get_log("browser") if e["level"] == "SEVERE"]
+
+
+@pytest.fixture
+def serve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], str]]:
+    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+    started = []
+
+    def begin(file: str) -> str:
+        command = [sys.executable, "-m", "hybond", "studio", file, "--no-browser"]
+        process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+        started.append(process)
+        assert process.stdout is not None
+        found = re.search(r"http://\S+", process.stdout.readline())
+        assert found is not None
+        return found[0]
+
+    yield begin
+    for process in started:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture(scope="module")
+def desk() -> Iterator[Any]:
+    driver = browser()
+    yield driver
+    driver.quit()
+
+
+def test_a_new_user_draws_the_circuit_runs_it_and_sees_the_mythical_mode(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    page = Page(desk, serve("circuit.toml"))
+    # elements from the palette, by clicks: each is beside the one before
+    for kind, name, value in (
+        ("Se", "Se", "10 V"),
+        ("1", "loop", ""),
+        ("0", "node", ""),
+        ("1", "loop1", ""),
+        ("Se", "Se1", "0.7 V"),
+        ("I", "I", "0.1 H"),
+        ("R", "R", "10 ohm"),
+    ):
+        page.click(f'[data-kind="{kind}"]')
+        page.until(lambda n=name: page.one(f'[data-node="{n}"].selected'), name)
+        if value:
+            page.write('.side input[aria-label="Value"]', value)
+    # bonds by dragging from the handle
+    for tail, head in (
+        ("Se", "loop"),
+        ("loop", "node"),
+        ("loop1", "node"),
+        ("loop1", "Se1"),
+        ("node", "I"),
+        ("loop", "R"),
+    ):
+        page.node(tail).click()
+        page.until(lambda t=tail: page.one(f'[data-node="{t}"].selected'), tail)
+        page.drag(page.one(f'[data-handle="{tail}"] circle:not(.hit)'), page.node(head))
+        page.until(lambda t=tail, h=head: page.one(f'[data-text="{t} -> {h}"]'), f"{tail} {head}")
+    page.until(lambda: page.strokes("node -> I") == ["1"], "the coil in integral causality")
+    # its machines
+    for junction, machine, on, off in (
+        ("loop", "S1", "closed", "open"),
+        ("loop1", "S2", "conducts", "blocks"),
+    ):
+        page.node(junction).click()
+        buttons = page.until(
+            lambda: [b for b in page.all(".side button") if "state machine" in b.text], "the button"
+        )
+        buttons[0].click()
+        old = f"{junction}_switch"
+        page.write(f'input[aria-label="Name of machine {old}"]', machine)
+        page.write(f'input[aria-label="State on of {machine}"]', on)
+        page.until(lambda m=machine, o=on: page.one(f'input[aria-label="State {o} of {m}"]'), on)
+        page.write(f'input[aria-label="State off of {machine}"]', off)
+        page.until(lambda m=machine, o=off: page.one(f'input[aria-label="State {o} of {m}"]'), off)
+    page.click('input[aria-label="S2 starts in blocks"]')
+    guards = {
+        "S1": ["time >= 0.05"],
+        "S2": ["loop1.f < 0", "loop1.e > 0"],  # the first rule leaves `conducts`
+    }
+    for machine, texts in guards.items():
+        for k, guard in enumerate(texts, 1):
+            add = page.all(f'[data-machine="{machine}"] button')
+            next(b for b in add if b.text == "Add rule").click()
+            page.write(f'input[aria-label="Guard {k} of {machine}"]', guard)
+    # strokes follow the mode that is drawn: both off, the coil has no cause but itself
+    page.until(lambda: page.one('.modes select[aria-label^="State of S1"]'), "the modes")
+    for machine, state in (("S1", "open"), ("S2", "blocks")):
+        page.one(f'select[aria-label="State of {machine} that is drawn"]').send_keys(state)
+    page.until(lambda: page.strokes("node -> I")[:1] == ["0 derivative"], "derivative causality")
+    # run it
+    page.click("#tab-model")
+    page.write('.side input[aria-label="Until"]', "0.25 s")
+    page.click("button.run")
+    events = page.until(lambda: page.all("[data-event]"), "events")
+    assert "mythical" in events[1].text
+    events[1].click()
+    page.until(lambda: page.one('[data-step="0"][aria-pressed="true"]'), "the instant")
+    page.until(lambda: len(page.all(".node.off")) == 2, "both junctions are off")
+    page.click('[data-step="1"]')
+    page.until(lambda: len(page.all(".node.off")) == 1, "the diode conducts")
+    # change a parameter, undo
+    page.node("R").click()
+    page.write('.side input[aria-label="Value"]', "20 ohm")
+    file = tmp_path / "circuit.toml"
+    page.until(lambda: "20 ohm" in file.read_text(), "the file has it")
+    page.one('button[aria-label="Undo"]').click()
+    page.until(lambda: "10 ohm" in file.read_text(), "undone")
+    # what is saved is the circuit, by its closed form
+    run = hb.simulate(hb.load(file))
+    assert run["I.f"].at(0.05) == pytest.approx(1 - 2.718281828459045**-5, rel=1e-9)
+    # reopen
+    again = Page(desk, serve("circuit.toml"))
+    assert len(again.all("[data-node]")) == 7
+    assert Keys.ENTER
+    assert not again.complaints()
+
+
+def test_by_keyboard_alone(desk: Any, serve: Callable[[str], str], tmp_path: Path) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    page = Page(desk, serve("keys.toml"))
+    desk.execute_script("document.querySelector('.canvas svg').focus()")
+    for words in ("Se 10", "1 j", "I coil 0.5", "R r 2"):
+        page.keys("a")
+        page.until(lambda: page.one(".quick input"), "the box")
+        page.keys(words, Keys.ENTER)
+        page.until(lambda: not page.all(".quick"), words)
+    for bond in ("Se -> j", "j -> coil", "j -> r"):
+        page.keys("a")
+        page.until(lambda: page.one(".quick input"), "the box")
+        page.keys(bond, Keys.ENTER)
+        page.until(lambda b=bond: page.one(f'[data-text="{b}"]'), bond)
+        page.until(lambda: not page.all(".quick"), bond)
+    page.until(lambda: page.strokes("j -> coil") == ["1"], "strokes")
+    # along bonds with arrows; b bonds, Escape leaves it
+    page.keys(Keys.ESCAPE, Keys.ARROW_RIGHT)
+    chosen = page.until(lambda: page.one("[data-node].selected"), "a node is selected")
+    before = chosen.get_attribute("transform")
+    page.chord(Keys.ALT, Keys.ARROW_DOWN)
+    page.until(
+        lambda: page.one("[data-node].selected").get_attribute("transform") != before, "moved"
+    )
+    page.chord(Keys.CONTROL, "z")
+    page.until(
+        lambda: page.one("[data-node].selected").get_attribute("transform") == before, "undone"
+    )
+    page.keys("]", Keys.DELETE)
+    page.until(lambda: len(page.all("[data-bond]")) < 3, "a bond is deleted")
+    page.chord(Keys.CONTROL, "z")
+    page.until(lambda: len(page.all("[data-bond]")) == 3, "and back")
+    page.chord(Keys.CONTROL, Keys.ENTER)
+    page.until(lambda: page.all(".events .status.ok"), "it ran")
+    data = tomllib.loads((tmp_path / "keys.toml").read_text())
+    assert data["elements"]["coil"] == {"I": "0.5"}
+
+
+def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) -> None:
+    driver = browser(390, 800, touch=True)
+    try:
+        page = Page(driver, serve("touch.toml"))
+
+        def tap(element: Any) -> None:
+            driver.execute_script("arguments[0].scrollIntoView({block: 'nearest'})", element)
+            box = driver.execute_script(
+                "const r = arguments[0].getBoundingClientRect();"
+                "return [r.x + r.width / 2, r.y + r.height / 2]",
+                element,
+            )
+            point = {"x": box[0], "y": box[1]}
+            send = driver.execute_cdp_cmd
+            send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [point]})
+            send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+        for kind, name in (("Se", "Se"), ("1", "loop"), ("I", "I")):
+            tap(page.one('button[aria-label="Palette"]'))
+            page.until(lambda: page.one(".palette.open"), "the palette")
+            tap(page.one(f'[data-kind="{kind}"]'))
+            page.until(lambda n=name: page.one(f'[data-node="{n}"].selected'), name)
+        for tail, head in (("Se", "loop"), ("loop", "I")):
+            tap(page.node(tail))
+            page.until(lambda t=tail: page.one(f'[data-node="{t}"].selected'), tail)
+            tap(page.one(f'[data-handle="{tail}"] circle:not(.hit)'))
+            page.until(lambda: page.one(".wiretext"), "a bond is begun")
+            tap(page.node(head))
+            page.until(lambda t=tail, h=head: page.one(f'[data-text="{t} -> {h}"]'), head)
+        page.until(lambda: page.strokes("loop -> I") == ["1"], "strokes")
+        width = driver.execute_script("return document.documentElement.scrollWidth")
+        assert width <= 390, "nothing is wider than the telephone"
+    finally:
+        driver.quit()
+
+
+def test_the_rod_falls_through_its_two_mythical_modes(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    (tmp_path / "rod.toml").write_text((EXAMPLES / "falling_rod.toml").read_text())
+    page = Page(desk, serve("rod.toml"))
+    page.click("button.run")
+    page.until(lambda: page.all("[data-event]"), "events")
+    run = hb.simulate(hb.load(EXAMPLES / "falling_rod.toml"))
+    kinds = [[s.kind for s in e.steps] for e in run.events]
+    event = max(range(len(kinds)), key=lambda k: kinds[k].count("mythical"))
+    page.click(f'[data-event="{event}"]')
+    seen = []
+    for k in range(len(kinds[event])):
+        page.click(f'[data-step="{k}"]')
+        page.until(lambda n=k: page.one(f'[data-step="{n}"][aria-pressed="true"]'), f"step {k}")
+        seen.append(page.one(".instant b").text)
+    assert seen == kinds[event]
+    assert not page.complaints()
+
+
+def test_the_geometry_of_the_page_is_that_of_printed_drawings(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    """Half arrow and strokes are computed twice, in Python and on the page: here they are one."""
+    from hybond.draw.geometry import Box, bond_shape, stroke
+    from hybond.draw.measure import width
+
+    Page(desk, serve("empty.toml"))
+    cases = [
+        ((0.0, 0.0), (100.0, 0.0), 0.0),
+        ((0.0, 0.0), (0.0, 84.0), 0.0),
+        ((30.0, 10.0), (-60.0, 70.0), 4.5),
+        ((0.0, 0.0), (-100.0, 0.0), -9.0),
+        ((5.0, 5.0), (9.0, 6.0), 0.0),
+    ]
+    words = ["Se", "i_L = 12,3 kΩ", "MWÄß", "…→"]
+    asked = json.dumps({"cases": cases, "words": words})
+    found = desk.execute_script(f"return window.hybondGeometry({asked})")
+    for (a, b, shift), (tail, head, barb, zero, one) in zip(cases, found["shapes"]):
+        boxes = [Box(x - 8, y - 9, x + 8, y + 9) for x, y in (a, b)]
+        shape = bond_shape(*boxes, a, b, shift=shift)
+        flat = [shape.tail, shape.head, *shape.barb, *stroke(shape, 0), *stroke(shape, 1)]
+        told = [tail, head, *barb, *zero, *one]
+        assert [v for p in told for v in p] == pytest.approx([v for p in flat for v in p], abs=1e-9)
+    assert found["widths"] == pytest.approx([width(w, 10.0) for w in words], abs=1e-9)

@@ -1,0 +1,425 @@
+"""The session of the studio: what a page asks is done to the file, and never lost."""
+
+from __future__ import annotations
+
+import base64
+import json
+import time
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import hybond as hb
+from hybond.causality.dynamics import causality_of
+from hybond.causality.reference import reference_mode
+from hybond.studio.document import Document
+from hybond.studio.journal import Journal
+from hybond.studio.server import dumped
+from hybond.studio.session import Session
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MODELS = sorted(p for p in EXAMPLES.glob("*.toml") if not p.name.startswith("_"))
+
+
+def asked(session: Session, ask: str, **more: Any) -> dict[str, Any]:
+    answer = session.handle({"id": 1, "ask": ask, **more})
+    session.settle()
+    assert "error" not in answer, answer
+    json.loads(dumped(answer))
+    return answer
+
+
+def edit(session: Session, **edit: Any) -> dict[str, Any]:
+    return asked(session, "edit", edit=edit)
+
+
+def finished(session: Session, **more: Any) -> dict[str, Any]:
+    told: list[dict[str, Any]] = []
+    stop = session.listen(told.append)
+    number = asked(session, "run", **more)["run"]
+    for _ in range(2000):
+        done = [m for m in told if m["tell"] == "finished" and m["run"] == number]
+        if done:
+            stop()
+            return done[0]
+        time.sleep(0.01)
+    raise AssertionError("the run does not end")
+
+
+def drawn(session: Session) -> None:
+    """Draw the circuit of Mosterman and Biswas: source, switch, coil, diode."""
+    for name, element, at in (
+        ("V", {"Se": "10 V"}, [0, 0]),
+        ("switch", {"junction": 1}, [1, 0]),
+        ("R", {"R": "10 ohm"}, [1, 1]),
+        ("node", {"junction": 0}, [2, 0]),
+        ("L", {"I": "0.1 H"}, [2, -1]),
+        ("diode", {"junction": 1}, [3, 0]),
+        ("drop", {"Se": "0.7 V"}, [4, 0]),
+    ):
+        edit(session, do="add", name=name, element=element, at=at)
+    for tail, head in (
+        ("V", "switch"),
+        ("switch", "node"),
+        ("node", "L"),
+        ("switch", "R"),
+        ("diode", "node"),
+        ("diode", "drop"),
+    ):
+        edit(session, do="bond", tail=tail, head=head)
+    for name, machine in (
+        (
+            "Sw",
+            {
+                "states": {"closed": ["switch"], "open": []},
+                "start": "closed",
+                "rules": ["closed -> open when time >= 0.05"],
+            },
+        ),
+        (
+            "D",
+            {
+                "states": {"blocks": [], "conducts": ["diode"]},
+                "start": "blocks",
+                "rules": [
+                    "blocks -> conducts when diode.e > 0",
+                    "conducts -> blocks when diode.f < 0",
+                ],
+            },
+        ),
+    ):
+        edit(session, do="set", path=["machines", name], value=machine)
+    edit(session, do="set", path=["experiment"], value={"until": "0.1 s", "plot": ["L.f"]})
+
+
+def test_a_circuit_drawn_edit_by_edit_is_the_circuit(tmp_path: Path) -> None:
+    session = Session(tmp_path / "diode.toml", journal=False)
+    drawn(session)
+    model = hb.load(tmp_path / "diode.toml")
+    run = hb.simulate(model)
+    # closed form: the current rises to 1 A with L/R = 10 ms, then sinks by 0.7 V / 0.1 H
+    top = 1 - 2.718281828459045**-5
+    assert run["L.f"].at(0.05) == pytest.approx(top, rel=1e-9)
+    assert run["L.f"].at(0.1) == pytest.approx(top - 0.35, rel=1e-9)
+    steps = [s.kind for e in run.events if e.t == pytest.approx(0.05) for s in e.steps]
+    assert steps == ["mythical", "continuous"]
+
+
+def test_strokes_come_with_each_edit_before_the_model_means_anything() -> None:
+    session = Session(None)
+    edit(session, do="add", name="V", element={"Se": "10 V"})
+    edit(session, do="add", name="j", element={"junction": 1})
+    edit(session, do="add", name="loose", element={"R": "x + y"})
+    look = edit(session, do="bond", tail="V", head="j")
+    assert not look["whole"]
+    assert look["problems"][0]["code"] == "HB-M130"
+    assert look["problems"][0]["select"] == {"nodes": ["loose"]}
+    assert look["strokes"]["bonds"]["V -> j"]["strokes"] == [1]
+    # an inertia on a 1-junction takes the effort: integral causality
+    edit(session, do="add", name="m", element={"I": 1})
+    look = edit(session, do="bond", tail="j", head="m")
+    assert look["strokes"]["bonds"]["j -> m"] == {"strokes": [1], "integral": True}
+
+
+def test_strokes_follow_the_mode_that_is_shown() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    closed = asked(session, "look", mode={"Sw": "closed", "D": "blocks"})
+    neither = asked(session, "look", mode={"Sw": "open", "D": "blocks"})
+    assert not closed["strokes"]["nodes"]["L"].get("derivative")
+    assert neither["strokes"]["nodes"]["L"]["derivative"]
+    assert neither["strokes"]["nodes"]["switch"]["off"]
+    assert [m["state"] for m in neither["machines"]] == ["open", "blocks"]
+
+
+@pytest.mark.parametrize("file", MODELS, ids=lambda p: p.stem)
+def test_every_example_opens_with_the_strokes_that_are_printed(file: Path) -> None:
+    session = Session(None)
+    look = asked(session, "open", example=file.stem)
+    graph = hb.load(file).flatten()
+    assert look["whole"], look["problems"]
+    found = causality_of(graph, graph.start_mode, reference=reference_mode(graph))
+    by_name = {b.name: found.strokes[b.index] for b in graph.bonds}
+    seen = {b["text"]: look["strokes"]["bonds"][b["key"]]["strokes"] for b in look["view"]["bonds"]}
+    assert seen
+    assert all(ends == [by_name[text]] for text, ends in seen.items())
+
+
+def test_comments_order_and_spelling_survive(tmp_path: Path) -> None:
+    file = tmp_path / "ball.toml"
+    file.write_text((EXAMPLES / "bouncing_ball.toml").read_text())
+    before = file.read_text().splitlines()
+    session = Session(file, journal=False)
+    edit(session, do="set", path=["parameters", "m"], value="2 kg")
+    edit(session, do="move", at={"ball": [1.25, -1]})
+    after = file.read_text().splitlines()
+    differing = [(a, b) for a, b in zip(before, after) if a != b]
+    assert differing == [
+        ('m = "1 kg"', 'm = "2 kg"'),
+        ("ball    = [1, -1]", "ball    = [1.25, -1]"),
+    ]
+    assert len(before) == len(after)
+
+
+def test_undo_gives_back_the_file_bit_for_bit(tmp_path: Path) -> None:
+    file = tmp_path / "ball.toml"
+    file.write_text((EXAMPLES / "bouncing_ball.toml").read_text())
+    texts = [file.read_text()]
+    session = Session(file, journal=False)
+    for change in (
+        {"do": "remove", "names": ["damper", "contact"]},
+        {"do": "rename", "old": "v", "new": "speed"},
+        {"do": "add", "stem": "R", "element": {"R": 1}, "at": [5, 5]},
+        {"do": "reverse", "bonds": ["0.0"]},
+    ):
+        edit(session, **change)
+        texts.append(file.read_text())
+    for text in reversed(texts[:-1]):
+        asked(session, "undo")
+        assert file.read_text() == text
+    for text in texts[1:]:
+        asked(session, "redo")
+        assert file.read_text() == text
+
+
+def test_renaming_goes_through_bonds_guards_and_signals(tmp_path: Path) -> None:
+    session = Session(None, text=(EXAMPLES / "bouncing_ball.toml").read_text())
+    before = hb.simulate(hb.loads(session.document.text), until="1 s")
+    edit(session, do="rename", old="v", new="speed")
+    edit(session, do="rename", old="height", new="h")
+    edit(session, do="rename", old="g", new="gravity")
+    after = hb.simulate(hb.loads(session.document.text), until="1 s")
+    assert after["h"].at(1.0) == before["height"].at(1.0)
+    assert len(after.events) == len(before.events)
+
+
+def test_a_copy_pasted_is_a_second_circuit_with_names_of_its_own() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    names = [n["name"] for n in asked(session, "look")["view"]["nodes"]]
+    text = asked(session, "copy", names=names)["text"]
+    look = asked(session, "paste", text=text, by=[0, 4])
+    assert len(look["view"]["nodes"]) == 2 * len(names)
+    assert len(look["pasted"]) == len(names)
+    assert len(look["panels"]["machines"]) == 4
+    model = hb.loads(session.document.text)
+    run = hb.simulate(model)
+    assert run["L1.f"].at(0.1) == run["L.f"].at(0.1)
+
+
+def test_an_edit_that_was_answered_survives_a_crash_before_its_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+    file = tmp_path / "m.toml"
+    file.write_text("hybond = 1\n")
+    document = Document(file, journal=Journal(file))
+    document.edit({"do": "add", "name": "a", "element": {"junction": 1}})
+    document.settle()
+    document.edit({"do": "add", "name": "b", "element": {"junction": 0}})
+    # the program is killed here: what it holds is gone, the file has only the first edit
+    assert set(tomllib.loads(file.read_text())["elements"]) == {"a"}
+    again = Document(file, journal=Journal(file))
+    assert set(tomllib.loads(again.text)["elements"]) == {"a", "b"}
+    assert set(tomllib.loads(file.read_text())["elements"]) == {"a", "b"}
+    again.undo()
+    again.undo()
+    assert again.text == "hybond = 1\n"
+
+
+def test_a_half_written_journal_is_read_as_far_as_it_goes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+    file = tmp_path / "m.toml"
+    journal = Journal(file)
+    journal.keep("hybond = 1\n")
+    journal.close()
+    with journal.path.open("a") as more:
+        more.write('{"edit": {"do": "add", "ele')
+    assert Journal(file).remembered().texts == ["hybond = 1\n"]
+
+
+def test_what_another_program_wrote_is_taken_and_undo_brings_ours_back(tmp_path: Path) -> None:
+    file = tmp_path / "m.toml"
+    file.write_text("hybond = 1\n")
+    session = Session(file, journal=False)
+    edit(session, do="add", name="ours", element={"junction": 1})
+    file.write_text("hybond = 1\n[elements]\ntheirs = { junction = 0 }\n")
+    look = asked(session, "look")
+    assert [n["name"] for n in look["view"]["nodes"]] == ["theirs"]
+    look = asked(session, "undo")
+    assert [n["name"] for n in look["view"]["nodes"]] == ["ours"]
+
+
+def test_one_writer_per_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+    file = tmp_path / "m.toml"
+    file.write_text("hybond = 1\n")
+    one, two = Session(file), Session(file)
+    assert one.writable and not two.writable
+    answer = two.handle({"id": 1, "ask": "edit", "edit": {"do": "add", "element": {"junction": 1}}})
+    assert answer["error"]["code"] == "HB-W105"
+    one.close()
+    assert Session(file).writable
+
+
+def test_a_disk_that_is_full_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "m.toml"
+    file.write_text("hybond = 1\n")
+    session = Session(file, journal=False)
+
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("hybond.studio.document.write_whole", full)
+    edit(session, do="add", name="a", element={"junction": 1})
+    assert asked(session, "look")["unsaved"] == "No space left on device"
+    assert file.read_text() == "hybond = 1\n"
+    monkeypatch.undo()
+    edit(session, do="add", name="b", element={"junction": 1})
+    assert asked(session, "look")["unsaved"] == ""
+    assert set(tomllib.loads(file.read_text())["elements"]) == {"a", "b"}
+
+
+def test_a_text_that_cannot_be_read_is_kept_and_told() -> None:
+    session = Session(None)
+    edit(session, do="add", name="a", element={"junction": 1})
+    look = asked(session, "replace", text="hybond = 1\n[elements]\na = { junction = ")
+    assert look["problems"][0]["code"] == "HB-F105"
+    assert look["problems"][0]["line"] == 3
+    answer = session.handle({"id": 2, "ask": "edit", "edit": {"do": "remove", "names": ["a"]}})
+    assert answer["error"]["code"] == "HB-W102"
+    assert [n["name"] for n in asked(session, "undo")["view"]["nodes"]] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("message", "code"),
+    [
+        ({"ask": "edit", "edit": {"do": "fly"}}, "HB-W101"),
+        ({"ask": "edit", "edit": 3}, "HB-W101"),
+        ({"ask": "edit", "edit": {"do": "bond", "tail": "a", "head": "zz"}}, "HB-W101"),
+        ({"ask": "edit", "edit": {"do": "add", "element": {"R": 1}, "at": ["x", 1]}}, "HB-W101"),
+        ({"ask": "edit", "edit": {"do": "add", "element": {"R": 1}, "name": "pre"}}, "HB-W101"),
+        ({"ask": "edit", "edit": {"do": "set", "path": ["hybond"], "value": 2}}, "HB-W101"),
+        ({"ask": "edit", "edit": {"do": "remove"}, "level": "x"}, ""),
+        ({"ask": "edit", "edit": {"do": "move", "level": "not.there"}}, "HB-W101"),
+        ({"ask": "curves", "run": 99}, "HB-W103"),
+        ({"ask": "run", "options": {"on_error": "raise"}}, "HB-W103"),
+        ({"ask": "open", "file": "../../etc/passwd.toml"}, "HB-W104"),
+        ({"ask": "open", "file": "/etc/passwd"}, "HB-W104"),
+        ({"ask": "save as", "file": "../up.toml"}, "HB-W104"),
+        ({"ask": "open", "example": "../pyproject"}, "HB-W104"),
+        ({"ask": "exec"}, "HB-W101"),
+        ({}, "HB-W101"),
+    ],
+)
+def test_what_cannot_be_done_is_refused(message: dict[str, Any], code: str, tmp_path: Path) -> None:
+    session = Session(None, text="hybond = 1\n[elements]\na = { junction = 1 }\n", root=tmp_path)
+    answer = session.handle({"id": 5, **message})
+    assert answer["id"] == 5
+    assert answer.get("error", {}).get("code", "") == code
+    assert session.document.text.startswith("hybond = 1")
+
+
+def test_a_run_its_curves_and_its_instants() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    told = finished(session)
+    assert (told["status"], told["events"]) == ("ok", 3)
+    run = told["run"]
+    seen = asked(session, "curves", run=run, names=["L.f"], t0=0, t1=0.25, width=200, strip=True)
+    t, y = seen["curves"][0]["t"], seen["curves"][0]["y"]
+    assert max(y) == pytest.approx(1 - 2.718281828459045**-5, rel=1e-6)
+    assert t[0] == 0.0 and t[-1] == 0.25
+    assert [s[2] for s in seen["strip"][1]["stays"]] == [0, 1, 0]
+    event = asked(session, "events", run=run)["events"][1]
+    assert [s["kind"] for s in event["steps"]] == ["mythical", "continuous"]
+    mythical = asked(
+        session, "cursor", run=run, t=event["t"], side="left", mode=event["steps"][0]["mode"]
+    )
+    assert mythical["strokes"]["nodes"]["L"]["derivative"]
+    # before the instant the source gives all of its current to the coil
+    assert mythical["values"]["0.0"]["f"] == pytest.approx(max(y), rel=1e-6)
+
+
+def test_a_run_is_cancelled_and_keeps_what_it_has() -> None:
+    session = Session(None)
+    asked(session, "open", example="boost")
+    told: list[dict[str, Any]] = []
+    session.listen(told.append)
+    asked(session, "run", until=1e6)
+    for _ in range(1000):
+        if any(m["tell"] == "progress" and m["events"] > 10 for m in told):
+            break
+        time.sleep(0.01)
+    asked(session, "cancel")
+    for _ in range(1000):
+        done = [m for m in told if m["tell"] == "finished"]
+        if done:
+            break
+        time.sleep(0.01)
+    assert done[0]["status"] == "interrupted"
+    assert 0.0 < done[0]["tEnd"] < 1e6
+    # and editing goes on as ever
+    assert "error" not in session.handle({"id": 1, "ask": "look"})
+
+
+def test_no_spike_is_lost_between_pixels() -> None:
+    session = Session(None)
+    asked(session, "open", example="boost")
+    run = finished(session)["run"]
+    result = session.runs.result(run)
+    seen = asked(session, "curves", run=run, names=["coil.current"], t0=0, t1=4e-3, width=64)
+    y = seen["curves"][0]["y"]
+    assert len(y) <= 4 * 64 + 2
+    assert max(y) == result["coil.current"].y.max()
+    assert min(y) == result["coil.current"].y.min()
+
+
+def test_a_part_is_opened_to_look_at_and_not_to_change() -> None:
+    session = Session(None)
+    asked(session, "open", example="boost")
+    look = asked(session, "look", level="diode")
+    assert not look["view"]["editable"]
+    assert {n["name"] for n in look["view"]["nodes"]} >= {"plus", "minus", "i"}
+    assert look["strokes"]["bonds"]["0.0"]["strokes"]
+    answer = session.handle(
+        {"id": 1, "ask": "edit", "edit": {"do": "remove", "names": ["i"], "level": "diode"}}
+    )
+    assert answer["error"]["code"] == "HB-W101"
+
+
+def test_a_submodel_of_the_file_is_edited_where_it_is_said() -> None:
+    text = (
+        "hybond = 1\n[models.wheel]\n[models.wheel.elements]\nm = { I = 1 }\nv = { junction = 1 }\n"
+        '[models.wheel.graph]\nbonds = ["v -> m"]\n[models.wheel.ports]\nhub = "v"\n'
+        '[elements]\nF = { Se = 1 }\nleft = { submodel = "wheel" }\n'
+        '[graph]\nbonds = ["F -> left.hub"]\n'
+    )
+    session = Session(None, text=text)
+    look = edit(session, do="set", path=["elements", "m"], value={"I": 3}, level="left")
+    assert tomllib.loads(session.document.text)["models"]["wheel"]["elements"]["m"] == {"I": 3}
+    assert look["whole"], look["problems"]
+
+
+def test_places_are_kept_in_cells_and_arranging_keeps_what_is_chosen() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    edit(session, do="move", at={"V": [7, 7]})
+    look = asked(session, "arrange", keep=["V"])
+    at = {n["name"]: (n["x"], n["y"]) for n in look["view"]["nodes"]}
+    assert at["V"] == (7, 7)
+    assert len(set(at.values())) == len(at)
+
+
+def test_the_printed_picture_is_that_of_the_mode_shown() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    mode = {"Sw": "open", "D": "blocks"}
+    found = asked(session, "picture", form="svg", mode=mode)
+    svg = base64.b64decode(found["content"]).decode()
+    graph = hb.load(EXAMPLES / "diode_inductor.toml").flatten()
+    assert svg == hb.draw_mode(graph, mode).svg()
