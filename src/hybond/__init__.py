@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from hybond._version import __version__
 
 if TYPE_CHECKING:
-    from hybond import library, switching
+    from hybond import library, studio, switching
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
@@ -107,9 +107,10 @@ _ROOMS = {
     "draw": "hybond.draw",
     "export": "hybond.export",
     "library": "hybond.library",
+    "studio": "hybond.studio",
     "switching": "hybond.switching",
 }
-"""Rooms that are public as such; `causality`, `draw` and `export` can be called."""
+"""Rooms that are public as such; `causality`, `draw`, `export` and `studio` can be called."""
 
 __all__ = [
     "FMU",
@@ -172,6 +173,7 @@ __all__ = [
     "state_equations",
     "state_space",
     "structure",
+    "studio",
     "switching",
 ]
 

@@ -103,7 +103,7 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
                 </button>
               ))}
             </div>
-            <div class="panel" id="panel" role="tabpanel" aria-labelledby={`tab-${state.tab}`} tabIndex={0}>
+            <div class="panel" id="panel" role="tabpanel" aria-labelledby={`tab-${state.tab}`} tabindex={0}>
               {state.tab === "item" && <Item store={store} state={state} />}
               {state.tab === "machines" && <Machines store={store} state={state} />}
               {state.tab === "model" && <ModelPanel store={store} state={state} />}

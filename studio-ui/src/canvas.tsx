@@ -16,7 +16,7 @@ type Gesture =
   | { kind: "drag"; names: string[]; start: Point; id: number }
   | { kind: "pan"; last: Point; id: number; moved: boolean }
   | { kind: "box"; start: Point; now: Point; id: number; add: boolean }
-  | { kind: "wire"; from: string; now: Point; target: string; id: number }
+  | { kind: "wire"; from: string; start: Point; now: Point; target: string; id: number }
   | { kind: "pinch"; ids: [number, number]; last: [Point, Point] };
 
 interface Props {
@@ -78,6 +78,33 @@ export class Canvas extends Component<Props, Own> {
   componentDidUpdate(): void {
     this.listen();
     this.fitOnce();
+    this.keepInSight();
+  }
+
+  private seen = "";
+
+  /** What was just put down or selected is in sight. */
+  private keepInSight(): void {
+    const { state } = this.props;
+    const look = state.look;
+    const r = this.svg.current?.getBoundingClientRect();
+    if (!look || !r || this.state.gesture) return;
+    const now = [...state.nodes].join(" ");
+    if (now === this.seen) return;
+    this.seen = now;
+    const chosen = look.view.nodes.filter((n) => state.nodes.has(n.name));
+    const { x, y, k } = this.state.sight;
+    const out = chosen.some((n) => {
+      const [px, py] = pixels(n.x, n.y);
+      const [sx, sy] = [x + k * px, y + k * py];
+      return sx < 40 || sy < 40 || sx > r.width - 40 || sy > r.height - 40;
+    });
+    if (!out || !chosen.length) return;
+    if (!this.touched) this.fit();
+    else {
+      const [px, py] = pixels(chosen[0].x, chosen[0].y);
+      this.setState({ sight: { k, x: r.width / 2 - k * px, y: r.height / 2 - k * py } });
+    }
   }
 
   /** A level that is opened is shown as a whole. */
@@ -171,7 +198,14 @@ export class Canvas extends Component<Props, Own> {
       this.begin(e, { kind: "pan", last: at, id: e.pointerId, moved: false });
     } else if (e.button !== 0) return;
     else if (from && state.look?.view.editable) {
-      this.begin(e, { kind: "wire", from, now: this.inGraph(at), target: "", id: e.pointerId });
+      this.begin(e, {
+        kind: "wire",
+        from,
+        start: at,
+        now: this.inGraph(at),
+        target: "",
+        id: e.pointerId,
+      });
     } else if (node) {
       if (state.bondFrom && state.bondFrom !== node) {
         void store.bond(state.bondFrom, this.under(e) || node);
@@ -212,7 +246,7 @@ export class Canvas extends Component<Props, Own> {
   private move = (e: PointerEvent): void => {
     const { gesture, sight } = this.state;
     const at = this.local(e);
-    if (gesture) this.touched = true;
+    if (gesture?.kind === "pan" || gesture?.kind === "pinch") this.touched = true;
     if (this.pointers.has(e.pointerId)) this.pointers.set(e.pointerId, at);
     if (!gesture) return;
     if (gesture.kind === "pinch") {
@@ -291,7 +325,7 @@ export class Canvas extends Component<Props, Own> {
     } else if (gesture.kind === "wire") {
       const target = this.under(e, gesture.from.split(".")[0]) || gesture.target;
       if (target) void store.bond(gesture.from, target);
-      else if (Math.hypot(...sub(gesture.now, this.centre(gesture.from))) < 30)
+      else if (Math.hypot(...sub(this.local(e), gesture.start)) < 8)
         store.set({ bondFrom: gesture.from }); // a tap on the handle: the next tap is the other end
     } else if (gesture.kind === "pan" && !gesture.moved) store.set({ nodes: new Set(), bonds: new Set(), bondFrom: null });
     this.setState({ gesture: null, moved: [0, 0] });
@@ -310,11 +344,6 @@ export class Canvas extends Component<Props, Own> {
   private centreOf(end: string, by: Map<string, GraphNode>, at: Map<string, Point>, ports: Map<string, string>): Point {
     const name = end.split(".")[0];
     return joint(by.get(name)!, end, false, at.get(name)!, ports.get(name))[0];
-  }
-
-  private centre(end: string): Point {
-    const node = this.props.state.look!.view.nodes.find((n) => n.name === end.split(".")[0]);
-    return node ? pixels(node.x, node.y) : [0, 0];
   }
 
   private enter(name: string): void {
@@ -425,7 +454,7 @@ export class Canvas extends Component<Props, Own> {
       <div class="canvas" onDragOver={(e) => e.preventDefault()} onDrop={this.dropped}>
         <svg
           ref={this.svg}
-          tabIndex={0}
+          tabindex={0}
           role="application"
           aria-label={`Bond graph ${look.title || look.file}: ${look.view.nodes.length} elements, ${look.view.bonds.length} bonds. Arrow keys select, a adds, b bonds, Delete removes.`}
           aria-describedby="chosen"

@@ -33,7 +33,7 @@ export function Events({ store, state }: Props) {
   }, [run?.run, first]);
   const open = state.instant?.event.event;
   return (
-    <section class="events" tabIndex={0} aria-label="Events">
+    <section class="events" tabindex={0} aria-label="Events">
       {run && run.tEnd !== undefined && (
         <p class={"status " + run.status}>
           {run.status === "ok" ? "ok" : <b>{run.status}</b>}, {total} events, {quantity(run.took, "s")}

@@ -163,7 +163,8 @@ function Diagram({ machine, now, onState }: { machine: MachineEntry; now?: strin
   const reach = Math.max(1, ...rules.map((r) => Math.abs(states.indexOf(r.target) - states.indexOf(r.source))));
   const up = 26 + 16 * reach;
   return (
-    <svg class="diagram" viewBox={`0 ${-up} ${46 + pitch * states.length} ${2 * up + 10}`} role="group" aria-label="States and rules">
+    <div class="diagram">
+    <svg width={46 + pitch * states.length} height={2 * up + 10} viewBox={`0 ${-up} ${46 + pitch * states.length} ${2 * up + 10}`} role="group" aria-label="States and rules">
       <defs>
         <marker id="rulehead" viewBox="0 0 8 8" refX={7} refY={4} markerWidth={7} markerHeight={7} orient="auto">
           <path d="M0,1L8,4L0,7z" class="rulehead" />
@@ -189,7 +190,7 @@ function Diagram({ machine, now, onState }: { machine: MachineEntry; now?: strin
         <g
           class={"statebox" + (s === now ? " now" : "") + (s === machine.start ? " start" : "")}
           role="button"
-          tabIndex={0}
+          tabindex={0}
           aria-label={`Show state ${s}`}
           aria-pressed={s === now}
           onClick={() => onState(s)}
@@ -201,5 +202,6 @@ function Diagram({ machine, now, onState }: { machine: MachineEntry; now?: strin
         </g>
       ))}
     </svg>
+    </div>
   );
 }

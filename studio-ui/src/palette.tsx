@@ -57,7 +57,7 @@ export function Palette({ store, state }: Props) {
         ))}
       </div>
       <input type="search" placeholder="Parts …" aria-label="Search parts" value={search} onInput={(e) => setSearch(e.currentTarget.value)} />
-      <div class="shelves" tabIndex={0} role="region" aria-label="Ready parts">
+      <div class="shelves" tabindex={0} role="region" aria-label="Ready parts">
         {shelves.map(([shelf, offered]) => {
           const found = offered.filter(fits);
           if (!found.length) return null;
@@ -92,8 +92,8 @@ export function QuickAdd({ store, state }: Props) {
       ? [exact, ...all.filter((o) => o !== exact && o.key.includes(head))]
       : all.filter((o) => `${o.key} ${o.about}`.toLowerCase().includes(text.trim().toLowerCase()));
   const close = () => {
+    document.querySelector<SVGSVGElement>(".canvas svg")?.focus();
     store.set({ adding: false });
-    requestAnimationFrame(() => document.querySelector<SVGSVGElement>(".canvas svg")?.focus());
   };
   const put = async () => {
     if (text.includes("->")) {

@@ -261,7 +261,7 @@ export function Equations({ store, state }: Props) {
   return (
     <section>
       <h2>Equations of all modes</h2>
-      <pre class="equations" tabIndex={0}>{said}</pre>
+      <pre class="equations" tabindex={0}>{said}</pre>
     </section>
   );
 }

@@ -201,6 +201,7 @@ class Trace extends Component<TraceProps> {
       {
         width: Math.max(wide - 4, 200),
         height: last ? 132 : 112,
+        padding: [8, 24, 0, 0],
         legend: { show: false },
         cursor: { drag: { x: true, y: false }, points: { show: false } },
         scales: { x: { time: false, range: () => span }, y: { range: (_, low, high) => padded(low, high, impulses.length > 0) } },

@@ -23,7 +23,7 @@ from hybond.studio.edits import apply
 from hybond.studio.journal import Journal
 from hybond.studio.levels import Data
 
-EMPTY = 'hybond = 1\ntitle  = ""\ndomain = "electrical"\n'
+EMPTY = 'hybond = 1\ntitle  = ""\ndomain = "electrical"\n\n[experiment]\nuntil = "1 s"\n'
 UNDO = 1000
 """Texts that undo goes back to."""
 

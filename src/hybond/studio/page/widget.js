@@ -1074,7 +1074,30 @@ var ze = class extends x {
 		}
 	}
 	componentDidUpdate() {
-		this.listen(), this.fitOnce();
+		this.listen(), this.fitOnce(), this.keepInSight();
+	}
+	seen = "";
+	keepInSight() {
+		let { state: e } = this.props, t = e.look, n = this.svg.current?.getBoundingClientRect();
+		if (!t || !n || this.state.gesture) return;
+		let r = [...e.nodes].join(" ");
+		if (r === this.seen) return;
+		this.seen = r;
+		let i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
+		if (i.some((e) => {
+			let [t, r] = B(e.x, e.y), [i, c] = [a + s * t, o + s * r];
+			return i < 40 || c < 40 || i > n.width - 40 || c > n.height - 40;
+		}) && i.length) {
+			if (!this.touched) this.fit();
+			else {
+				let [e, t] = B(i[0].x, i[0].y);
+				this.setState({ sight: {
+					k: s,
+					x: n.width / 2 - s * e,
+					y: n.height / 2 - s * t
+				} });
+			}
+		}
 	}
 	fitOnce() {
 		let e = this.props.state.look;
@@ -1164,6 +1187,7 @@ var ze = class extends x {
 		else if (u && n.look?.view.editable) this.begin(e, {
 			kind: "wire",
 			from: u,
+			start: r,
 			now: this.inGraph(r),
 			target: "",
 			id: e.pointerId
@@ -1223,7 +1247,7 @@ var ze = class extends x {
 	}
 	move = (e) => {
 		let { gesture: t, sight: n } = this.state, r = this.local(e);
-		if (t && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
+		if ((t?.kind === "pan" || t?.kind === "pinch") && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
 			if (t.kind === "pinch") {
 				let [e, r] = t.ids.map((e) => this.pointers.get(e)), [i, a] = t.last, o = Math.hypot(i[0] - a[0], i[1] - a[1]), s = Math.hypot(e[0] - r[0], e[1] - r[1]), c = Math.max(.05, Math.min(6, n.k * s / Math.max(o, 1))), [l, u] = [(e[0] + r[0]) / 2, (e[1] + r[1]) / 2], [d, f] = [(i[0] + a[0]) / 2, (i[1] + a[1]) / 2];
 				this.setState({
@@ -1307,7 +1331,7 @@ var ze = class extends x {
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...He(t.now, this.centre(t.from))) < 30 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...He(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1337,10 +1361,6 @@ var ze = class extends x {
 	centreOf(e, t, n, r) {
 		let i = e.split(".")[0];
 		return we(t.get(i), e, !1, n.get(i), r.get(i))[0];
-	}
-	centre(e) {
-		let t = this.props.state.look.view.nodes.find((t) => t.name === e.split(".")[0]);
-		return t ? B(t.x, t.y) : [0, 0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
@@ -1438,7 +1458,7 @@ var ze = class extends x {
 			children: [
 				/* @__PURE__ */ z("svg", {
 					ref: this.svg,
-					tabIndex: 0,
+					tabindex: 0,
 					role: "application",
 					"aria-label": `Bond graph ${a.title || a.file}: ${a.view.nodes.length} elements, ${a.view.bonds.length} bonds. Arrow keys select, a adds, b bonds, Delete removes.`,
 					"aria-describedby": "chosen",
@@ -1861,7 +1881,7 @@ function bt({ store: e, state: t }) {
 	let l = t.instant?.event.event;
 	return /* @__PURE__ */ z("section", {
 		class: "events",
-		tabIndex: 0,
+		tabindex: 0,
 		"aria-label": "Events",
 		children: [
 			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
@@ -2576,77 +2596,81 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 }
 function Vt({ machine: e, now: t, onState: n }) {
 	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Rt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ z("svg", {
+	return /* @__PURE__ */ z("div", {
 		class: "diagram",
-		viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
-		role: "group",
-		"aria-label": "States and rules",
-		children: [
-			/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
-				id: "rulehead",
-				viewBox: "0 0 8 8",
-				refX: 7,
-				refY: 4,
-				markerWidth: 7,
-				markerHeight: 7,
-				orient: "auto",
-				children: /* @__PURE__ */ z("path", {
-					d: "M0,1L8,4L0,7z",
-					class: "rulehead"
-				})
-			}) }),
-			a.map((e) => {
-				let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-				if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
-					class: "arc",
-					d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
-					"marker-end": "url(#rulehead)",
-					children: /* @__PURE__ */ z("title", { children: e.guard })
-				});
-				let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-				return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
-					class: "arc",
-					d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
-					"marker-end": "url(#rulehead)",
-					children: /* @__PURE__ */ z("title", { children: e.guard })
-				}), /* @__PURE__ */ z("text", {
-					class: "guard",
-					x: (t + n) / 2,
-					y: .78 * c + (s < 0 ? -3 : 10),
-					"text-anchor": "middle",
-					children: l
-				})] });
-			}),
-			r.map((r) => /* @__PURE__ */ z("g", {
-				class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
-				role: "button",
-				tabIndex: 0,
-				"aria-label": `Show state ${r}`,
-				"aria-pressed": r === t,
-				onClick: () => n(r),
-				onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
-				children: [
-					/* @__PURE__ */ z("rect", {
-						x: i(r) - 38,
-						y: -14,
-						width: 76,
-						height: 28,
-						rx: 8
-					}),
-					/* @__PURE__ */ z("text", {
-						x: i(r),
-						y: 4,
-						"text-anchor": "middle",
-						children: r.length > 11 ? r.slice(0, 10) + "…" : r
-					}),
-					r === e.start && /* @__PURE__ */ z("circle", {
-						cx: i(r) - 38,
-						cy: -14,
-						r: 4
+		children: /* @__PURE__ */ z("svg", {
+			width: 46 + 108 * r.length,
+			height: 2 * s + 10,
+			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
+			role: "group",
+			"aria-label": "States and rules",
+			children: [
+				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
+					id: "rulehead",
+					viewBox: "0 0 8 8",
+					refX: 7,
+					refY: 4,
+					markerWidth: 7,
+					markerHeight: 7,
+					orient: "auto",
+					children: /* @__PURE__ */ z("path", {
+						d: "M0,1L8,4L0,7z",
+						class: "rulehead"
 					})
-				]
-			}))
-		]
+				}) }),
+				a.map((e) => {
+					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
+						class: "arc",
+						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
+						"marker-end": "url(#rulehead)",
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					});
+					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
+					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
+						class: "arc",
+						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
+						"marker-end": "url(#rulehead)",
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					}), /* @__PURE__ */ z("text", {
+						class: "guard",
+						x: (t + n) / 2,
+						y: .78 * c + (s < 0 ? -3 : 10),
+						"text-anchor": "middle",
+						children: l
+					})] });
+				}),
+				r.map((r) => /* @__PURE__ */ z("g", {
+					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
+					role: "button",
+					tabindex: 0,
+					"aria-label": `Show state ${r}`,
+					"aria-pressed": r === t,
+					onClick: () => n(r),
+					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
+					children: [
+						/* @__PURE__ */ z("rect", {
+							x: i(r) - 38,
+							y: -14,
+							width: 76,
+							height: 28,
+							rx: 8
+						}),
+						/* @__PURE__ */ z("text", {
+							x: i(r),
+							y: 4,
+							"text-anchor": "middle",
+							children: r.length > 11 ? r.slice(0, 10) + "…" : r
+						}),
+						r === e.start && /* @__PURE__ */ z("circle", {
+							cx: i(r) - 38,
+							cy: -14,
+							r: 4
+						})
+					]
+				}))
+			]
+		})
 	});
 }
 // src/panels.tsx
@@ -2960,7 +2984,7 @@ function Yt({ store: e, state: t }) {
 		};
 	}, [i]), /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: "Equations of all modes" }), /* @__PURE__ */ z("pre", {
 		class: "equations",
-		tabIndex: 0,
+		tabindex: 0,
 		children: n
 	})] });
 }
@@ -3021,7 +3045,7 @@ function Zt({ store: e, state: t }) {
 			}),
 			/* @__PURE__ */ z("div", {
 				class: "shelves",
-				tabIndex: 0,
+				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
@@ -3050,7 +3074,7 @@ function Zt({ store: e, state: t }) {
 }
 function Qt({ store: e, state: t }) {
 	let [n, r] = ot(""), { kinds: i, parts: a } = Xt(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
-		e.set({ adding: !1 }), requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
+		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
 			do: "write bond",
@@ -5422,6 +5446,12 @@ var es = class extends x {
 		this.plot = new Xo({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
+			padding: [
+				8,
+				24,
+				0,
+				0
+			],
 			legend: { show: !1 },
 			cursor: {
 				drag: {
@@ -5719,7 +5749,7 @@ var as = [
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
-								tabIndex: 0,
+								tabindex: 0,
 								children: [
 									t.tab === "item" && /* @__PURE__ */ z(Ot, {
 										store: e,
