@@ -1,4 +1,4 @@
-"""The studio in a real browser, as a new user goes: draw, watch strokes, run, look at an instant."""
+"""The studio in a real browser, as a new user goes: draw, watch strokes, run, open an instant."""
 
 from __future__ import annotations
 
