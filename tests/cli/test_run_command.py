@@ -1,9 +1,9 @@
 """``hybond run``: what it prints, writes and returns."""
 
 import csv
-import re
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
