@@ -308,6 +308,37 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     assert not page.complaints()
 
 
+def test_axe_finds_nothing_serious_in_light_and_dark(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    axe = pytest.importorskip("axe_core_python")
+    script = next(Path(axe.__file__).parent.glob("axe*.js")).read_text(encoding="utf-8")
+    (tmp_path / "rod.toml").write_text((EXAMPLES / "falling_rod.toml").read_text())
+    page = Page(desk, serve("rod.toml"))
+    desk.execute_script(script)
+    found: dict[str, list[Any]] = {}
+
+    def look(where: str) -> None:
+        found[where] = desk.execute_async_script(
+            "const done = arguments[0];"
+            "axe.run(document, {resultTypes: ['violations']}).then(r => done(r.violations"
+            ".filter(v => ['serious', 'critical'].includes(v.impact))"
+            ".map(v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))"
+        )
+
+    look("drawn")
+    page.click("button.run")
+    page.until(lambda: page.all("[data-event]"), "events")
+    page.click('[data-event="1"]')
+    page.until(lambda: page.one('[data-step="0"][aria-pressed="true"]'), "the instant")
+    for tab in ("machines", "model", "problems", "table", "text", "equations"):
+        page.click(f"#tab-{tab}")
+        look(tab)
+    page.click('header button[aria-label="Dark or light"]')
+    look("dark")
+    assert not any(found.values()), found
+
+
 def test_the_geometry_of_the_page_is_that_of_printed_drawings(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -93,9 +97,35 @@ def test_what_is_no_question_is_answered_by_a_refusal(client: TestClient, text: 
         assert json.loads(socket.receive_text())["id"] == 2
 
 
+def test_a_message_of_100_megabytes_is_not_read(tmp_path: Path) -> None:
+    """Asked of the server as it runs: it lets that page go, and goes on."""
+    connect = pytest.importorskip("websockets.sync.client").connect
+    closed = pytest.importorskip("websockets.exceptions").ConnectionClosed
+    command = [sys.executable, "-m", "hybond", "studio", "m.toml", "--no-browser"]
+    env = {**os.environ, "HYBOND_STATE": str(tmp_path / "state")}
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, text=True, env=env
+    ) as process:
+        try:
+            assert process.stdout is not None
+            found = re.search(r"http://(\S+)/\?(token=\S+)", process.stdout.readline())
+            assert found is not None
+            address, origin = f"ws://{found[1]}/talk?{found[2]}", f"http://{found[1]}"
+            with (
+                connect(address, origin=origin, max_size=None, compression=None) as socket,
+                pytest.raises(closed),
+            ):
+                socket.send(json.dumps({"id": 1, "ask": "replace", "text": "x" * 100_000_000}))
+                socket.recv(timeout=20)
+            with connect(address, origin=origin) as socket:
+                socket.send(json.dumps({"id": 2, "ask": "look"}))
+                assert json.loads(socket.recv(timeout=20))["id"] == 2
+        finally:
+            process.kill()
+
+
 def test_a_port_that_is_taken_is_refused() -> None:
     first = listening(0)
-    first.listen()
     with pytest.raises(UsageError, match="HB-W107"):
         try:
             listening(first.getsockname()[1])

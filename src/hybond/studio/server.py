@@ -172,6 +172,7 @@ def listening(port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind(("127.0.0.1", port))
+        found.listen()  # a page that comes before the server runs waits for it
     except (OSError, OverflowError) as error:
         found.close()
         why = getattr(error, "strerror", None) or error
