@@ -1,4 +1,4 @@
-"""Everything a developer runs: `python3 dev.py demo`, `test`, `test --all` or `bench`.
+"""Everything a developer runs: `python3 dev.py studio`, `demo`, `test`, `test --all` or `bench`.
 
 Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and installs there.
 """
@@ -104,11 +104,17 @@ def main():
     if sys.version_info < (3, 11):  # noqa: UP036 - this file starts where hybond does not
         sys.exit("hybond needs Python 3.11 or newer; this is " + sys.version.split()[0])
     task = sys.argv[1] if len(sys.argv) > 1 else ""
-    if task not in ("demo", "test", "bench"):
-        sys.exit("usage: python3 dev.py demo | test [--all] [pytest options] | bench")
-    make_environment("dev" if task == "test" else "")
+    if task not in ("studio", "demo", "test", "bench"):
+        sys.exit(
+            "usage: python3 dev.py studio [FILE] | demo | test [--all] [pytest options] | bench"
+        )
+    make_environment({"test": "dev", "studio": "studio"}.get(task, ""))
+    if task == "studio":
+        return run(PYTHON, "-m", "hybond", "studio", *sys.argv[2:])
     if task == "demo":
-        return run(PYTHON, "-m", "hybond", "demo", "--examples", "examples", "--out", "out")
+        code = run(PYTHON, "-m", "hybond", "demo", "--examples", "examples", "--out", "out")
+        print("draw, run and look at them in the browser:  python3 dev.py studio")
+        return code
     if task == "test":
         return test()
     codes = [run(PYTHON, path) for path in sorted(ROOT.glob("benchmarks/*.py"))]

@@ -90,6 +90,19 @@ class Chronicle(Sequence[T], Generic[T]):
         self._blocks = [b for b, end in zip(moved, ends, strict=False) if end > 0]
         self.forgotten += count
 
+    def cut(self, count: int) -> None:
+        """Keep the first `count` items only.
+
+        Examples
+        --------
+        >>> letters = Chronicle(lambda _: 0.0, "abcd")
+        >>> letters.cut(2)
+        >>> list(letters), letters.forgotten
+        (['a', 'b'], 0)
+        """
+        del self._items[count:], self._plain[count:], self.times[count:]
+        self._blocks = [b for b in self._blocks if b[0] < count]
+
     @property
     def total(self) -> int:
         """How many items there have been."""

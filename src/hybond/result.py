@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 Vector = NDArray[np.float64]
-Status = Literal["ok", "interrupted", "accumulation", "unsound", "error"]
+Status = Literal["ok", "interrupted", "accumulation", "unsound", "error", "running"]
 Side = Literal["left", "right"]
 
 ROWS = 20
@@ -88,7 +88,7 @@ class Result:
 
     Attributes
     ----------
-    status : {"ok", "interrupted", "accumulation", "unsound", "error"}
+    status : {"ok", "interrupted", "accumulation", "unsound", "error", "running"}
     error : HybondError or None
     events : EventTable
         Prints as the table of what happened and why.

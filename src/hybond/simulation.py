@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -45,6 +45,7 @@ def simulate(
     hysteresis: float | str | None = None,
     impact: str | None = None,
     progress: Asked = None,
+    watch: Callable[[Result], object] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
     keep: int | None = None,
@@ -96,6 +97,9 @@ def simulate(
     progress : bool, bar of tqdm or callable
         True for a bar on stderr with the time to go; a bar of tqdm, which is moved along; or
         ``progress(t, events)``, called about twenty times a second.
+    watch : callable
+        ``watch(run)``, called as often with what was computed so far, a `Result` with the status
+        ``"running"``. It may be read until `watch` returns; meanwhile the run waits.
     on_error : {"raise", "return"}
         What to do when the run stops with an error: raise it, with what was computed in
         ``error.partial``, or return that with ``result.error`` set.
@@ -194,7 +198,16 @@ def simulate(
     runners = runners_of(graph, fmus=fmus)
     run: EngineRun | StepsRun
     try:
-        with shown(progress, settings.until) as looked:
+        with shown(progress, settings.until) as shows:
+
+            def look(t: float, events: int) -> None:
+                if shows is not None:
+                    shows(t, events)
+                if watch is not None:
+                    with run.so_far():
+                        watch(Result(graph, run.trace, "running", settings.until, name, None))
+
+            looked = None if shows is None and watch is None else look
             if name in STEPPING:
                 run = StepsRun(graph, settings, maker, progress=looked, runners=runners)
             else:

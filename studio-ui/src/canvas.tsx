@@ -87,11 +87,11 @@ export class Canvas extends Component<Props, Own> {
   private keepInSight(): void {
     const { state } = this.props;
     const look = state.look;
-    const r = this.svg.current?.getBoundingClientRect();
-    if (!look || !r || this.state.gesture) return;
+    if (!look || !this.svg.current || this.state.gesture) return;
     const now = [...state.nodes].join(" ");
     if (now === this.seen) return;
     this.seen = now;
+    const r = this.svg.current.getBoundingClientRect(); // makes the browser lay out: asked for last
     const chosen = look.view.nodes.filter((n) => state.nodes.has(n.name));
     const { x, y, k } = this.state.sight;
     const out = chosen.some((n) => {
@@ -485,14 +485,15 @@ export class Canvas extends Component<Props, Own> {
                 <line class="signal" x1={s.tail[0]} y1={s.tail[1]} x2={s.head[0]} y2={s.head[1]} marker-end="url(#signal)" />
               );
             })}
-            {look.view.bonds.map((b) => {
+            {/* each kind in a group of its own: a browser lays out all that a changed group holds */}
+            <g>{look.view.bonds.map((b) => {
               const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
               const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
               const same = pairs.get([...b.ends].sort().join("|"))!;
               const value = values?.[b.key];
               return (
                 <BondShapeView
-                  key={b.key + b.text}
+                  key={b.key}
                   bond={b}
                   tail={tail}
                   head={head}
@@ -512,8 +513,8 @@ export class Canvas extends Component<Props, Own> {
                   flow={state.flowing && value ? ((value.e ?? 0) * (value.f ?? 0)) / most : 0}
                 />
               );
-            })}
-            {look.view.nodes.map((n) => (
+            })}</g>
+            <g>{look.view.nodes.map((n) => (
               <NodeShape
                 key={n.name}
                 node={n}
@@ -525,7 +526,7 @@ export class Canvas extends Component<Props, Own> {
                 target={target === n.name || state.bondFrom === n.name}
                 taken={[...sides(at.get(n.name)!, around.get(n.name) ?? [])].sort().join("")}
               />
-            ))}
+            ))}</g>
             {gesture?.kind === "wire" && (
               <Wire from={this.centreOf(gesture.from, by, at, ports)} to={gesture.now} />
             )}

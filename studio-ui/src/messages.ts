@@ -199,3 +199,12 @@ export interface Cursor {
   values: Record<string, { e: number | null; f: number | null; units: [string, string] }>;
   strokes: Strokes;
 }
+
+/** What there is of a run that goes on. */
+export interface SoFar {
+  run: number;
+  curves: Curve[];
+  strip: Lane[];
+  tBegin: number;
+  tEnd: number;
+}

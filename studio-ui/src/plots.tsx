@@ -3,7 +3,7 @@ import { Component, createRef } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import type { Curve, Lane, RunSummary } from "./messages";
+import type { Curve, Lane, RunSummary, SoFar } from "./messages";
 import { quantity, type State, type Store } from "./store";
 
 const INKS = ["--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
@@ -57,7 +57,8 @@ export function Plots({ store, state }: Props) {
       gone = true;
     };
   }, [run?.run, names, t0, t1, wide, compare, state.runs.length]);
-  if (!run || run.tEnd === undefined) return <p class="hint plots">{run?.error ? "" : "Press Run."}</p>;
+  if (state.running && state.soFar) return <Growing state={state} soFar={state.soFar} />;
+  if (!run || run.tEnd === undefined) return <p class="hint plots">{run?.error ? "" : state.running ? "Running …" : "Press Run."}</p>;
   const cursor = state.cursor?.t ?? null;
   const whole = t0 === run.tBegin && t1 === run.tEnd;
   return (
@@ -109,6 +110,32 @@ export function Plots({ store, state }: Props) {
         />
       ))}
       <Strip lanes={shown?.strip ?? []} span={state.span} cursor={cursor} onTime={(t) => void store.moveCursor(t)} />
+    </div>
+  );
+}
+
+/** A run that goes on, as far as it is. */
+function Growing({ state, soFar }: { state: State; soFar: SoFar }) {
+  const box = useRef<HTMLDivElement>(null);
+  const span: [number, number] = [soFar.tBegin, soFar.tEnd];
+  return (
+    <div class="plots" ref={box}>
+      {soFar.curves.map((curve, k) => (
+        <Trace
+          key={curve.name}
+          name={curve.name}
+          ink={INKS[k % INKS.length]}
+          curves={[curve]}
+          span={span}
+          cursor={null}
+          wide={(box.current?.clientWidth ?? 800) - 18}
+          dark={state.dark}
+          last={k === soFar.curves.length - 1}
+          onSpan={() => {}}
+          onTime={() => {}}
+        />
+      ))}
+      <Strip lanes={soFar.strip} span={span} cursor={null} onTime={() => {}} />
     </div>
   );
 }

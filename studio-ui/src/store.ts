@@ -1,5 +1,6 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Cursor, Instant, Look, Place, Problem, RunSummary, Stock } from "./messages";
+import type { Cursor, Instant, Look, Place, Problem, RunSummary, SoFar, Stock } from "./messages";
+import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
 export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations";
@@ -20,6 +21,8 @@ export interface State {
   run: RunSummary | null;
   runs: RunSummary[];
   running: { run: number; t: number; events: number } | null;
+  /** The plots of a run that goes on. */
+  soFar: SoFar | null;
   cursor: Cursor | null;
   instant: { event: Instant; step: number } | null;
   plotted: string[];
@@ -46,6 +49,7 @@ const BEGIN: State = {
   run: null,
   runs: [],
   running: null,
+  soFar: null,
   cursor: null,
   instant: null,
   plotted: [],
@@ -114,7 +118,8 @@ export class Store {
       this.set({ notice: { code: "", where: "", why: String(error), try: "" } });
   }
 
-  private take(look: Look): void {
+  private take(answer: Look): void {
+    const look = shared(this.state.look, answer);
     const names = new Set(look.view.nodes.map((n) => n.name));
     const keys = new Set(look.view.bonds.map((b) => b.key));
     this.set({
@@ -132,9 +137,11 @@ export class Store {
       if (!mine && message.revision !== this.state.look?.revision) void this.look();
     } else if (message.tell === "progress") {
       this.set({ running: message as never });
+    } else if (message.tell === "partial") {
+      this.set({ soFar: message as never });
     } else if (message.tell === "finished") {
       const run = message as unknown as RunSummary;
-      this.set({ running: null, runs: [...this.state.runs.filter((r) => r.run !== run.run), run] });
+      this.set({ running: null, soFar: null, runs: [...this.state.runs.filter((r) => r.run !== run.run), run] });
       this.show(run);
       if (run.error) this.set({ notice: run.error });
     } else if (message.tell === "saved" && this.state.look) {
@@ -262,8 +269,12 @@ export class Store {
 
   async start(until?: string): Promise<void> {
     try {
-      const { run } = await this.transport.ask<{ run: number }>("run", until ? { until } : {});
-      this.set({ running: { run, t: 0, events: 0 }, bottom: true });
+      const { run } = await this.transport.ask<{ run: number }>("run", {
+        ...(until ? { until } : {}),
+        names: this.state.plotted,
+      });
+      if (!this.state.runs.some((r) => r.run === run))
+        this.set({ running: { run, t: 0, events: 0 }, soFar: null, bottom: true });
     } catch (error) {
       this.refused(error);
     }
@@ -285,7 +296,8 @@ export class Store {
         mode: mode ?? null,
         level: this.state.level,
       });
-      if (count === this.cursorCount) this.set({ cursor });
+      const strokes = shared(this.state.cursor?.strokes ?? this.state.look?.strokes, cursor.strokes);
+      if (count === this.cursorCount) this.set({ cursor: { ...cursor, strokes } });
     } catch (error) {
       this.refused(error);
     }

@@ -3,49 +3,22 @@
 from __future__ import annotations
 
 import base64
-import json
-import time
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
+from studio.asking import asked, edit
 
 import hybond as hb
 from hybond.causality.dynamics import causality_of
 from hybond.causality.reference import reference_mode
 from hybond.studio.document import Document
 from hybond.studio.journal import Journal
-from hybond.studio.server import dumped
 from hybond.studio.session import Session
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODELS = sorted(p for p in EXAMPLES.glob("*.toml") if not p.name.startswith("_"))
-
-
-def asked(session: Session, ask: str, **more: Any) -> dict[str, Any]:
-    answer = session.handle({"id": 1, "ask": ask, **more})
-    session.settle()
-    assert "error" not in answer, answer
-    json.loads(dumped(answer))
-    return answer
-
-
-def edit(session: Session, **edit: Any) -> dict[str, Any]:
-    return asked(session, "edit", edit=edit)
-
-
-def finished(session: Session, **more: Any) -> dict[str, Any]:
-    told: list[dict[str, Any]] = []
-    stop = session.listen(told.append)
-    number = asked(session, "run", **more)["run"]
-    for _ in range(2000):
-        done = [m for m in told if m["tell"] == "finished" and m["run"] == number]
-        if done:
-            stop()
-            return done[0]
-        time.sleep(0.01)
-    raise AssertionError("the run does not end")
 
 
 def drawn(session: Session) -> None:
@@ -322,61 +295,6 @@ def test_what_cannot_be_done_is_refused(message: dict[str, Any], code: str, tmp_
     assert answer["id"] == 5
     assert answer.get("error", {}).get("code", "") == code
     assert session.document.text.startswith("hybond = 1")
-
-
-def test_a_run_its_curves_and_its_instants() -> None:
-    session = Session(None)
-    asked(session, "open", example="diode_inductor")
-    told = finished(session)
-    assert (told["status"], told["events"]) == ("ok", 3)
-    run = told["run"]
-    seen = asked(session, "curves", run=run, names=["L.f"], t0=0, t1=0.25, width=200, strip=True)
-    t, y = seen["curves"][0]["t"], seen["curves"][0]["y"]
-    assert max(y) == pytest.approx(1 - 2.718281828459045**-5, rel=1e-6)
-    assert t[0] == 0.0 and t[-1] == 0.25
-    assert [s[2] for s in seen["strip"][1]["stays"]] == [0, 1, 0]
-    event = asked(session, "events", run=run)["events"][1]
-    assert [s["kind"] for s in event["steps"]] == ["mythical", "continuous"]
-    mythical = asked(
-        session, "cursor", run=run, t=event["t"], side="left", mode=event["steps"][0]["mode"]
-    )
-    assert mythical["strokes"]["nodes"]["L"]["derivative"]
-    # before the instant the source gives all of its current to the coil
-    assert mythical["values"]["0.0"]["f"] == pytest.approx(max(y), rel=1e-6)
-
-
-def test_a_run_is_cancelled_and_keeps_what_it_has() -> None:
-    session = Session(None)
-    asked(session, "open", example="boost")
-    told: list[dict[str, Any]] = []
-    session.listen(told.append)
-    asked(session, "run", until=1e6)
-    for _ in range(1000):
-        if any(m["tell"] == "progress" and m["events"] > 10 for m in told):
-            break
-        time.sleep(0.01)
-    asked(session, "cancel")
-    for _ in range(1000):
-        done = [m for m in told if m["tell"] == "finished"]
-        if done:
-            break
-        time.sleep(0.01)
-    assert done[0]["status"] == "interrupted"
-    assert 0.0 < done[0]["tEnd"] < 1e6
-    # and editing goes on as ever
-    assert "error" not in session.handle({"id": 1, "ask": "look"})
-
-
-def test_no_spike_is_lost_between_pixels() -> None:
-    session = Session(None)
-    asked(session, "open", example="boost")
-    run = finished(session)["run"]
-    result = session.runs.result(run)
-    seen = asked(session, "curves", run=run, names=["coil.current"], t0=0, t1=4e-3, width=64)
-    y = seen["curves"][0]["y"]
-    assert len(y) <= 4 * 64 + 2
-    assert max(y) == result["coil.current"].y.max()
-    assert min(y) == result["coil.current"].y.min()
 
 
 def test_a_part_is_opened_to_look_at_and_not_to_change() -> None:

@@ -12,7 +12,6 @@ import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -226,7 +225,7 @@ def _unit(e: ElementTree.Element) -> Unit | None:
     base = e.find("BaseUnit")
     if base is None:
         return None
-    powers = tuple(Fraction(int(base.get(s, "0"))) for s in _EXPONENTS)
+    powers = tuple(int(base.get(s, "0")) for s in _EXPONENTS)
     if max(map(abs, powers)) > POWER:
         raise ValueError(f"a power beyond {POWER}")
     factor, offset = _finite(base.get("factor", "1")), _finite(base.get("offset", "0"))

@@ -61,7 +61,8 @@ def _one(file: Path, out: Path) -> int:
     if len(lines) > SHOWN:
         say("...")
     say()
-    say("Your turn:  hybond new my_model.toml")
+    say("Your turn:  hybond studio my_model.toml  to draw one, with pip install 'hybond[studio]'")
+    say("            hybond new my_model.toml  to write one")
     if run.error is not None:
         complain(str(run.error))
     return exit_code(run)

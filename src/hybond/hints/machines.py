@@ -13,7 +13,8 @@ from hybond.model.graph import FlatGraph, Machine
 
 def machine_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     """Yield the hints at machines of the model itself."""
-    read = {name for text in texts_of(model) for name in used_in(text)}
+    texts = (text for text in texts_of(model) if ".state" in text)
+    read = {name for text in texts for name in used_in(text)}
     for machine in graph.machines:
         if machine.path not in model.machines or machine.law is not None:
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,9 +13,16 @@ from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.result import Result
 from hybond.simulation import simulate
+from hybond.studio.curves import curve, strip
 
 KEPT = 5
 """Finished runs that stay for comparison."""
+PATIENCE = 5.0
+"""Time after which a cancelled run that has not stopped is left behind, s."""
+PICTURE = 0.25
+"""Least time between two pictures of a run that goes on, s."""
+SHARE = 0.1
+"""Most of the time of a run that its pictures may take."""
 OPTIONS = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding", "hysteresis")
 """Options of a run that the page may give."""
 
@@ -32,8 +39,10 @@ class Running:
     error: HybondError | None = None
     cancelled: threading.Event = field(default_factory=threading.Event)
     done: threading.Event = field(default_factory=threading.Event)
-    t: float = 0.0
-    events: int = 0
+    wanted: tuple[str, ...] = ()
+    """Signals that are plotted while it goes on."""
+    wide: int = 800
+    began: float = field(default_factory=time.monotonic)
     took: float = 0.0
 
     def summary(self) -> dict[str, Any]:
@@ -90,8 +99,10 @@ class Runs:
         until: float | str | None = None,
         options: Mapping[str, Any] | None = None,
         revision: int = 0,
+        wanted: Sequence[str] = (),
+        wide: int = 800,
     ) -> Running:
-        """Begin a run; what is running is cancelled.
+        """Begin a run; what is running is cancelled. `wanted` is plotted while it goes on.
 
         Raises
         ------
@@ -110,7 +121,10 @@ class Runs:
         self.cancel()
         with self._lock:
             self._count += 1
-            running = Running(self._count, model.title or model.name, until, revision)
+            title = model.title or model.name
+            running = Running(
+                self._count, title, until, revision, wanted=tuple(wanted[:8]), wide=wide
+            )
             self.current = running
         thread = threading.Thread(
             target=self._run, args=(running, model, given), name="hybond-run", daemon=True
@@ -119,9 +133,16 @@ class Runs:
         return running
 
     def cancel(self) -> None:
-        """Ask what is running to stop; what it computed is kept."""
-        if self.current is not None and not self.current.done.is_set():
-            self.current.cancelled.set()
+        """Ask what is running to stop; what it computed is kept.
+
+        One that does not answer is left behind: others begin, and nobody waits for it.
+        """
+        running = self.current
+        if running is not None and not running.done.is_set() and not running.cancelled.is_set():
+            running.cancelled.set()
+            timer = threading.Timer(PATIENCE, self._leave, (running,))
+            timer.daemon = True
+            timer.start()
 
     def result(self, number: object) -> Result:
         """Return a finished run.
@@ -138,44 +159,74 @@ class Runs:
             )
         return running.result
 
-    def _run(self, running: Running, model: Model, options: dict[str, Any]) -> None:
-        begin = time.monotonic()
-        due = begin
+    def _leave(self, running: Running) -> None:
+        error = UsageError(
+            f"the run did not stop within {PATIENCE:g} s of being cancelled, and is left behind",
+            code="HB-W109",
+            where="run",
+            hint="edit and run on; end the studio if the processor stays busy",
+        )
+        self._finished(running, None, error)
 
-        def progress(t: float, events: int) -> None:
-            nonlocal due
-            running.t, running.events = t, events
+    def _finished(self, running: Running, result: Result | None, error: HybondError | None) -> None:
+        """Note how a run ended and tell it, once."""
+        with self._lock:
+            if running.done.is_set():
+                return
+            running.result, running.error = result, error
+            running.took = time.monotonic() - running.began
+            self.kept[running.number] = running
+            for old in list(self.kept)[:-KEPT]:
+                del self.kept[old]
+            running.done.set()
+        self._tell({"tell": "finished", **running.summary()})
+
+    def _run(self, running: Running, model: Model, options: dict[str, Any]) -> None:
+        due = told = running.began
+
+        def watch(run: Result) -> None:
+            nonlocal due, told
             if running.cancelled.is_set():
                 raise KeyboardInterrupt
-            if time.monotonic() >= due:
-                due = time.monotonic() + 0.05
+            now = time.monotonic()
+            if now >= told:
+                told = now + 0.05
+                t, events = run.t_end, run.trace.events.total
                 self._tell({"tell": "progress", "run": running.number, "t": t, "events": events})
+            if now >= due + PICTURE and run.segments:
+                self._tell({"tell": "partial", "run": running.number, **so_far(run, running)})
+                after = time.monotonic()
+                due = after + (after - now) / SHARE
 
+        result: Result | None = None
+        error: HybondError | None = None
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                running.result = simulate(
-                    model, running.until, progress=progress, on_error="return", **options
-                )
-            running.error = running.result.error
-        except HybondError as error:
-            running.error = error
-            running.result = error.partial
+                result = simulate(model, running.until, watch=watch, on_error="return", **options)
+            error = result.error
+        except HybondError as refusal:
+            error, result = refusal, refusal.partial
         except KeyboardInterrupt:
-            running.error = UsageError(
-                "the run was cancelled before it began", code="HB-W103", where="run"
-            )
-        except Exception as error:  # a defect of ours: told as such, the studio goes on
-            running.error = HybondError(
-                f"{type(error).__name__}: {error}",
+            error = UsageError("the run was cancelled before it began", code="HB-W103", where="run")
+        except Exception as defect:  # a defect of ours: told as such, the studio goes on
+            error = HybondError(
+                f"{type(defect).__name__}: {defect}",
                 code="HB-X001",
                 where="run",
                 hint="this is a defect of hybond: please report it with the model",
             )
-        running.took = time.monotonic() - begin
-        with self._lock:
-            self.kept[running.number] = running
-            for old in list(self.kept)[:-KEPT]:
-                del self.kept[old]
-        running.done.set()
-        self._tell({"tell": "finished", **running.summary()})
+        self._finished(running, result, error)
+
+
+def so_far(run: Result, running: Running) -> dict[str, Any]:
+    """Return the curves and lanes of a run that goes on, over all of its time."""
+    curves = []
+    for name in running.wanted or _plotted(run):
+        try:
+            curves.append(curve(run, name, run.t_begin, run.t_end, running.wide))
+        except HybondError as error:
+            curves.append({"name": name, "error": error.to_dict()})
+    lanes = strip(run, run.t_begin, run.t_end, running.wide)
+    end = float(run.until)
+    return {"curves": curves, "strip": lanes, "tBegin": run.t_begin, "tEnd": end}

@@ -88,7 +88,7 @@ def application(session: Session, token: str, names: set[str]) -> Any:
         await socket.accept()
         pages += 1
         loop = asyncio.get_running_loop()
-        waiting: asyncio.Queue[dict[str, Any]] = asyncio.Queue(QUEUE)
+        waiting: asyncio.Queue[dict[str, Any] | str] = asyncio.Queue(QUEUE)
 
         def put(message: dict[str, Any]) -> None:
             with contextlib.suppress(asyncio.QueueFull):
@@ -102,14 +102,25 @@ def application(session: Session, token: str, names: set[str]) -> Any:
 
         async def send() -> None:
             while True:
-                await socket.send_text(dumped(await waiting.get()))
+                message = await waiting.get()
+                try:
+                    text = message if isinstance(message, str) else dumped(message)
+                    await socket.send_text(text)
+                finally:
+                    waiting.task_done()
+
+        def answered(message: dict[str, Any]) -> str:
+            return dumped(session.handle(message))
 
         sending = asyncio.create_task(send())
         try:
             while True:
                 message = read(await socket.receive_text())
-                answer = await asyncio.to_thread(session.handle, message)
-                await waiting.put(answer)
+                await waiting.put(await asyncio.to_thread(answered, message))
+                # the page has its answer before the text of the file takes the processor
+                read_out = asyncio.ensure_future(waiting.join())
+                await asyncio.wait({read_out, sending}, timeout=1, return_when="FIRST_COMPLETED")
+                read_out.cancel()
                 await asyncio.to_thread(session.settle)
         except (WebSocketDisconnect, RuntimeError):
             pass

@@ -134,9 +134,12 @@ class Session:
 
     def look(self, message: Mapping[str, Any]) -> Message:
         """Return all that the page shows of the level and mode that it has open."""
+        if self.document.changed_outside():
+            self.tell({"tell": "changed", "revision": self.document.revision, "outside": True})
+        return self._seen(message)
+
+    def _seen(self, message: Mapping[str, Any]) -> Message:
         document = self.document
-        if document.changed_outside():
-            self.tell({"tell": "changed", "revision": document.revision, "outside": True})
         path = str(message.get("level") or "")
         seen = view(document.data, path)
         if seen is None:
@@ -308,7 +311,12 @@ class Session:
         until = message.get("until") or None
         options = message.get("options") or {}
         running = self.runs.start(
-            model, until=until, options=options, revision=self.document.revision
+            model,
+            until=until,
+            options=options,
+            revision=self.document.revision,
+            wanted=[str(n) for n in message.get("names") or ()],
+            wide=int(message.get("width") or 800),
         )
         return {"run": running.number}
 
@@ -413,7 +421,7 @@ class Session:
         return self._known[1]
 
     def _changed(self, message: Mapping[str, Any]) -> Message:
-        answer = self.look(message)
+        answer = self._seen(message)
         self.tell(
             {"tell": "changed", "revision": self.document.revision, "by": message.get("client")}
         )

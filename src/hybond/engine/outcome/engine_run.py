@@ -7,7 +7,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from types import FrameType
 
 import numpy as np
@@ -116,6 +116,10 @@ class EngineRun:
         if found is None:
             raise self._error()
         return found
+
+    def so_far(self) -> AbstractContextManager[None]:
+        """Have all that was computed in `trace`, as long as one looks at it between two slices."""
+        return self.records.so_far()
 
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""

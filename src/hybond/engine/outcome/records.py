@@ -7,7 +7,8 @@ what its modes leave open, is noted as the rows come in.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import overload
 
@@ -247,6 +248,18 @@ class Records:
             waiting, self._waiting = Steps.joined(self._waiting), []
             self._note_segments(waiting, [0, len(waiting.time)])
         self._slide_until(self.t)
+
+    @contextmanager
+    def so_far(self) -> Iterator[None]:
+        """Have the segment that is not over among the others, for a look at the run meanwhile."""
+        over = len(self.trace.segments)
+        if self._waiting:
+            waiting = Steps.joined(self._waiting)
+            self._note_segments(waiting, [0, len(waiting.time)])
+        try:
+            yield
+        finally:
+            self.trace.segments.cut(over)
 
     # -- motion
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from hybond.blocks.runners import Runner
@@ -71,6 +72,10 @@ class StepsRun:
         if self.trace.stats["steps"] < FEW:
             self._warn_of_few_steps()
         return status
+
+    def so_far(self) -> AbstractContextManager[None]:
+        """Have all that was computed in `trace`, as long as one looks at it between two slices."""
+        return self._fine.so_far()
 
     def _compare(self) -> None:
         """Run with a longer step, and note what the difference says."""

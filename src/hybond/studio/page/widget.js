@@ -37,7 +37,7 @@ function S(e, t) {
 }
 function C(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), N(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, re(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, ae(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
 }
 function w(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -56,12 +56,12 @@ function E() {
 }
 function D(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = N(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function O(e, t, n, r, i) {
 	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, y = 0, x = 0, C = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = A(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = ee(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
 	if (x) {
 		for (d = [], f = [], a = 0; a < i; a++) if ((o = C[a]) && 16 & o.__u) {
 			for (y = 0, p = d.length; y < p;) d[h = y + p >> 1] < o.__i ? y = h + 1 : p = h;
@@ -69,7 +69,7 @@ function O(e, t, n, r, i) {
 		}
 		for (y = d.length; a--;) f[a] && (f[a] == y ? y-- : C[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), I(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), P(s, s));
 	return r;
 }
 function k(e, t, n, r) {
@@ -83,7 +83,7 @@ function k(e, t, n, r) {
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function A(e, t, n, r) {
+function ee(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -92,18 +92,18 @@ function A(e, t, n, r) {
 	}
 	return -1;
 }
-function j(e, t, n) {
+function A(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function M(e, t, n, r, i) {
+function j(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || j(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || j(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || A(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || A(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ee(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -114,7 +114,7 @@ function M(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function ee(t) {
+function te(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -124,58 +124,58 @@ function ee(t) {
 		}
 	};
 }
-function N(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, C, w, T, E, O, k, A, j, M, ee, N, re, F, L, R = n.type;
+function ne(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, C, w, T, E, O, k, ee, A, j, te, ne, ae, N, F, I = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = te(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof R == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, O = (p = R.prototype) && p.render, k = (p = R.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new R(E, A) : (n.__c = y = new x(E, A), y.constructor = R, y.render = ie), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), R.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, R.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== C && O && !R.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, O = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new I(E, ee) : (n.__c = y = new x(E, ee), y.constructor = I, y.render = oe), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== C && O && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = S(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), O && y.componentDidUpdate && y.__h.push(function() {
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), O && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(C, w, T);
 				});
-			} else O && !R.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = O ? 25 : 0;
+			} else O && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, j = O ? 25 : 0;
 			do
-				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++M < 25);
-			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), ee = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && I(e, e);
-			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++j < 25);
+			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), te = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && P(e, e);
+			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(F = o.indexOf(c || void 0)) || (F = o.length); (L = o[F - 1]) && L.nodeType == 8;) F--;
-						for (; F < o.length; F++) if (L = o[F]) {
-							if (o[F] = null, N) {
-								if (L == re) break;
+						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
+						for (; N < o.length; N++) if (F = o[N]) {
+							if (o[N] = null, ne) {
+								if (F == ae) break;
 							} else {
-								if (L.nodeType != 8) break;
-								L.data.startsWith("$s") && (re = te(N = L));
+								if (F.nodeType != 8) break;
+								F.data.startsWith("$s") && (ae = re(ne = F));
 							}
 						}
 					}
-					if (!N) {
+					if (!ne) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						N = c;
+						ne = c;
 					}
-					(p = te(N = n.__c.__z || (n.__c.__z = N))) ? (n.__e = N, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = re(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ne(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function te(e, t) {
+function re(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -184,11 +184,11 @@ function te(e, t) {
 		t && t.push(e);
 	}
 }
-function ne(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ne));
+function ie(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
 }
-function re(t, n, r) {
-	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
+function ae(t, n, r) {
+	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -199,7 +199,7 @@ function re(t, n, r) {
 		}
 	});
 }
-function P(t, n, r, i, a, o, s, c, l, u) {
+function M(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, C, w, T = r.props || d, E = n.props, O = n.type;
 	if (O == "svg" ? a = "http://www.w3.org/2000/svg" : O == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (O ? b.localName == O : b.nodeType == 3)) {
@@ -213,22 +213,22 @@ function P(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (O) {
 		if (u = O == "template" && t.content || t, o = O == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || M(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || M(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || M(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && M(t, f, C, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || j(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || j(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || j(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && j(t, f, C, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function F(t, n, r, i) {
+function N(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function I(t, n, r) {
+function P(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -236,15 +236,15 @@ function I(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && I(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = te(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && P(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function ie(e, t, n) {
+function oe(e, t, n) {
 	return this.constructor(e, n);
 }
-function L(t, n) {
+function F(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], N(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), re(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), ae(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -265,8 +265,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var R = 5.5, ae = 35 * Math.PI / 180;
-function oe(e, t) {
+var I = 5.5, se = 35 * Math.PI / 180;
+function ce(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -274,7 +274,7 @@ function oe(e, t) {
 		y1: e.y1 + t
 	};
 }
-function se(e, [t, n]) {
+function le(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -296,51 +296,51 @@ function se(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function ce(e, t) {
+function ue(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function le(e, t, n, r, i = 0) {
+function de(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = ce(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = se(oe(e, R), [u, d]), p = se(oe(t, R), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, I), [u, d]), p = le(ce(t, I), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ae), S = b * Math.sin(ae);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(se), S = b * Math.sin(se);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function ue(e, t) {
+function fe(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = ce(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = ue(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var de = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), fe = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function pe(e, t, n = !1) {
+var pe = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), me = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function he(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) de.has(t) ? r += .42 : fe.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) pe.has(t) ? r += .42 : me.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var me = .73;
-function he(e, t, [n, r]) {
-	let i = Math.max(pe(e, 19, !0) / 2, 6);
+var ge = .73;
+function _e(e, t, [n, r]) {
+	let i = Math.max(he(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - me * 19 / 2 - 1,
+		y0: r - ge * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + me * 19 / 2 + (t ? 3 : 1)
+		y1: r + ge * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? oe(a, 2) : a;
+	return t ? ce(a, 2) : a;
 }
-function ge(e, t) {
+function ve(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -349,9 +349,9 @@ function ge(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var _e = Symbol.for("pv"), ve = 0;
+var ye = Symbol.for("pv"), be = 0;
 Array.isArray;
-function z(t, n, r, i, a, o) {
+function L(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -365,27 +365,27 @@ function z(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: _e,
-		__v: --ve,
+		constructor: ye,
+		__v: --be,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var ye = [100, 84];
-function B(e, t) {
-	return [e * ye[0], t * ye[1]];
+var xe = [100, 84];
+function R(e, t) {
+	return [e * xe[0], t * xe[1]];
 }
-var V = 18;
-function be(e, t) {
+var z = 18;
+function Se(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function xe(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => pe(e, 9))), a = (e) => r(e).reduce((e, t) => e + pe(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, pe(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * V / 2 : 0, l = o ? c - 15 : 4;
+function Ce(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => he(e, 9))), a = (e) => r(e).reduce((e, t) => e + he(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * z / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -394,8 +394,8 @@ function xe(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Se(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = xe(e, t), o = /* @__PURE__ */ new Map(), s = {
+function we(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Ce(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -403,16 +403,16 @@ function Se(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * V]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * z]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Ce(e, t, n, r = "") {
+function Te(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = xe(e, r);
+		let { half: t, top: i, bottom: a } = Ce(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -420,11 +420,11 @@ function Ce(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return he(e.letters, t, n);
+	return _e(e.letters, t, n);
 }
-function we(e, t, n, r, i = "") {
+function Ee(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), a = Se(e, i).get(n);
+		let n = t.slice(e.name.length + 1), a = we(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -435,15 +435,15 @@ function we(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Ce(e, n, r, i)];
+	return [r, Te(e, n, r, i)];
 }
-var Te = ([[e, t], [n, r]]) => ({
+var De = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Ee(e, t) {
+function Oe(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -455,66 +455,66 @@ function Ee(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function De(e, t) {
+function ke(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Oe = class extends x {
+var Ae = class extends x {
 	shouldComponentUpdate(e) {
-		return De(e, this.props);
+		return ke(e, this.props);
 	}
 	render(e) {
-		let [t, n] = we(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = we(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = le(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ z("g", {
+		let [t, n] = Ee(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ee(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = de(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ L("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ L("line", {
 					class: "reach",
-					...Te([a.tail, a.head])
+					...De([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ z("line", {
+				e.flow !== 0 && /* @__PURE__ */ L("line", {
 					class: "power",
-					...Te(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...De(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line",
-					...Te([a.tail, a.head])
+					...De([a.tail, a.head])
 				}),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line barb",
-					...Te(a.barb)
+					...De(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Te(ue(a, e))
+					...De(fe(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Te(ue(a, e))
+					...De(fe(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ z("path", {
+				o?.conflict && /* @__PURE__ */ L("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("text", {
+				e.effort && /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("text", {
 					class: "value",
-					...Ee(a, 1),
+					...Oe(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ z("text", {
+				}), /* @__PURE__ */ L("text", {
 					class: "value",
-					...Ee(a, -1),
+					...Oe(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function ke(e, t, n) {
+function je(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -529,7 +529,7 @@ function ke(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Ae(e, t, n) {
+function Me(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -561,12 +561,12 @@ function Ae(e, t, n) {
 		anchor: "start"
 	};
 }
-var je = class extends x {
+var Ne = class extends x {
 	shouldComponentUpdate(e) {
-		return De(e, this.props);
+		return ke(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ce(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Te(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -587,14 +587,14 @@ var je = class extends x {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Ae(e, i, s.length), l = me * 19 / 2, u = xe(t, e.ports);
-		return /* @__PURE__ */ z("g", {
+		], c = Me(e, i, s.length), l = ge * 19 / 2, u = Ce(t, e.ports);
+		return /* @__PURE__ */ L("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ z(b, { children: [
-					/* @__PURE__ */ z("rect", {
+				t.kind === "part" ? /* @__PURE__ */ L(b, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -602,42 +602,42 @@ var je = class extends x {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ L("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Se(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
+					[...we(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ z("circle", {
+							/* @__PURE__ */ L("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ z("circle", {
+							/* @__PURE__ */ L("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ z("text", {
-								...ke(e.ports[a], r, i),
+							/* @__PURE__ */ L("text", {
+								...je(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ z(b, { children: [
-					/* @__PURE__ */ z("rect", {
+				] }) : /* @__PURE__ */ L(b, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ z("rect", {
+					r && /* @__PURE__ */ L("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -645,54 +645,66 @@ var je = class extends x {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ L("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ z("text", {
+					r && /* @__PURE__ */ L("text", {
 						class: "subscript",
-						x: pe(t.letters, 19, !0) / 2 - 3.5,
+						x: he(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ z("text", {
+				s.map((e, t) => /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ z("g", {
+				e.selected && /* @__PURE__ */ L("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ z("circle", {
+						/* @__PURE__ */ L("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ z("circle", {
+						/* @__PURE__ */ L("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
 		});
 	}
-}, Me = class extends Error {
+};
+// src/sharing.ts
+function Pe(e, t) {
+	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
+	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
+	for (let e of i) {
+		let t = Pe(n[e], r[e]);
+		r[e] = t, a &&= t === n[e] && e in n;
+	}
+	return a ? e : t;
+}
+// src/transport.ts
+var Fe = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Ne = class {
+}, Ie = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -728,10 +740,10 @@ var je = class extends x {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Me(e.error)) : t.done(e);
+			e.error ? t.failed(new Fe(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, Pe = {
+}, Le = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -746,6 +758,7 @@ var je = class extends x {
 	run: null,
 	runs: [],
 	running: null,
+	soFar: null,
 	cursor: null,
 	instant: null,
 	plotted: [],
@@ -755,9 +768,9 @@ var je = class extends x {
 	panel: "",
 	dark: null,
 	flowing: !1
-}, Fe = class {
+}, Re = class {
 	transport;
-	state = Pe;
+	state = Le;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -798,7 +811,7 @@ var je = class extends x {
 		}
 	}
 	refused(e) {
-		e instanceof Me ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Fe ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -806,22 +819,24 @@ var je = class extends x {
 		} });
 	}
 	take(e) {
-		let t = new Set(e.view.nodes.map((e) => e.name)), n = new Set(e.view.bonds.map((e) => e.key));
+		let t = Pe(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
-			look: e,
-			level: e.view.path,
-			nodes: new Set([...this.state.nodes].filter((e) => t.has(e))),
-			bonds: new Set([...this.state.bonds].filter((e) => n.has(e))),
-			bondFrom: this.state.bondFrom && t.has(this.state.bondFrom) ? this.state.bondFrom : null
+			look: t,
+			level: t.view.path,
+			nodes: new Set([...this.state.nodes].filter((e) => n.has(e))),
+			bonds: new Set([...this.state.bonds].filter((e) => r.has(e))),
+			bondFrom: this.state.bondFrom && n.has(this.state.bondFrom) ? this.state.bondFrom : null
 		});
 	}
 	told(e) {
 		if (e.tell === "changed") e.by !== this.transport.client && e.revision !== this.state.look?.revision && this.look();
 		else if (e.tell === "progress") this.set({ running: e });
+		else if (e.tell === "partial") this.set({ soFar: e });
 		else if (e.tell === "finished") {
 			let t = e;
 			this.set({
 				running: null,
+				soFar: null,
 				runs: [...this.state.runs.filter((e) => e.run !== t.run), t]
 			}), this.show(t), t.error && this.set({ notice: t.error });
 		} else e.tell === "saved" && this.state.look && this.set({ look: {
@@ -966,13 +981,17 @@ var je = class extends x {
 	}
 	async start(e) {
 		try {
-			let { run: t } = await this.transport.ask("run", e ? { until: e } : {});
-			this.set({
+			let { run: t } = await this.transport.ask("run", {
+				...e ? { until: e } : {},
+				names: this.state.plotted
+			});
+			this.state.runs.some((e) => e.run === t) || this.set({
 				running: {
 					run: t,
 					t: 0,
 					events: 0
 				},
+				soFar: null,
 				bottom: !0
 			});
 		} catch (e) {
@@ -992,8 +1011,11 @@ var je = class extends x {
 				side: t,
 				mode: n ?? null,
 				level: this.state.level
-			});
-			i === this.cursorCount && this.set({ cursor: a });
+			}), o = Pe(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			i === this.cursorCount && this.set({ cursor: {
+				...a,
+				strokes: o
+			} });
 		} catch (e) {
 			this.refused(e);
 		}
@@ -1005,13 +1027,13 @@ var je = class extends x {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function Ie(e, t = 4) {
+function ze(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Le = [
+var Be = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1021,14 +1043,14 @@ var Le = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function Re(e, t) {
+function Ve(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ie(e)} ${t}`.trim();
-	let [n, r] = Le.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Le[Le.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${ze(e)} ${t}`.trim();
+	let [n, r] = Be.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Be[Be.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/canvas.tsx
-var ze = class extends x {
+var He = class extends x {
 	svg = y();
 	state = {
 		sight: {
@@ -1078,23 +1100,23 @@ var ze = class extends x {
 	}
 	seen = "";
 	keepInSight() {
-		let { state: e } = this.props, t = e.look, n = this.svg.current?.getBoundingClientRect();
-		if (!t || !n || this.state.gesture) return;
-		let r = [...e.nodes].join(" ");
-		if (r === this.seen) return;
-		this.seen = r;
-		let i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
+		let { state: e } = this.props, t = e.look;
+		if (!t || !this.svg.current || this.state.gesture) return;
+		let n = [...e.nodes].join(" ");
+		if (n === this.seen) return;
+		this.seen = n;
+		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, r] = B(e.x, e.y), [i, c] = [a + s * t, o + s * r];
-			return i < 40 || c < 40 || i > n.width - 40 || c > n.height - 40;
+			let [t, n] = R(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = B(i[0].x, i[0].y);
+				let [e, t] = R(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
-					x: n.width / 2 - s * e,
-					y: n.height / 2 - s * t
+					x: r.width / 2 - s * e,
+					y: r.height / 2 - s * t
 				} });
 			}
 		}
@@ -1117,7 +1139,7 @@ var ze = class extends x {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * ye[0]), i = e.map((e) => e.y * ye[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * xe[0]), i = e.map((e) => e.y * xe[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1316,7 +1338,7 @@ var ze = class extends x {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / ye[0], r = e.y + n[1] / ye[1];
+						let t = e.x + n[0] / xe[0], r = e.y + n[1] / xe[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1325,13 +1347,13 @@ var ze = class extends x {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = B(t.x, t.y);
+						let [r, i] = R(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...He(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...Ge(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1360,14 +1382,14 @@ var ze = class extends x {
 	}
 	centreOf(e, t, n, r) {
 		let i = e.split(".")[0];
-		return we(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		return Ee(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ue[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ke[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1378,7 +1400,7 @@ var ze = class extends x {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? We(r, a, o) : e;
+			let n = a ? qe(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1419,14 +1441,14 @@ var ze = class extends x {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / ye[0] * 4) / 4, Math.round(a / ye[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / xe[0] * 4) / 4, Math.round(a / xe[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ z("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = B(e.x, e.y);
+			let [t, n] = R(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1449,14 +1471,14 @@ var ze = class extends x {
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, be(e, p));
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Se(e, p));
 		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ z("div", {
+		return /* @__PURE__ */ L("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ z("svg", {
+				/* @__PURE__ */ L("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1469,19 +1491,19 @@ var ze = class extends x {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
+						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
 							id: "dots",
-							width: ye[0] / 4,
-							height: ye[1] / 4,
+							width: xe[0] / 4,
+							height: xe[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ z("circle", {
+							children: /* @__PURE__ */ L("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ z("marker", {
+						}), /* @__PURE__ */ L("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1489,25 +1511,25 @@ var ze = class extends x {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ z("path", {
+							children: /* @__PURE__ */ L("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ z("rect", {
+						n.k > .45 && /* @__PURE__ */ L("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ z("g", {
+						/* @__PURE__ */ L("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = le(Ce(t, u(t), r, h(t.name)), Ce(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ z("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = de(Te(t, u(t), r, h(t.name)), Te(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ L("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1516,9 +1538,9 @@ var ze = class extends x {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								a.view.bonds.map((t) => {
+								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
 									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ z(Oe, {
+									return /* @__PURE__ */ L(Ae, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1533,12 +1555,12 @@ var ze = class extends x {
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? Re(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? Re(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? Ve(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? Ve(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
-									}, t.key + t.text);
-								}),
-								a.view.nodes.map((t) => /* @__PURE__ */ z(je, {
+									}, t.key);
+								}) }),
+								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ne, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1546,13 +1568,13 @@ var ze = class extends x {
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...ge(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
-								}, t.name)),
-								r?.kind === "wire" && /* @__PURE__ */ z(Be, {
+									taken: [...ve(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+								}, t.name)) }),
+								r?.kind === "wire" && /* @__PURE__ */ L(Ue, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ z("rect", {
+								r?.kind === "box" && /* @__PURE__ */ L("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1563,7 +1585,7 @@ var ze = class extends x {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ z("div", {
+				r?.kind === "wire" && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1574,11 +1596,11 @@ var ze = class extends x {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ z(Ve, {
+				e.instant && /* @__PURE__ */ L(We, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ z("div", {
+				e.bondFrom && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1590,22 +1612,22 @@ var ze = class extends x {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ z("div", {
+				/* @__PURE__ */ L("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1613,23 +1635,23 @@ var ze = class extends x {
 						})
 					]
 				}),
-				/* @__PURE__ */ z(Ge, {
+				/* @__PURE__ */ L(Je, {
 					state: e,
 					sight: n
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(b, { children: [" › ", /* @__PURE__ */ z("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(b, { children: [" › ", /* @__PURE__ */ L("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ z("span", { children: [
+						!a.view.editable && /* @__PURE__ */ L("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1640,8 +1662,8 @@ var ze = class extends x {
 		});
 	}
 };
-function Be({ from: e, to: t }) {
-	return /* @__PURE__ */ z("line", {
+function Ue({ from: e, to: t }) {
+	return /* @__PURE__ */ L("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1649,33 +1671,33 @@ function Be({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-function Ve({ store: e, state: t }) {
+function We({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			Re(n.t, "s"),
+			Ve(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ z("b", { children: i.kind }),
+			/* @__PURE__ */ L("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ z("small", { children: [
+			/* @__PURE__ */ L("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1684,13 +1706,13 @@ function Ve({ store: e, state: t }) {
 		]
 	});
 }
-var He = (e, t) => [e[0] - t[0], e[1] - t[1]], Ue = {
+var Ge = (e, t) => [e[0] - t[0], e[1] - t[1]], Ke = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function We(e, t, [n, r]) {
+function qe(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1700,56 +1722,56 @@ function We(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ge({ state: e, sight: t }) {
+function Je({ state: e, sight: t }) {
 	let n = e.look.view.nodes;
 	if (n.length < 25) return null;
 	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / ye[0],
-		y: -t.y / t.k / ye[1]
+		x: -t.x / t.k / xe[0],
+		y: -t.y / t.k / xe[1]
 	};
-	return /* @__PURE__ */ z("svg", {
+	return /* @__PURE__ */ L("svg", {
 		class: "minimap",
 		viewBox: `${a} ${o} ${s} ${c}`,
 		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ z("circle", {
+		children: [n.map((e) => /* @__PURE__ */ L("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: s / 90
-		})), /* @__PURE__ */ z("rect", {
+		})), /* @__PURE__ */ L("rect", {
 			x: l.x,
 			y: l.y,
-			width: 900 / t.k / ye[0],
-			height: 500 / t.k / ye[1]
+			width: 900 / t.k / xe[0],
+			height: 500 / t.k / xe[1]
 		})]
 	});
 }
 // node_modules/preact/hooks/dist/hooks.mjs
-var Ke, H, qe, Je, Ye = Object.is, Xe = 0, Ze = [], Qe = [], U = e, $e = U.__b, et = U.__r, tt = U.diffed, nt = U.__c, rt = U.unmount, it = U.__;
-function at(e, t) {
-	U.__h && U.__h(H, e, Xe || t), Xe = 0;
-	var n = H.__H || (H.__H = {
+var Ye, B, Xe, Ze, Qe = Object.is, $e = 0, et = [], tt = [], nt = e, rt = nt.__b, it = nt.__r, at = nt.diffed, ot = nt.__c, st = nt.unmount, ct = nt.__;
+function lt(e, t) {
+	nt.__h && nt.__h(B, e, $e || t), $e = 0;
+	var n = B.__H || (B.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function ot(e) {
-	return Xe = 1, st(vt, e);
+function V(e) {
+	return $e = 1, ut(xt, e);
 }
-function st(e, t, n) {
-	var r = at(Ke++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : vt(void 0, t), function(e) {
+function ut(e, t, n) {
+	var r = lt(Ye++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		Ye(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = H, !H.__f)) {
-		H.__f = !0;
-		var i = H.shouldComponentUpdate;
-		H.shouldComponentUpdate = function(e, t, n) {
+		Qe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, Ye(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, Qe(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1759,67 +1781,67 @@ function st(e, t, n) {
 	}
 	return r.__;
 }
-function ct(e, t) {
-	var n = at(Ke++, 3);
-	!U.__s && _t(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, H.__H.__h.push(n));
+function dt(e, t) {
+	var n = lt(Ye++, 3);
+	!nt.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
 }
-function lt(e) {
-	return Xe = 5, ut(function() {
+function ft(e) {
+	return $e = 5, pt(function() {
 		return { current: e };
 	}, []);
 }
-function ut(e, t) {
-	var n = at(Ke++, 7);
-	return _t(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function pt(e, t) {
+	var n = lt(Ye++, 7);
+	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function dt() {
+function mt() {
 	var e;
 	do {
-		for (; e = Qe.shift();) try {
-			ht(e);
+		for (; e = tt.shift();) try {
+			vt(e);
 		} catch (t) {
-			U.__e(t, { __: (e = e.__P) && e.__v });
+			nt.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = Ze.shift();) {
+		for (; e = et.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(ht), t.__h.some(gt), t.__h = [];
+				t.__h.some(vt), t.__h.some(yt), t.__h = [];
 			} catch (n) {
-				t.__h = [], U.__e(n, e.__v);
+				t.__h = [], nt.__e(n, e.__v);
 			}
 		}
-	} while (Qe.length);
+	} while (tt.length);
 }
-U.__b = function(e) {
-	H = null, $e && $e(e);
-}, U.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), it && it(e, t);
-}, U.__r = function(e) {
-	et && et(e), Ke = 0;
-	var t = (H = e.__c).__H;
-	t && (qe == H ? H.__h = [] : (t.__h.some(ht), t.__h.some(gt), Ke = 0), t.__h = [], t.__.some(function(e) {
+nt.__b = function(e) {
+	B = null, rt && rt(e);
+}, nt.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ct && ct(e, t);
+}, nt.__r = function(e) {
+	it && it(e), Ye = 0;
+	var t = (B = e.__c).__H;
+	t && (Xe == B ? B.__h = [] : (t.__h.some(vt), t.__h.some(yt), Ye = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), qe = H;
-}, U.diffed = function(e) {
-	tt && tt(e);
+	})), Xe = B;
+}, nt.diffed = function(e) {
+	at && at(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && mt(Ze.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && _t(et.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), qe = H = null;
-}, U.__c = function(e, t) {
+	})), Xe = B = null;
+}, nt.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(ht), e.__h = e.__h.filter(function(e) {
-				return !e.__ || gt(e);
+			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
+				return !e.__ || yt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), nt && nt(e, t);
-}, U.unmount = function(e) {
-	rt && rt(e);
+	}), ot && ot(e, t);
+}, nt.unmount = function(e) {
+	st && st(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1828,50 +1850,50 @@ U.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, mt(Qe.push(r));
-			} else ht(r);
+				r.__P = n, _t(tt.push(r));
+			} else vt(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && U.__e(t, r.__v));
+	}), r.__H = void 0, t && nt.__e(t, r.__v));
 };
-var ft = typeof requestAnimationFrame == "function";
-function pt(e) {
-	var t, n = function() {
-		clearTimeout(r), ft && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	ft && (t = requestAnimationFrame(n));
-}
-function mt(e) {
-	e != 1 && Je == U.requestAnimationFrame || ((Je = U.requestAnimationFrame) || pt)(dt);
-}
-function ht(e) {
-	var t = H, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), H = t;
-}
+var ht = typeof requestAnimationFrame == "function";
 function gt(e) {
-	var t = H;
-	e.__c = e.__(), H = t;
+	var t, n = function() {
+		clearTimeout(r), ht && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	ht && (t = requestAnimationFrame(n));
 }
-function _t(e, t) {
+function _t(e) {
+	e != 1 && Ze == nt.requestAnimationFrame || ((Ze = nt.requestAnimationFrame) || gt)(mt);
+}
+function vt(e) {
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
+}
+function yt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
+}
+function bt(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !Ye(t, e[n]);
+		return !Qe(t, e[n]);
 	});
 }
-function vt(e, t) {
+function xt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var yt = 100;
-function bt({ store: e, state: t }) {
-	let [n, r] = ot([]), [i, a] = ot(0), [o, s] = ot(0), c = t.run;
-	ct(() => s(0), [c?.run]), ct(() => {
+var St = 100;
+function Ct({ store: e, state: t }) {
+	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	dt(() => s(0), [c?.run]), dt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: yt
+			count: St
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1879,60 +1901,60 @@ function bt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					Re(c.took, "s"),
+					Ve(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
 				class: "warning",
 				children: e
 			})),
-			i > yt && /* @__PURE__ */ z("p", { children: [
-				/* @__PURE__ */ z("button", {
+			i > St && /* @__PURE__ */ L("p", { children: [
+				/* @__PURE__ */ L("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - yt)),
+					onClick: () => s(Math.max(0, o - St)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + yt, i),
+				Math.min(o + St, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ z("button", {
-					disabled: o + yt >= i,
-					onClick: () => s(o + yt),
+				/* @__PURE__ */ L("button", {
+					disabled: o + St >= i,
+					onClick: () => s(o + St),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
+			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ L("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ z("b", { children: Re(n.t, "s") }),
+						/* @__PURE__ */ L("b", { children: Ve(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ z("i", { children: n.cause }),
+						/* @__PURE__ */ L("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", xt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", wt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ z(St, {
+				}), n.event === l && /* @__PURE__ */ L(Tt, {
 					store: e,
 					state: t,
 					event: n
@@ -1941,18 +1963,18 @@ function bt({ store: e, state: t }) {
 		]
 	});
 }
-function xt(e) {
+function wt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function St({ store: e, state: t, event: n }) {
+function Tt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1964,32 +1986,32 @@ function St({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ z("p", { children: [
+			/* @__PURE__ */ L("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ z("p", {
+			i.fired.map((e) => /* @__PURE__ */ L("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ z("b", { children: e.machine }),
+					/* @__PURE__ */ L("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ z("code", { children: e.why })
+					/* @__PURE__ */ L("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ie(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${ze(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ z("p", { children: [
+			i.energy && /* @__PURE__ */ L("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -1999,17 +2021,17 @@ function St({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/fields.tsx
-var Ct = 0;
-function wt(e) {
-	let [t, n] = ot(e.value), [r] = ot(() => `list${++Ct}`), i = lt(!1);
-	return ct(() => {
+var Et = 0;
+function Dt(e) {
+	let [t, n] = V(e.value), [r] = V(() => `list${++Et}`), i = ft(!1);
+	return dt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("input", {
+	}, [e.value]), /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2026,20 +2048,20 @@ function wt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ z("datalist", {
+	}), e.list && /* @__PURE__ */ L("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
 	})] });
 }
-function Tt(e) {
+function Ot(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Et = {
+var kt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Dt = {
+}, At = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2050,76 +2072,76 @@ var Et = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Ot({ store: e, state: t }) {
+function jt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ z(Mt, {
+	if (r.length === 1) return /* @__PURE__ */ L(Ft, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ z("section", { children: [
-			/* @__PURE__ */ z("h2", { children: "Bond" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(wt, {
+		return /* @__PURE__ */ L("section", { children: [
+			/* @__PURE__ */ L("h2", { children: "Bond" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Dt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void kt(e, t, r.key, n)
+				onWrite: (n) => void Mt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ z("p", { children: [
+			a && /* @__PURE__ */ L("p", { children: [
 				"effort ",
-				Re(a.e, a.units[0]),
+				Ve(a.e, a.units[0]),
 				", flow ",
-				Re(a.f, a.units[1]),
+				Ve(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : Re(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : Ve(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ L("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ z("div", {
+	] }), /* @__PURE__ */ L("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ z("button", {
-				onClick: () => At(e, r, "y"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Nt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ z("button", {
-				onClick: () => At(e, r, "x"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Nt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ z(jt, {
+	})] }) : /* @__PURE__ */ L(Pt, {
 		store: e,
 		state: t
 	});
 }
-async function kt(e, t, n, r) {
+async function Mt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2134,33 +2156,33 @@ async function kt(e, t, n, r) {
 		text: r
 	}));
 }
-function At(e, t, n) {
+function Nt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function jt({ store: e, state: t }) {
+function Pt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "Model" }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(wt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Model" }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Dt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ z("option", {
+			children: r.map((e) => /* @__PURE__ */ L("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2169,21 +2191,21 @@ function jt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ z("kbd", { children: "a" }),
+				/* @__PURE__ */ L("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ z("kbd", { children: "b" }),
+				/* @__PURE__ */ L("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function Mt({ store: e, state: t, node: n }) {
+function Ft({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2197,66 +2219,66 @@ function Mt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(wt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Dt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ z(Nt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ L(It, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Et[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(wt, {
+		kt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Dt, {
 			label: `Start value ${e}`,
-			value: It(i[e]),
+			value: zt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Tt(t))
+			onWrite: (t) => a([e], Ot(t))
 		})] })),
-		s && /* @__PURE__ */ z(b, { children: [
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
+		s && /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ z("option", {
+				}), /* @__PURE__ */ L("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
 				disabled: r,
-				value: It(i.law),
+				value: zt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Dt[It(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(wt, {
+			(At[zt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
 				label: e,
-				value: It(i[e]),
+				value: zt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Tt(t))
+				onWrite: (t) => a([e], Ot(t))
 			})] })),
-			/* @__PURE__ */ z(Pt, {
+			/* @__PURE__ */ L(Lt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ z(b, { children: [
-			c && /* @__PURE__ */ z("p", {
+		n.kind === "part" && /* @__PURE__ */ L(b, { children: [
+			c && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2265,41 +2287,41 @@ function Mt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(wt, {
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
 					label: e,
-					value: It(t),
+					value: zt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Tt(t))
+					onWrite: (t) => a(["parameters", e], Ot(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(wt, {
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Dt, {
 				label: `Input ${e}`,
-				value: It(i.inputs?.[e]),
+				value: zt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Lt(t),
-				onWrite: (t) => a(["inputs", e], Tt(t))
+				list: Bt(t),
+				onWrite: (t) => a(["inputs", e], Ot(t))
 			})] })),
-			n.known && /* @__PURE__ */ z("button", {
+			n.known && /* @__PURE__ */ L("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ z("div", {
+		/* @__PURE__ */ L("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2308,11 +2330,11 @@ function Mt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Nt({ node: e, off: t, set: n }) {
+function It({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(wt, {
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Dt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2320,31 +2342,31 @@ function Nt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(wt, {
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Dt, {
 		label: "Value",
 		first: !0,
-		value: It(r),
+		value: zt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Tt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Ot(t) ?? 1);
 		}
 	})] });
 }
-function Pt({ store: e, state: t, node: n }) {
+function Lt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
+	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Ft(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Rt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2357,14 +2379,14 @@ function Pt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Ft(e, t) {
+function Rt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function It(e) {
+function zt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Lt(e) {
+function Bt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2372,7 +2394,7 @@ function Lt(e) {
 	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
 }
 // src/machines.tsx
-function Rt(e) {
+function Vt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2380,19 +2402,19 @@ function Rt(e) {
 		guard: t[3]
 	} : null;
 }
-function zt({ store: e, state: t }) {
+function Ht({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ z(Bt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ L(Ut, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ z("button", {
+		n.view.editable && /* @__PURE__ */ L("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Ft([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Rt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2408,23 +2430,23 @@ function zt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ z("code", { children: "pre(x)" }),
+				/* @__PURE__ */ L("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ z("b", { children: "x⁻" }),
+				/* @__PURE__ */ L("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ z("code", { children: "x" }),
+				/* @__PURE__ */ L("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ z("b", { children: "x⁺" }),
+				/* @__PURE__ */ L("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Bt({ store: e, state: t, name: n, machine: r }) {
+function Ut({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2433,13 +2455,13 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 		...r,
 		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
 	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z(wt, {
+				children: [/* @__PURE__ */ L(Dt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2448,7 +2470,7 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ z("button", {
+				}), !a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2459,15 +2481,15 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ z(Vt, {
+			/* @__PURE__ */ L(Wt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ z("div", {
+			c.map((e) => /* @__PURE__ */ L("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ L("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2479,7 +2501,7 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ z(wt, {
+					/* @__PURE__ */ L(Dt, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2497,17 +2519,17 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Rt(t);
+									let r = Vt(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ z("span", {
+					/* @__PURE__ */ L("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ z(wt, {
+					/* @__PURE__ */ L(Dt, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2524,43 +2546,43 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Rt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ z("div", {
+				let i = Vt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ L("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ z(b, { children: [
-						/* @__PURE__ */ z("select", {
+					children: [i ? /* @__PURE__ */ L(b, { children: [
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ z("select", {
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
-						/* @__PURE__ */ z(wt, {
+						/* @__PURE__ */ L(Dt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							list: Lt(t),
+							list: Bt(t),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ z("span", {
+						/* @__PURE__ */ L("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ z(wt, {
+					] }) : /* @__PURE__ */ L(Dt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ z("button", {
+					}), !a && /* @__PURE__ */ L("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2568,21 +2590,21 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ z("div", {
+			!a && /* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Ft(c, "state")]: []
+							[Rt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Rt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Vt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2594,18 +2616,18 @@ function Bt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Vt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Rt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ z("div", {
+function Wt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Vt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ L("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ z("svg", {
+		children: /* @__PURE__ */ L("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
+				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2613,26 +2635,26 @@ function Vt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ z("path", {
+					children: /* @__PURE__ */ L("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ z("title", { children: e.guard })
+						children: /* @__PURE__ */ L("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
+					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ z("title", { children: e.guard })
-					}), /* @__PURE__ */ z("text", {
+						children: /* @__PURE__ */ L("title", { children: e.guard })
+					}), /* @__PURE__ */ L("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2640,7 +2662,7 @@ function Vt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ z("g", {
+				r.map((r) => /* @__PURE__ */ L("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2649,20 +2671,20 @@ function Vt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ z("rect", {
+						/* @__PURE__ */ L("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ z("text", {
+						/* @__PURE__ */ L("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ z("circle", {
+						r === e.start && /* @__PURE__ */ L("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2674,23 +2696,23 @@ function Vt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/panels.tsx
-function Ht({ store: e, state: t }) {
+function Gt({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ z(b, { children: [
-			/* @__PURE__ */ z("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ z(Wt, {
+		return /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ L(qt, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ z("button", {
+			!r && /* @__PURE__ */ L("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2701,53 +2723,53 @@ function Ht({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Ft(t, e)], s);
+					a([i, Rt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ z("section", { children: [
+	return /* @__PURE__ */ L("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ z(b, { children: [
-			/* @__PURE__ */ z("h2", { children: "Run" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(wt, {
+		!t.level && /* @__PURE__ */ L(b, { children: [
+			/* @__PURE__ */ L("h2", { children: "Run" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
 				label: "Until",
-				value: It(i.until),
+				value: zt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Tt(e))
+				onWrite: (e) => void a(["experiment", "until"], Ot(e))
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
-				value: It(i.solver),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
+				value: zt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(wt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Dt, {
 				label: "Relative tolerance",
-				value: It(i.rtol),
+				value: zt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Tt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Ot(e))
 			})] })
 		] })
 	] });
 }
-var Ut = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function Wt({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Ut.exec(It(i)) : null, [c] = ot(() => s && Number(s[1]) || 1);
-	return /* @__PURE__ */ z("div", {
+var Kt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function qt({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Kt.exec(zt(i)) : null, [c] = V(() => s && Number(s[1]) || 1);
+	return /* @__PURE__ */ L("div", {
 		class: "entry",
 		"data-entry": r,
-		children: [/* @__PURE__ */ z("label", { children: [
-			/* @__PURE__ */ z(wt, {
+		children: [/* @__PURE__ */ L("label", { children: [
+			/* @__PURE__ */ L(Dt, {
 				label: `Name ${r}`,
 				value: r,
 				disabled: a,
@@ -2757,23 +2779,23 @@ function Wt({ store: e, state: t, section: n, name: r, value: i }) {
 					new: t.trim()
 				})
 			}),
-			o ? /* @__PURE__ */ z(wt, {
+			o ? /* @__PURE__ */ L(Dt, {
 				label: r,
-				value: It(i),
+				value: zt(i),
 				disabled: a,
-				list: n === "signals" ? Lt(t) : void 0,
+				list: n === "signals" ? Bt(t) : void 0,
 				onWrite: (t) => void e.edit({
 					do: "set",
 					path: [n, r],
-					value: Tt(t)
+					value: Ot(t)
 				})
-			}) : /* @__PURE__ */ z(Gt, {
+			}) : /* @__PURE__ */ L(Jt, {
 				store: e,
 				path: [n, r],
 				value: i,
 				off: a
 			}),
-			!a && /* @__PURE__ */ z("button", {
+			!a && /* @__PURE__ */ L("button", {
 				class: "small",
 				"aria-label": `Delete ${r}`,
 				onClick: () => void e.edit({
@@ -2783,7 +2805,7 @@ function Wt({ store: e, state: t, section: n, name: r, value: i }) {
 				}),
 				children: "✕"
 			})
-		] }), s && !a && /* @__PURE__ */ z("input", {
+		] }), s && !a && /* @__PURE__ */ L("input", {
 			type: "range",
 			"aria-label": `Slider ${r}`,
 			min: -1,
@@ -2801,20 +2823,20 @@ function Wt({ store: e, state: t, section: n, name: r, value: i }) {
 		})]
 	});
 }
-function Gt({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ z("span", {
+function Jt({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ L("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(Gt, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(Jt, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(wt, {
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Dt, {
 			label: `${t.join(" ")} ${n}`,
-			value: It(i),
+			value: zt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Tt(r);
+				let i = Ot(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -2827,58 +2849,58 @@ function Gt({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function Kt({ store: e, state: t }) {
+function Yt({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
-		/* @__PURE__ */ z("ul", {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
+		/* @__PURE__ */ L("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ z("li", {
+			children: n.map((t) => /* @__PURE__ */ L("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ z("button", {
+				children: /* @__PURE__ */ L("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ z("b", { children: t.code }),
+						/* @__PURE__ */ L("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ z("i", { children: t.where }),
-						/* @__PURE__ */ z("span", { children: t.why }),
-						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ L("i", { children: t.where }),
+						/* @__PURE__ */ L("span", { children: t.why }),
+						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function qt({ store: e, state: t }) {
+function Xt({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ z("h2", { children: "Elements" }),
-			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-				/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ L("h2", { children: "Elements" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ z("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -2886,9 +2908,9 @@ function qt({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ z("td", { children: [
+						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ L("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -2897,26 +2919,26 @@ function qt({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ z("h2", { children: "Bonds" }),
-			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-				/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ L("h2", { children: "Bonds" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ z("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -2924,17 +2946,17 @@ function qt({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function Jt({ store: e, state: t }) {
-	let [n, r] = ot(null), [i, a] = ot(null), o = t.look.revision;
-	ct(() => {
+function Zt({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	dt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -2943,15 +2965,15 @@ function Jt({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ z("h2", { children: [
+			/* @__PURE__ */ L("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ z("textarea", {
+			/* @__PURE__ */ L("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -2960,13 +2982,13 @@ function Jt({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -2975,21 +2997,21 @@ function Jt({ store: e, state: t }) {
 		]
 	});
 }
-function Yt({ store: e, state: t }) {
-	let [n, r] = ot("…"), i = t.look.revision;
-	return ct(() => {
+function Qt({ store: e, state: t }) {
+	let [n, r] = V("…"), i = t.look.revision;
+	return dt(() => {
 		let t = !1;
 		return e.transport.ask("equations").then((e) => !t && r(e.text)).catch((e) => !t && r(String(e.message))), () => {
 			t = !0;
 		};
-	}, [i]), /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: "Equations of all modes" }), /* @__PURE__ */ z("pre", {
+	}, [i]), /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: "Equations of all modes" }), /* @__PURE__ */ L("pre", {
 		class: "equations",
 		tabindex: 0,
 		children: n
 	})] });
 }
 // src/palette.tsx
-function Xt(e) {
+function $t(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3012,20 +3034,20 @@ function Xt(e) {
 		parts: r
 	};
 }
-function Zt({ store: e, state: t }) {
-	let [n, r] = ot(""), { kinds: i, parts: a } = Xt(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function en({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = $t(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ z("aside", {
+	return /* @__PURE__ */ L("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ z("button", {
+				children: i.map((e) => /* @__PURE__ */ L("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3036,27 +3058,27 @@ function Zt({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ L("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ z("details", {
+					return n.length ? /* @__PURE__ */ L("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ z("summary", { children: [
+						children: [/* @__PURE__ */ L("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ z("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ z("button", {
+							/* @__PURE__ */ L("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ L("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3072,8 +3094,8 @@ function Zt({ store: e, state: t }) {
 		]
 	});
 }
-function Qt({ store: e, state: t }) {
-	let [n, r] = ot(""), { kinds: i, parts: a } = Xt(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function tn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = $t(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3090,11 +3112,11 @@ function Qt({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ z("input", {
+		children: [/* @__PURE__ */ L("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3103,10 +3125,10 @@ function Qt({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
+		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ z("b", { children: e.letters }),
+				/* @__PURE__ */ L("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3114,65 +3136,65 @@ function Qt({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var $t = !0, en = "uplot", tn = "u-hz", nn = "u-vt", rn = "u-title", an = "u-wrap", on = "u-under", sn = "u-over", cn = "u-axis", ln = "u-off", un = "u-select", dn = "u-cursor-x", fn = "u-cursor-y", pn = "u-cursor-pt", mn = "u-legend", hn = "u-live", gn = "u-inline", _n = "u-series", vn = "u-marker", yn = "u-label", bn = "u-value", xn = "width", Sn = "height", Cn = "top", wn = "bottom", Tn = "left", En = "right", Dn = "#000", On = "#0000", kn = "mousemove", An = "mousedown", jn = "mouseup", Mn = "mouseenter", Nn = "mouseleave", Pn = "dblclick", Fn = "resize", In = "scroll", Ln = "change", Rn = "dppxchange", zn = "--", W = typeof window < "u", Bn = W ? document : null, Vn = W ? window : null, G = W ? navigator : null, K, Hn;
-function Un() {
+var nn = !0, rn = "uplot", an = "u-hz", on = "u-vt", sn = "u-title", cn = "u-wrap", ln = "u-under", un = "u-over", dn = "u-axis", fn = "u-off", pn = "u-select", mn = "u-cursor-x", hn = "u-cursor-y", gn = "u-cursor-pt", _n = "u-legend", vn = "u-live", yn = "u-inline", bn = "u-series", xn = "u-marker", Sn = "u-label", Cn = "u-value", wn = "width", Tn = "height", En = "top", Dn = "bottom", On = "left", kn = "right", An = "#000", jn = "#0000", Mn = "mousemove", Nn = "mousedown", Pn = "mouseup", Fn = "mouseenter", In = "mouseleave", Ln = "dblclick", Rn = "resize", zn = "scroll", H = "change", Bn = "dppxchange", Vn = "--", U = typeof window < "u", Hn = U ? document : null, Un = U ? window : null, Wn = U ? navigator : null, W, Gn;
+function Kn() {
 	let e = devicePixelRatio;
-	K != e && (K = e, Hn && nr(Ln, Hn, Un), Hn = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), tr(Ln, Hn, Un), Vn.dispatchEvent(new CustomEvent(Rn)));
+	W != e && (W = e, Gn && ar(H, Gn, Kn), Gn = matchMedia(`(min-resolution: ${W - .001}dppx) and (max-resolution: ${W + .001}dppx)`), ir(H, Gn, Kn), Un.dispatchEvent(new CustomEvent(Bn)));
 }
-function Wn(e, t) {
+function qn(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function Gn(e, t) {
+function Jn(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function q(e, t, n) {
+function G(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Kn(e, t, n, r) {
-	let i = Bn.createElement(e);
-	return t != null && Wn(i, t), n?.insertBefore(i, r), i;
+function Yn(e, t, n, r) {
+	let i = Hn.createElement(e);
+	return t != null && qn(i, t), n?.insertBefore(i, r), i;
 }
-function qn(e, t) {
-	return Kn("div", e, t);
+function Xn(e, t) {
+	return Yn("div", e, t);
 }
-var Jn = /* @__PURE__ */ new WeakMap();
-function Yn(e, t, n, r, i) {
+var Zn = /* @__PURE__ */ new WeakMap();
+function Qn(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != Jn.get(e) && (e.style.transform = a, Jn.set(e, a), t < 0 || n < 0 || t > r || n > i ? Wn(e, ln) : Gn(e, ln));
+	a != Zn.get(e) && (e.style.transform = a, Zn.set(e, a), t < 0 || n < 0 || t > r || n > i ? qn(e, fn) : Jn(e, fn));
 }
-var Xn = /* @__PURE__ */ new WeakMap();
-function Zn(e, t, n) {
+var K = /* @__PURE__ */ new WeakMap();
+function $n(e, t, n) {
 	let r = t + n;
-	r != Xn.get(e) && (Xn.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != K.get(e) && (K.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var J = /* @__PURE__ */ new WeakMap();
-function Qn(e, t, n, r) {
+var er = /* @__PURE__ */ new WeakMap();
+function tr(e, t, n, r) {
 	let i = t + "" + n;
-	i != J.get(e) && (J.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != er.get(e) && (er.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var $n = { passive: !0 }, er = {
-	...$n,
+var nr = { passive: !0 }, rr = {
+	...nr,
 	capture: !0
 };
-function tr(e, t, n, r) {
-	t.addEventListener(e, n, r ? er : $n);
+function ir(e, t, n, r) {
+	t.addEventListener(e, n, r ? rr : nr);
 }
-function nr(e, t, n, r) {
-	t.removeEventListener(e, n, $n);
+function ar(e, t, n, r) {
+	t.removeEventListener(e, n, nr);
 }
-W && Un();
-function rr(e, t, n, r) {
+U && Kn();
+function or(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : wr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : J((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function ir(e) {
+function sr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3186,9 +3208,9 @@ function ir(e) {
 		return [i, a];
 	};
 }
-var ar = (e) => e != null, or = (e) => e != null && e > 0, sr = ir(ar), cr = ir(or);
-function lr(e, t, n, r = 0, i = !1) {
-	let a = i ? cr : sr, o = i ? or : ar;
+var cr = (e) => e != null, lr = (e) => e != null && e > 0, ur = sr(cr), dr = sr(lr);
+function fr(e, t, n, r = 0, i = !1) {
+	let a = i ? dr : ur, o = i ? lr : cr;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3199,106 +3221,106 @@ function lr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? X, c ?? -X];
+	return [s ?? Y, c ?? -Y];
 }
-function ur(e, t, n, r) {
-	let i = Ar(e), a = Ar(t);
+function pr(e, t, n, r) {
+	let i = Mr(e), a = Mr(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? jr : Mr, s = i == 1 ? wr : Er, c = a == 1 ? Er : wr, l = s(o(Cr(e))), u = c(o(Cr(t))), d = kr(n, l), f = kr(n, u);
-	return n == 10 && (l < 0 && (d = Q(d, -l)), u < 0 && (f = Q(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Jr(e, d), t = qr(t, f)), [e, t];
+	let o = n == 10 ? Nr : Pr, s = i == 1 ? J : Or, c = a == 1 ? Or : J, l = s(o(Er(e))), u = c(o(Er(t))), d = jr(n, l), f = jr(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Xr(e, d), t = Yr(t, f)), [e, t];
 }
-function dr(e, t, n, r) {
-	let i = ur(e, t, n, r);
+function mr(e, t, n, r) {
+	let i = pr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var fr = .1, pr = {
+var hr = .1, gr = {
 	mode: 3,
-	pad: fr
-}, mr = {
+	pad: hr
+}, _r = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, hr = {
-	min: mr,
-	max: mr
+}, vr = {
+	min: _r,
+	max: _r
 };
-function gr(e, t, n, r) {
-	return ai(n) ? vr(e, t, n) : (mr.pad = n, mr.soft = r ? 0 : null, mr.mode = r ? 3 : 0, vr(e, t, hr));
+function yr(e, t, n, r) {
+	return si(n) ? xr(e, t, n) : (_r.pad = n, _r.soft = r ? 0 : null, _r.mode = r ? 3 : 0, xr(e, t, vr));
 }
-function Y(e, t) {
+function q(e, t) {
 	return e ?? t;
 }
-function _r(e, t, n) {
-	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
+function br(e, t, n) {
+	for (t = q(t, 0), n = q(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function vr(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -X), c = Y(i.hard, X), l = Y(r.soft, X), u = Y(i.soft, -X), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = jr(p), h = Or(Cr(e), Cr(t)), g = Cr(jr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != X && (a = 0), f == 2 && u != -X && (o = 0)));
-	let _ = p || h || 1e3, v = kr(10, wr(jr(_))), y = Q(Jr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : X, x = Or(s, y < b && e >= b ? b : Dr(b, y)), S = Q(qr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -X, w = Dr(c, S > C && t <= C ? C : Or(C, S));
+function xr(e, t, n) {
+	let r = n.min, i = n.max, a = q(r.pad, 0), o = q(i.pad, 0), s = q(r.hard, -Y), c = q(i.hard, Y), l = q(r.soft, Y), u = q(i.soft, -Y), d = q(r.mode, 0), f = q(i.mode, 0), p = t - e, m = Nr(p), h = Ar(Er(e), Er(t)), g = Er(Nr(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Y && (a = 0), f == 2 && u != -Y && (o = 0)));
+	let _ = p || h || 1e3, v = jr(10, J(Nr(_))), y = Z(Xr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Y, x = Ar(s, y < b && e >= b ? b : kr(b, y)), S = Z(Yr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Y, w = kr(c, S > C && t <= C ? C : Ar(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var yr = new Intl.NumberFormat(W ? G.language : "en-US"), br = (e) => yr.format(e), xr = Math, Sr = xr.PI, Cr = xr.abs, wr = xr.floor, Tr = xr.round, Er = xr.ceil, Dr = xr.min, Or = xr.max, kr = xr.pow, Ar = xr.sign, jr = xr.log10, Mr = xr.log2, Nr = (e, t = 1) => xr.sinh(e) * t, Pr = (e, t = 1) => xr.asinh(e / t), X = Infinity;
-function Fr(e) {
-	return (jr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
-}
-function Ir(e, t, n) {
-	return Dr(Or(e, t), n);
-}
+var Sr = new Intl.NumberFormat(U ? Wn.language : "en-US"), Cr = (e) => Sr.format(e), wr = Math, Tr = wr.PI, Er = wr.abs, J = wr.floor, Dr = wr.round, Or = wr.ceil, kr = wr.min, Ar = wr.max, jr = wr.pow, Mr = wr.sign, Nr = wr.log10, Pr = wr.log2, Fr = (e, t = 1) => wr.sinh(e) * t, Ir = (e, t = 1) => wr.asinh(e / t), Y = Infinity;
 function Lr(e) {
+	return (Nr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function Rr(e, t, n) {
+	return kr(Ar(e, t), n);
+}
+function zr(e) {
 	return typeof e == "function";
 }
-function Z(e) {
-	return Lr(e) ? e : () => e;
+function X(e) {
+	return zr(e) ? e : () => e;
 }
-var Rr = () => {}, zr = (e) => e, Br = (e, t) => t, Vr = (e) => null, Hr = (e) => !0, Ur = (e, t) => e == t, Wr = /\.\d*?(?=9{6,}|0{6,})/gm, Gr = (e) => {
-	if (ni(e) || Yr.has(e)) return e;
-	let t = `${e}`, n = t.match(Wr);
+var Br = () => {}, Vr = (e) => e, Hr = (e, t) => t, Ur = (e) => null, Wr = (e) => !0, Gr = (e, t) => e == t, Kr = /\.\d*?(?=9{6,}|0{6,})/gm, qr = (e) => {
+	if (ii(e) || Zr.has(e)) return e;
+	let t = `${e}`, n = t.match(Kr);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Gr(e)}e${n}`;
+		return +`${qr(e)}e${n}`;
 	}
-	return Q(e, r);
+	return Z(e, r);
 };
-function Kr(e, t) {
-	return Gr(Q(Gr(e / t)) * t);
-}
-function qr(e, t) {
-	return Gr(Er(Gr(e / t)) * t);
-}
 function Jr(e, t) {
-	return Gr(wr(Gr(e / t)) * t);
+	return qr(Z(qr(e / t)) * t);
 }
-function Q(e, t = 0) {
-	if (ni(e)) return e;
+function Yr(e, t) {
+	return qr(Or(qr(e / t)) * t);
+}
+function Xr(e, t) {
+	return qr(J(qr(e / t)) * t);
+}
+function Z(e, t = 0) {
+	if (ii(e)) return e;
 	let n = 10 ** t;
-	return Tr(e * n * (1 + 2 ** -52)) / n;
+	return Dr(e * n * (1 + 2 ** -52)) / n;
 }
-var Yr = /* @__PURE__ */ new Map();
-function Xr(e) {
+var Zr = /* @__PURE__ */ new Map();
+function Qr(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Zr(e, t, n, r) {
-	let i = [], a = r.map(Xr);
+function $r(e, t, n, r) {
+	let i = [], a = r.map(Qr);
 	for (let o = t; o < n; o++) {
-		let t = Cr(o), n = Q(kr(e, o), t);
+		let t = Er(o), n = Z(jr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Q(c, l);
-			i.push(u), Yr.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), Zr.set(u, l);
 		}
 	}
 	return i;
 }
-var Qr = {}, $r = [], ei = [null, null], ti = Array.isArray, ni = Number.isInteger, ri = (e) => e === void 0;
-function ii(e) {
+var ei = {}, ti = [], ni = [null, null], ri = Array.isArray, ii = Number.isInteger, ai = (e) => e === void 0;
+function oi(e) {
 	return typeof e == "string";
 }
-function ai(e) {
+function si(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3306,35 +3328,35 @@ function ai(e) {
 	}
 	return t;
 }
-function oi(e) {
+function ci(e) {
 	return typeof e == "object" && !!e;
 }
-var si = Object.getPrototypeOf(Uint8Array), ci = "__proto__";
-function li(e, t = ai) {
+var li = Object.getPrototypeOf(Uint8Array), ui = "__proto__";
+function di(e, t = si) {
 	let n;
-	if (ti(e)) {
+	if (ri(e)) {
 		let r = e.find((e) => e != null);
-		if (ti(r) || t(r)) {
+		if (ri(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = li(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = di(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof si) n = e.slice();
+	} else if (e instanceof li) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ci && (n[r] = li(e[r], t));
+		for (let r in e) r != ui && (n[r] = di(e[r], t));
 	} else n = e;
 	return n;
 }
-function ui(e) {
+function fi(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ci && (ai(e[t]) ? ui(e[t], li(r[t])) : e[t] = li(r[t]));
+		for (let t in r) t != ui && (si(e[t]) ? fi(e[t], di(r[t])) : e[t] = di(r[t]));
 	}
 	return e;
 }
-var di = 0, fi = 1, pi = 2;
-function mi(e, t, n) {
+var pi = 0, mi = 1, hi = 2;
+function gi(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3343,11 +3365,11 @@ function mi(e, t, n) {
 		}
 	}
 }
-function hi(e, t) {
-	if (vi(e)) {
+function _i(e, t) {
+	if (bi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return yi(t[0]) || (t = _i(t)), t;
+		return xi(t[0]) || (t = yi(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3359,18 +3381,18 @@ function hi(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : fi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : mi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != di && (l[n] = t, u == pi && d.push(n)) : l[n] = t;
+				t === null ? u != pi && (l[n] = t, u == hi && d.push(n)) : l[n] = t;
 			}
-			mi(l, d, i), r.push(l);
+			gi(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var gi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function _i(e) {
+var vi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function yi(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3382,7 +3404,7 @@ function _i(e) {
 	}
 	return i;
 }
-function vi(e) {
+function bi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3393,14 +3415,14 @@ function vi(e) {
 	}
 	return !0;
 }
-function yi(e, t = 100) {
+function xi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Or(1, wr((i - r + 1) / t));
+	let a = Ar(1, J((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3410,7 +3432,7 @@ function yi(e, t = 100) {
 	}
 	return !0;
 }
-var bi = [
+var Si = [
 	"January",
 	"February",
 	"March",
@@ -3423,7 +3445,7 @@ var bi = [
 	"October",
 	"November",
 	"December"
-], xi = [
+], Ci = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3432,33 +3454,33 @@ var bi = [
 	"Friday",
 	"Saturday"
 ];
-function Si(e) {
+function wi(e) {
 	return e.slice(0, 3);
 }
-var Ci = xi.map(Si), wi = {
-	MMMM: bi,
-	MMM: bi.map(Si),
-	WWWW: xi,
-	WWW: Ci
+var Ti = Ci.map(wi), Ei = {
+	MMMM: Si,
+	MMM: Si.map(wi),
+	WWWW: Ci,
+	WWW: Ti
 };
-function Ti(e) {
+function Q(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Ei(e) {
+function Di(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Di = {
+var Oi = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ti(e.getMonth() + 1),
+	MM: (e) => Q(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ti(e.getDate()),
+	DD: (e) => Q(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ti(e.getHours()),
+	HH: (e) => Q(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3467,35 +3489,35 @@ var Di = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ti(e.getMinutes()),
+	mm: (e) => Q(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ti(e.getSeconds()),
+	ss: (e) => Q(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Ei(e.getMilliseconds())
+	fff: (e) => Di(e.getMilliseconds())
 };
-function Oi(e, t) {
-	t ||= wi;
+function ki(e, t) {
+	t ||= Ei;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Di[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Oi[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var ki = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Ai(e, t) {
+var Ai = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function ji(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == ki ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ai ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var ji = (e) => e % 1 == 0, Mi = [
+var Mi = (e) => e % 1 == 0, Ni = [
 	1,
 	2,
 	2.5,
 	5
-], Ni = Zr(10, -32, 0, Mi), Pi = Zr(10, 0, 32, Mi), Fi = Pi.filter(ji), Ii = Ni.concat(Pi), Li = "\n", Ri = "{YYYY}", zi = Li + Ri, Bi = "{M}/{D}", Vi = Li + Bi, Hi = Vi + "/{YY}", Ui = "{aa}", Wi = "{h}:{mm}" + Ui, Gi = Li + Wi, Ki = ":{ss}", $ = null;
-function qi(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Zr(10, 0, 3, Mi).filter(ji) : Zr(10, -3, 0, Mi)).concat([
+], Pi = $r(10, -32, 0, Ni), Fi = $r(10, 0, 32, Ni), Ii = Fi.filter(Mi), Li = Pi.concat(Fi), Ri = "\n", zi = "{YYYY}", Bi = Ri + zi, Vi = "{M}/{D}", Hi = Ri + Vi, Ui = Hi + "/{YY}", Wi = "{aa}", Gi = "{h}:{mm}" + Wi, Ki = Ri + Gi, qi = ":{ss}", $ = null;
+function Ji(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? $r(10, 0, 3, Ni).filter(Mi) : $r(10, -3, 0, Ni)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -3539,7 +3561,7 @@ function qi(e) {
 	]), c = [
 		[
 			o,
-			Ri,
+			zi,
 			$,
 			$,
 			$,
@@ -3551,7 +3573,7 @@ function qi(e) {
 		[
 			i * 28,
 			"{MMM}",
-			zi,
+			Bi,
 			$,
 			$,
 			$,
@@ -3561,8 +3583,8 @@ function qi(e) {
 		],
 		[
 			i,
+			Vi,
 			Bi,
-			zi,
 			$,
 			$,
 			$,
@@ -3572,10 +3594,10 @@ function qi(e) {
 		],
 		[
 			r,
-			"{h}" + Ui,
-			Hi,
+			"{h}" + Wi,
+			Ui,
 			$,
-			Vi,
+			Hi,
 			$,
 			$,
 			$,
@@ -3583,10 +3605,10 @@ function qi(e) {
 		],
 		[
 			n,
-			Wi,
-			Hi,
+			Gi,
+			Ui,
 			$,
-			Vi,
+			Hi,
 			$,
 			$,
 			$,
@@ -3594,45 +3616,45 @@ function qi(e) {
 		],
 		[
 			t,
+			qi,
+			Ui + " " + Gi,
+			$,
+			Hi + " " + Gi,
+			$,
 			Ki,
-			Hi + " " + Wi,
-			$,
-			Vi + " " + Wi,
-			$,
-			Gi,
 			$,
 			1
 		],
 		[
 			e,
-			Ki + ".{fff}",
-			Hi + " " + Wi,
+			qi + ".{fff}",
+			Ui + " " + Gi,
 			$,
-			Vi + " " + Wi,
+			Hi + " " + Gi,
 			$,
-			Gi,
+			Ki,
 			$,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Q(g * e, 3), v = ra(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Q(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ia(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Q(ra(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Tr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ia(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Dr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = ra(c + r * a, l + n * a, 1), s = o - t(Q(o * e, 3));
-					i = Q((+o + s) * e, 3), i <= u && p.push(i);
+					let o = ia(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (wr(l) - wr(_)) + qr(_ - y, a);
+				let a = d >= i ? i : d, o = y + (J(l) - J(_)) + Yr(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Q(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = wr(Q(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = J(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Q((o - i) / d, 3) * v >= .7 && p.push(o);
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -3644,12 +3666,12 @@ function qi(e) {
 		l
 	];
 }
-var [Ji, Yi, Xi] = qi(1), [Zi, Qi, $i] = qi(.001);
-Zr(2, -53, 53, [1]);
-function ea(e, t) {
+var [Yi, Xi, Zi] = Ji(1), [Qi, $i, ea] = Ji(.001);
+$r(2, -53, 53, [1]);
+function ta(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function ta(e, t) {
+function na(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -3658,98 +3680,98 @@ function ta(e, t) {
 		});
 	};
 }
-function na(e, t) {
-	let n = Oi(t);
+function ra(e, t) {
+	let n = ki(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function ra(e, t, n) {
+function ia(e, t, n) {
 	return new Date(e, t, n);
 }
-function ia(e, t) {
+function aa(e, t) {
 	return t(e);
 }
-var aa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function oa(e, t) {
-	return (n, r, i, a) => a == null ? zn : t(e(r));
-}
+var oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function sa(e, t) {
+	return (n, r, i, a) => a == null ? Vn : t(e(r));
+}
+function ca(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function ca(e, t) {
+function la(e, t) {
 	return e.series[t].fill(e, t);
 }
-var la = {
+var ua = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: Rr,
+	mount: Br,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: sa,
-		fill: ca,
+		stroke: ca,
+		fill: la,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function ua(e, t) {
-	let n = e.cursor.points, r = qn(), i = n.size(e, t);
-	q(r, xn, i), q(r, Sn, i);
-	let a = i / -2;
-	q(r, "marginLeft", a), q(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && q(r, "borderWidth", o), r;
-}
 function da(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = Xn(), i = n.size(e, t);
+	G(r, wn, i), G(r, Tn, i);
+	let a = i / -2;
+	G(r, "marginLeft", a), G(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && G(r, "borderWidth", o), r;
 }
 function fa(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function pa(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function ma(e, t) {
 	return e.series[t].points.size;
 }
-var ma = [0, 0];
-function ha(e, t, n) {
-	return ma[0] = t, ma[1] = n, ma;
+var ha = [0, 0];
+function ga(e, t, n) {
+	return ha[0] = t, ha[1] = n, ha;
 }
-function ga(e, t, n, r = !0) {
+function _a(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function _a(e, t, n, r = !0) {
+function va(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var va = {
+var ya = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: ha,
+	move: ga,
 	points: {
 		one: !1,
-		show: ua,
-		size: pa,
+		show: da,
+		size: ma,
 		width: 0,
-		stroke: fa,
-		fill: da
+		stroke: pa,
+		fill: fa
 	},
 	bind: {
-		mousedown: ga,
-		mouseup: ga,
-		click: ga,
-		dblclick: ga,
-		mousemove: _a,
-		mouseleave: _a,
-		mouseenter: _a
+		mousedown: _a,
+		mouseup: _a,
+		click: _a,
+		dblclick: _a,
+		mousemove: va,
+		mouseleave: va,
+		mouseenter: va
 	},
 	drag: {
 		setScale: !0,
@@ -3779,139 +3801,139 @@ var va = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, ya = {
+}, ba = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, ba = ui({}, ya, { filter: Br }), xa = ui({}, ba, { size: 10 }), Sa = ui({}, ya, { show: !1 }), Ca = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", wa = "bold " + Ca, Ta = 1.5, Ea = {
+}, xa = fi({}, ba, { filter: Hr }), Sa = fi({}, xa, { size: 10 }), Ca = fi({}, ba, { show: !1 }), wa = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ta = "bold " + wa, Ea = 1.5, Da = {
 	show: !0,
 	scale: "x",
-	stroke: Dn,
+	stroke: An,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: wa,
+	labelFont: Ta,
 	side: 2,
-	grid: ba,
-	ticks: xa,
-	border: Sa,
-	font: Ca,
-	lineGap: Ta,
+	grid: xa,
+	ticks: Sa,
+	border: Ca,
+	font: wa,
+	lineGap: Ea,
 	rotate: 0
-}, Da = "Value", Oa = "Time", ka = {
+}, Oa = "Value", ka = "Time", Aa = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: X,
+	min: Y,
 	max: -Infinity,
 	idxs: []
 };
-function Aa(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : br(e));
-}
-function ja(e, t, n, r, i, a, o) {
-	let s = [], c = Yr.get(i) || 0;
-	n = o ? n : Q(qr(n, i), c);
-	for (let e = n; e <= r; e = Q(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
-	return s;
+function ja(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Cr(e));
 }
 function Ma(e, t, n, r, i, a, o) {
-	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = kr(c, wr((c == 10 ? jr : Mr)(n))), c == 10 && (i = Ii[rr(i, Ii)]);
-	let l = n, u = i * c;
-	c == 10 && (u = Ii[rr(u, Ii)]);
-	do
-		s.push(l), l += i, c == 10 && !Yr.has(l) && (l = Q(l, Yr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Ii[rr(u, Ii)]));
-	while (l <= r);
+	let s = [], c = Zr.get(i) || 0;
+	n = o ? n : Z(Yr(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
 function Na(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ma(e, t, Or(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? Ma(e, t, Or(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+	let s = [], c = e.scales[e.axes[t].scale].log;
+	i = jr(c, J((c == 10 ? Nr : Pr)(n))), c == 10 && (i = Li[or(i, Li)]);
+	let l = n, u = i * c;
+	c == 10 && (u = Li[or(u, Li)]);
+	do
+		s.push(l), l += i, c == 10 && !Zr.has(l) && (l = Z(l, Zr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Li[or(u, Li)]));
+	while (l <= r);
+	return s;
 }
-var Pa = /./, Fa = /[12357]/, Ia = /[125]/, La = /1/, Ra = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function za(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Pa : c(7, o) - u >= l ? Fa : c(5, o) - u >= l ? Ia : La;
-	if (d == La) {
-		let e = Cr(c(1, o) - u);
-		if (e < l) return Ra(t.slice().reverse(), s.distr, d, Er(l / e)).reverse();
-	}
-	return Ra(t, s.distr, d, 1);
+function Pa(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Na(e, t, Ar(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? Na(e, t, Ar(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
+var Fa = /./, Ia = /[12357]/, La = /[125]/, Ra = /1/, za = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function Ba(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Cr(c(1, o) - c(2, o));
-	return l < s ? Ra(t.slice().reverse(), 3, Pa, Er(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Fa : c(7, o) - u >= l ? Ia : c(5, o) - u >= l ? La : Ra;
+	if (d == Ra) {
+		let e = Er(c(1, o) - u);
+		if (e < l) return za(t.slice().reverse(), s.distr, d, Or(l / e)).reverse();
+	}
+	return za(t, s.distr, d, 1);
 }
-function Va(e, t, n, r) {
-	return r == null ? zn : t == null ? "" : br(t);
+function Va(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Er(c(1, o) - c(2, o));
+	return l < s ? za(t.slice().reverse(), 3, Fa, Or(s / l)).reverse() : t;
 }
-var Ha = {
+function Ha(e, t, n, r) {
+	return r == null ? Vn : t == null ? "" : Cr(t);
+}
+var Ua = {
 	show: !0,
 	scale: "y",
-	stroke: Dn,
+	stroke: An,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: wa,
+	labelFont: Ta,
 	side: 3,
-	grid: ba,
-	ticks: xa,
-	border: Sa,
-	font: Ca,
-	lineGap: Ta,
+	grid: xa,
+	ticks: Sa,
+	border: Ca,
+	font: wa,
+	lineGap: Ea,
 	rotate: 0
 };
-function Ua(e, t) {
-	return Q((3 + (e || 1) * 2) * t, 3);
-}
 function Wa(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Cr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
+	return Z((3 + (e || 1) * 2) * t, 3);
+}
+function Ga(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Er(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * W);
 	return r[1] - r[0] <= o;
 }
-var Ga = {
+var Ka = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: X,
+	min: Y,
 	max: -Infinity
-}, Ka = (e, t, n, r, i) => i, qa = {
+}, qa = (e, t, n, r, i) => i, Ja = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: Ka,
+	gaps: qa,
 	alpha: 1,
-	facets: [ui({}, Ga, { scale: "x" }), ui({}, Ga, { scale: "y" })]
-}, Ja = {
+	facets: [fi({}, Ka, { scale: "x" }), fi({}, Ka, { scale: "y" })]
+}, Ya = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: Ka,
+	gaps: qa,
 	alpha: 1,
 	points: {
-		show: Wa,
+		show: Ga,
 		filter: null
 	},
 	values: null,
-	min: X,
+	min: Y,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Ya(e, t, n, r, i) {
+function Xa(e, t, n, r, i) {
 	return n / 10;
 }
-var Xa = {
-	time: $t,
+var Za = {
+	time: nn,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -3920,12 +3942,12 @@ var Xa = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Za = ui({}, Xa, {
+}, Qa = fi({}, Za, {
 	time: !1,
 	ori: 1
-}), Qa = {};
-function $a(e, t) {
-	let n = Qa[e];
+}), $a = {};
+function eo(e, t) {
+	let n = $a[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -3938,38 +3960,38 @@ function $a(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Qa[e] = n)), n;
+	}, e != null && ($a[e] = n)), n;
 }
-var eo = 1, to = 2;
-function no(e, t, n) {
+var to = 1, no = 2;
+function ro(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, fo, mo, go, vo, bo) : n(i, c, l, u, d, _, g, p, f, h, m, po, ho, _o, yo, xo);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, po, ho, _o, yo, xo) : n(i, c, l, u, d, _, g, p, f, h, m, mo, go, vo, bo, So);
 }
-function ro(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, $r);
+function io(e, t) {
+	let n = 0, r = 0, i = q(e.bands, ti);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function io(e, t, n, r, i) {
+function ao(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function ao(e, t, n, r, i, a) {
-	return no(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? mo : ho, v, y;
+function oo(e, t, n, r, i, a) {
+	return ro(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? ho : go, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function oo(e, t, n, r, i, a) {
+function so(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? go : _o, c = n;
+		let s = t == 0 ? _o : vo, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -3982,11 +4004,11 @@ function oo(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function so(e, t, n) {
+function co(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function co(e, t, n, r, i, a, o) {
+function lo(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -3999,11 +4021,11 @@ function co(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function lo(e) {
-	return e == 0 ? zr : e == 1 ? Tr : (t) => Kr(t, e);
-}
 function uo(e) {
-	let t = e == 0 ? fo : po, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? Vr : e == 1 ? Dr : (t) => Jr(t, e);
+}
+function fo(e) {
+	let t = e == 0 ? po : mo, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4013,36 +4035,36 @@ function uo(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Dr(c, o / 2, s / 2), l = Dr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = kr(c, o / 2, s / 2), l = kr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var fo = (e, t, n) => {
+var po = (e, t, n) => {
 	e.moveTo(t, n);
-}, po = (e, t, n) => {
-	e.moveTo(n, t);
 }, mo = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, ho = (e, t, n) => {
+	e.lineTo(t, n);
+}, go = (e, t, n) => {
 	e.lineTo(n, t);
-}, go = uo(0), _o = uo(1), vo = (e, t, n, r, i, a) => {
+}, _o = fo(0), vo = fo(1), yo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, yo = (e, t, n, r, i, a) => {
+}, bo = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, bo = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, xo = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, So = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function So(e) {
-	return (e, t, n, r, i) => no(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Co(e) {
+	return (e, t, n, r, i) => ro(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = fo, v = vo) : (_ = po, v = yo);
-		let y = Q(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Q(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		go(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = po, v = yo) : (_ = mo, v = bo);
+		let y = Z(g.width * W, 3), b = (g.size - g.width) / 2 * W, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		_o(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Sr * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Tr * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4055,25 +4077,25 @@ function So(e) {
 		};
 	});
 }
-function Co(e) {
+function wo(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var wo = Co(mo), To = Co(ho);
-function Eo(e) {
-	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => no(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = sr(s, r, i);
+var To = wo(ho), Eo = wo(go);
+function Do(e) {
+	let t = q(e?.alignGaps, 0);
+	return (e, n, r, i) => ro(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = ur(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = mo, b = wo) : (y = ho, b = To);
+		c.ori == 0 ? (y = ho, b = To) : (y = go, b = Eo);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: eo
+			flags: to
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4086,134 +4108,134 @@ function Eo(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = ro(e, n);
+		let [T, E] = io(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...co(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = oo(l, c.ori, f, p, m, h);
+			w && l.push(...lo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = so(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [ao(e, n, r, i, C, -1), ao(e, n, r, i, C, 1)] : ao(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [oo(e, n, r, i, C, -1), oo(e, n, r, i, C, 1)] : oo(e, n, r, i, C, E)), S;
 	});
 }
-function Do(e) {
-	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => no(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = sr(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? mo : ho, T = {
+function Oo(e) {
+	let t = q(e.align, 1), n = q(e.ascDesc, !1), r = q(e.alignGaps, 0), i = q(e.extend, !1);
+	return (e, a, o, s) => ro(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = ur(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? ho : go, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: eo
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
-		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
+			flags: to
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
+		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
+			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
 		}
-		let M = A;
-		i && t == 1 && (M = b + x, w(E, M, O));
-		let [ee, N] = ro(e, a);
-		if (c.fill != null || ee != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
-			w(t, M, n), w(t, j, n);
+		let j = ee;
+		i && t == 1 && (j = b + x, w(E, j, O));
+		let [te, ne] = io(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, j, n), w(t, A, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...co(l, u, o, s, D, S, r));
-			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...lo(l, u, o, s, D, S, r));
+			let f = c.width * W / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = oo(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = so(i, d.ori, h, g, _, v);
 		}
-		return N != 0 && (T.band = N == 2 ? [ao(e, a, o, s, E, -1), ao(e, a, o, s, E, 1)] : ao(e, a, o, s, E, N)), T;
+		return ne != 0 && (T.band = ne == 2 ? [oo(e, a, o, s, E, -1), oo(e, a, o, s, E, 1)] : oo(e, a, o, s, E, ne)), T;
 	});
 }
-function Oo(e, t, n, r, i, a, o = X) {
+function ko(e, t, n, r, i, a, o = Y) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Cr(e[c] - e[s]);
-				t < l && (l = t, o = Cr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Er(e[c] - e[s]);
+				t < l && (l = t, o = Er(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function ko(e) {
-	e ||= Qr;
-	let t = Y(e.size, [
+function Ao(e) {
+	e ||= ei;
+	let t = q(e.size, [
 		.6,
-		X,
+		Y,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Z(i), o = 1 - t[0], s = Y(t[1], X), c = Y(t[2], 1), l = Y(e.disp, Qr), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => no(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
-		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? go : _o, N = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = X(i), o = 1 - t[0], s = q(t[1], Y), c = q(t[2], 1), l = q(e.disp, ei), u = q(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => ro(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * W, O = s * W, k = c * W, ee, A;
+		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
+		let j = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? _o : vo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, te = Y(e.bands, $r).find((e) => e.series[0] == t), ne = te == null ? 0 : te.dir, re = m.fillTo(e, t, m.min, m.max, ne), P = T(b(re, v, w, S)), F, I, ie, L = C, R = T(m.width * K), ae = !1, oe = null, se = null, ce = null, le = null;
-		d != null && (R == 0 || f != null) && (ae = !0, oe = d.values(e, t, i, p), se = /* @__PURE__ */ new Map(), new Set(oe).forEach((e) => {
-			e != null && se.set(e, new Path2D());
-		}), R > 0 && (ce = f.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+		}, re = q(e.bands, ti).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * W), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: ue, size: de } = l;
-		if (ue != null && de != null) {
-			E = 1, h = ue.values(e, t, i, p), ue.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = de.values(e, t, i, p);
-			I = de.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), L = Oo(h, g, y, _, C, x, L), ie = L - I + D;
-		} else L = Oo(h, g, y, _, C, x, L), ie = L * o + D, I = L - ie;
-		ie < 1 && (ie = 0), R >= I / 2 && (R = 0), ie < 5 && (T = zr);
-		let fe = ie > 0, pe = L - ie - (fe ? R : 0);
-		I = T(Ir(pe, k, O)), F = (E == 0 ? I / 2 : E == M ? 0 : I) - E * M * ((E == 0 ? D / 2 : 0) + (fe ? R / 2 : 0));
-		let me = {
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = ko(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = ko(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Vr);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(Rr(he, k, O)), N = (E == 0 ? P / 2 : E == j ? 0 : P) - E * j * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, he = ae ? null : new Path2D(), ge = null;
-		if (te != null) ge = e.data[te.series[1]];
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ge = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
 		}
-		let _e = A * I, ve = j * I;
-		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
+		let ye = ee * P, be = A * P;
+		for (let n = j == 1 ? i : p; n >= i && n <= p; n += j) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ge != null) {
-				let e = ge[n] ?? 0;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
 				if (r - e == 0) continue;
-				P = b(e, v, w, S);
+				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, re), v, w, S), o = T(i - F), s = T(Or(a, P)), c = T(Dr(a, P)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(q(r, ae), v, w, S), o = T(i - N), s = T(Ar(a, M)), c = T(kr(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? ve : _e, a = r < 0 ? _e : ve;
-				ae ? (R > 0 && ce[n] != null && ee(le.get(ce[n]), o, c + wr(R / 2), I, Or(0, u - R), i, a), oe[n] != null && ee(se.get(oe[n]), o, c + wr(R / 2), I, Or(0, u - R), i, a)) : ee(he, o, c + wr(R / 2), I, Or(0, u - R), i, a), N(e, t, n, o - R / 2, c, I + R, u);
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + J(I / 2), P, Ar(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + J(I / 2), P, Ar(0, u - I), i, a)) : te(_e, o, c + J(I / 2), P, Ar(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
-		return R > 0 ? me.stroke = ae ? le : he : ae || (me._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, me.width = 0), me.fill = ae ? se : he, me;
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function Ao(e, t) {
-	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => no(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = sr(c, i, a);
+function jo(e, t) {
+	let n = q(t?.alignGaps, 0);
+	return (t, r, i, a) => ro(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = ur(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = fo, S = mo, x = bo) : (b = po, S = ho, x = xo);
+		l.ori == 0 ? (b = po, S = ho, x = xo) : (b = mo, S = go, x = So);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4225,23 +4247,23 @@ function Ao(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: eo
-		}, k = O.stroke, [A, j] = ro(t, r);
-		if (o.fill != null || A != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
+			flags: to
+		}, k = O.stroke, [ee, A] = io(t, r);
+		if (o.fill != null || ee != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...co(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = oo(e, l.ori, p, m, h, g);
+			e.push(...lo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = so(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [ao(t, r, i, a, k, -1), ao(t, r, i, a, k, 1)] : ao(t, r, i, a, k, j)), O;
+		return A != 0 && (O.band = A == 2 ? [oo(t, r, i, a, k, -1), oo(t, r, i, a, k, 1)] : oo(t, r, i, a, k, A)), O;
 	});
 }
-function jo(e) {
-	return Ao(Mo, e);
+function Mo(e) {
+	return jo(No, e);
 }
-function Mo(e, t, n, r, i, a) {
+function No(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4256,62 +4278,62 @@ function Mo(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var No = /* @__PURE__ */ new Set();
-function Po() {
-	for (let e of No) e.syncRect(!0);
+var Po = /* @__PURE__ */ new Set();
+function Fo() {
+	for (let e of Po) e.syncRect(!0);
 }
-W && (tr(Fn, Vn, Po), tr(In, Vn, Po, !0), tr(Rn, Vn, () => {
-	Xo.pxRatio = K;
+U && (ir(Rn, Un, Fo), ir(zn, Un, Fo, !0), ir(Bn, Un, () => {
+	Zo.pxRatio = W;
 }));
-var Fo = Eo(), Io = So();
-function Lo(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => zo(e, r, t, n));
+var Io = Do(), Lo = Co();
+function Ro(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Bo(e, r, t, n));
 }
-function Ro(e, t) {
-	return e.map((e, n) => n == 0 ? {} : ui({}, t, e));
+function zo(e, t) {
+	return e.map((e, n) => n == 0 ? {} : fi({}, t, e));
 }
-function zo(e, t, n, r) {
-	return ui({}, t == 0 ? n : r, e);
+function Bo(e, t, n, r) {
+	return fi({}, t == 0 ? n : r, e);
 }
-function Bo(e, t, n) {
-	return t == null ? ei : [t, n];
+function Vo(e, t, n) {
+	return t == null ? ni : [t, n];
 }
-var Vo = Bo;
-function Ho(e, t, n) {
-	return t == null ? ei : gr(t, n, fr, !0);
+var Ho = Vo;
+function Uo(e, t, n) {
+	return t == null ? ni : yr(t, n, hr, !0);
 }
-function Uo(e, t, n, r) {
-	return t == null ? ei : ur(t, n, e.scales[r].log, !1);
+function Wo(e, t, n, r) {
+	return t == null ? ni : pr(t, n, e.scales[r].log, !1);
 }
-var Wo = Uo;
-function Go(e, t, n, r) {
-	return t == null ? ei : dr(t, n, e.scales[r].log, !1);
+var Go = Wo;
+function Ko(e, t, n, r) {
+	return t == null ? ni : mr(t, n, e.scales[r].log, !1);
 }
-var Ko = Go;
-function qo(e, t, n, r, i) {
-	let a = Or(Fr(e), Fr(t)), o = t - e, s = rr(i / r * o, n);
+var qo = Ko;
+function Jo(e, t, n, r, i) {
+	let a = Ar(Lr(e), Lr(t)), o = t - e, s = or(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Yr.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Zr.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Jo(e) {
+function Yo(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Tr((n = +r) * K)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Dr((n = +r) * W)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Yo(e) {
+function Xo(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Q(e[2] * K, 1);
+		let t = Z(e[2] * W, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Xo(e, t, n) {
-	let r = { mode: Y(e.mode, 1) }, i = r.mode;
+function Zo(e, t, n) {
+	let r = { mode: q(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4326,33 +4348,33 @@ function Xo(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = qn(en);
-	if (e.id != null && (l.id = e.id), Wn(l, e.class), e.title) {
-		let t = qn(rn, l);
+	let l = r.root = Xn(rn);
+	if (e.id != null && (l.id = e.id), qn(l, e.class), e.title) {
+		let t = Xn(sn, l);
 		t.textContent = e.title;
 	}
-	let u = Kn("canvas"), d = r.ctx = u.getContext("2d"), f = qn(an, l);
-	tr("click", f, (e) => {
-		e.target === m && (W != Dn || G != Fn) && Un.click(r, e);
+	let u = Yn("canvas"), d = r.ctx = u.getContext("2d"), f = Xn(cn, l);
+	ir("click", f, (e) => {
+		e.target === m && (H != nn || U != An) && Gn.click(r, e);
 	}, !0);
-	let p = r.under = qn(on, f);
+	let p = r.under = Xn(ln, f);
 	f.appendChild(u);
-	let m = r.over = qn(sn, f);
-	e = li(e);
-	let h = +Y(e.pxAlign, 1), g = lo(h);
+	let m = r.over = Xn(un, f);
+	e = di(e);
+	let h = +q(e.pxAlign, 1), g = uo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? Lo(e.series || [], ka, Ja, !1) : Ro(e.series || [null], qa), y = r.axes = Lo(e.axes || [], Ea, Ha, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? Ro(e.series || [], Aa, Ya, !1) : zo(e.series || [null], Ja), y = r.axes = Ro(e.axes || [], Da, Ua, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1);
+		e.fill = X(e.fill || null), e.dir = q(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Rt,
-		series: Dt
+		axes: Bt,
+		series: kt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => jr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Pr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Nr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Ir(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4361,30 +4383,30 @@ function Xo(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Qr)[t] || Qr;
+			let r = (e.scales || ei)[t] || ei;
 			if (r.from != null) {
 				E(r.from);
-				let e = ui({}, b[r.from], r, { key: t });
+				let e = fi({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = ui({}, t == S ? Xa : Za, r), n.key = t;
-				let e = n.time, a = n.range, o = ti(a);
+				n = b[t] = fi({}, t == S ? Za : Qa, r), n.key = t;
+				let e = n.time, a = n.range, o = ri(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? pr : {
+					min: a[0] == null ? gr : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? pr : {
+					max: a[1] == null ? gr : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && ai(a))) {
+				}, o = !1), !o && si(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? ei : gr(n, r, e);
+					a = (t, n, r) => n == null ? ni : yr(n, r, e);
 				}
-				n.range = Z(a || (e ? Vo : t == S ? n.distr == 3 ? Wo : n.distr == 4 ? Ko : Bo : n.distr == 3 ? Uo : n.distr == 4 ? Go : Ho)), n.auto = Z(!o && n.auto), n.clamp = Z(n.clamp || Ya), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? Ho : t == S ? n.distr == 3 ? Go : n.distr == 4 ? qo : Vo : n.distr == 3 ? Wo : n.distr == 4 ? Ko : Uo)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Xa), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4394,107 +4416,107 @@ function Xo(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (Wn(l, tn), k = a, A = o) : (Wn(l, nn), k = o, A = a);
-	let j = {};
+	let D = b[S], O = D.distr, k, ee;
+	D.ori == 0 ? (qn(l, an), k = a, ee = o) : (qn(l, on), k = o, ee = a);
+	let A = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (j[e] = {
+		(t.min != null || t.max != null) && (A[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let M = e.tzDate || ((e) => new Date(Tr(e / _))), ee = e.fmtDate || Oi, N = _ == 1 ? Xi(M) : $i(M), te = ta(M, ea(_ == 1 ? Yi : Qi, ee)), ne = oa(M, ia(aa, ee)), re = [], P = r.legend = ui({}, la, e.legend), F = r.cursor = ui({}, va, { drag: { y: i == 2 } }, e.cursor), I = P.show, ie = F.show, L = P.markers;
-	P.idxs = re, L.width = Z(L.width), L.dash = Z(L.dash), L.stroke = Z(L.stroke), L.fill = Z(L.fill);
-	let R, ae, oe, se = [], ce = [], le, ue = !1, de = {};
-	if (P.live) {
+	let j = e.tzDate || ((e) => new Date(Dr(e / _))), te = e.fmtDate || ki, ne = _ == 1 ? Zi(j) : ea(j), re = na(j, ta(_ == 1 ? Xi : $i, te)), ie = sa(j, aa(oa, te)), ae = [], M = r.legend = fi({}, ua, e.legend), N = r.cursor = fi({}, ya, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		ue = e != null, le = ue ? e(r, 1, 0) : { _: 0 };
-		for (let e in le) de[e] = zn;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = Vn;
 	}
-	if (I) {
-		if (R = Kn("table", mn, l), oe = Kn("tbody", null, R), P.mount(r, R), ue) {
-			ae = Kn("thead", null, R, oe);
-			let e = Kn("tr", null, ae);
-			for (var fe in Kn("th", null, e), le) Kn("th", yn, e).textContent = fe;
-		} else Wn(R, gn), P.live && Wn(R, hn);
+	if (P) {
+		if (I = Yn("table", _n, l), ce = Yn("tbody", null, I), M.mount(r, I), fe) {
+			se = Yn("thead", null, I, ce);
+			let e = Yn("tr", null, se);
+			for (var me in Yn("th", null, e), de) Yn("th", Sn, e).textContent = me;
+		} else qn(I, yn), M.live && qn(I, vn);
 	}
-	let pe = { show: !0 }, me = { show: !1 };
-	function he(e, t) {
-		if (t == 0 && (ue || !P.live || i == 2)) return ei;
-		let n = [], a = Kn("tr", _n, oe, oe.childNodes[t]);
-		Wn(a, e.class), e.show || Wn(a, ln);
-		let o = Kn("th", null, a);
-		if (L.show) {
-			let e = qn(vn, o);
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return ni;
+		let n = [], a = Yn("tr", bn, ce, ce.childNodes[t]);
+		qn(a, e.class), e.show || qn(a, fn);
+		let o = Yn("th", null, a);
+		if (F.show) {
+			let e = Xn(xn, o);
 			if (t > 0) {
-				let n = L.width(r, t);
-				n && (e.style.border = n + "px " + L.dash(r, t) + " " + L.stroke(r, t)), e.style.background = L.fill(r, t);
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = qn(yn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (L.show || (s.style.color = e.width > 0 ? L.stroke(r, t) : L.fill(r, t)), _e("click", o, (t) => {
-			if (F._lock) return;
-			He(t);
+		let s = Xn(Sn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
+			We(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != P.isolate) {
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && or(r, e ? r == n ? pe : me : pe, !0, ki.setSeries);
+					r > 0 && cr(r, e ? r == n ? he : ge : he, !0, Oi.setSeries);
 				});
-			} else or(n, { show: !e.show }, !0, ki.setSeries);
-		}, !1), Ge && _e(Mn, o, (t) => {
-			F._lock || (He(t), or(v.indexOf(e), xr, !0, ki.setSeries));
-		}, !1)), le) {
-			let e = Kn("td", bn, a);
+			} else cr(n, { show: !e.show }, !0, Oi.setSeries);
+		}, !1), qe && ye(Fn, o, (t) => {
+			N._lock || (We(t), cr(v.indexOf(e), Cr, !0, Oi.setSeries));
+		}, !1)), de) {
+			let e = Yn("td", Cn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ge = /* @__PURE__ */ new Map();
-	function _e(e, t, n, i = !0) {
-		let a = ge.get(t) || {}, o = F.bind[e](r, t, n, i);
-		o && (tr(e, t, a[e] = o), ge.set(t, a));
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (ir(e, t, a[e] = o), ve.set(t, a));
 	}
-	function ve(e, t, n) {
-		let r = ge.get(t) || {};
-		for (let n in r) (e == null || n == e) && (nr(n, t, r[n]), delete r[n]);
-		e ?? ge.delete(t);
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (ar(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
 	}
-	let z = 0, ye = 0, B = 0, V = 0, be = 0, xe = 0, Se = be, Ce = xe, we = B, Te = V, Ee = 0, De = 0, Oe = 0, ke = 0;
+	let L = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let Ae = !1, je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1;
-	function Ie(e, t, n) {
-		(n || e != r.width || t != r.height) && Le(e, t), zt(!1), Me = !0, je = !0, Wt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Vt(!1), Pe = !0, Ne = !0, Kt();
 	}
-	function Le(e, t) {
-		r.width = z = B = e, r.height = ye = V = t, be = xe = 0, Be(), Ve();
+	function ze(e, t) {
+		r.width = L = R = e, r.height = xe = z = t, Se = Ce = 0, He(), Ue();
 		let n = r.bbox;
-		Ee = n.left = Kr(be * K, .5), De = n.top = Kr(xe * K, .5), Oe = n.width = Kr(B * K, .5), ke = n.height = Kr(V * K, .5);
+		Oe = n.left = Jr(Se * W, .5), ke = n.top = Jr(Ce * W, .5), Ae = n.width = Jr(R * W, .5), je = n.height = Jr(z * W, .5);
 	}
-	function Re() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = It(t), i = Lt(t);
-			e = t == 3 || n && i, e || (Le(r.width, r.height), je = !0);
+			let n = Rt(t), i = zt(t);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
-	function ze({ width: e, height: t }) {
-		Ie(e, t);
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
 	}
-	r.setSize = ze;
-	function Be() {
+	r.setSize = Ve;
+	function He() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (B -= c, a == 3 ? (be += c, r = !0) : n = !0) : (V -= c, a == 0 ? (xe += c, e = !0) : t = !0));
+				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
 			}
-		}), U[0] = e, U[1] = n, U[2] = t, U[3] = r, B -= nt[1] + nt[3], be += nt[3], V -= nt[2] + nt[0], xe += nt[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= at[1] + at[3], Se += at[3], z -= at[2] + at[0], Ce += at[0];
 	}
-	function Ve() {
-		let e = be + B, t = xe + V, n = be, r = xe;
+	function Ue() {
+		let e = Se + R, t = Ce + z, n = Se, r = Ce;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -4510,13 +4532,13 @@ function Xo(e, t, n) {
 			}
 		});
 	}
-	if (F.dataIdx == null) {
-		let e = F.hover, n = e.skip = new Set(e.skip ?? []);
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = Z(e.prox), i = e.bias ??= 0;
-		F.dataIdx = (e, a, o, s) => {
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
+		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? X, u = l >= 0 && l < X, d = D.ori == 0 ? B : V, f = F.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? Y, u = l >= 0 && l < Y, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -4528,177 +4550,177 @@ function Xo(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Cr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Er(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let He = (e) => {
-		F.event = e;
+	let We = (e) => {
+		N.event = e;
 	};
-	F.idxs = re, F._lock = !1;
-	let Ue = F.points;
-	Ue.show = Z(Ue.show), Ue.size = Z(Ue.size), Ue.stroke = Z(Ue.stroke), Ue.width = Z(Ue.width), Ue.fill = Z(Ue.fill);
-	let We = r.focus = ui({}, e.focus || { alpha: .3 }, F.focus), Ge = We.prox >= 0, Ke = Ge && Ue.one, H = [], qe = [], Je = [];
-	function Ye(e, t) {
-		let n = Ue.show(r, t);
-		if (n instanceof HTMLElement) return Wn(n, pn), Wn(n, e.class), Yn(n, -10, -10, B, V), m.insertBefore(n, H[t]), n;
+	N.idxs = ae, N._lock = !1;
+	let Ge = N.points;
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let Ke = r.focus = fi({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], B = [], Xe = [];
+	function Ze(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return qn(n, gn), qn(n, e.class), Qn(n, -10, -10, R, z), m.insertBefore(n, Ye[t]), n;
 	}
-	function Xe(e, t) {
+	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? ii(n) ? oa(M, ia(n, ee)) : n || ne : n || Va, e.label = e.label || (t ? Oa : Da);
+			e.value = t ? oi(n) ? sa(j, aa(n, te)) : n || ie : n || Ha, e.label = e.label || (t ? ka : Oa);
 		}
-		if (Ke || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Fo || Vr, e.fillTo = Z(e.fillTo || io), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = lo(e.pxAlign), e.stroke = Z(e.stroke || null), e.fill = Z(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Ua(Or(1, e.width), 1), n = e.points = ui({}, {
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Io || Ur, e.fillTo = X(e.fillTo || ao), e.pxAlign = +q(e.pxAlign, h), e.pxRound = uo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Wa(Ar(1, e.width), 1), n = e.points = fi({}, {
 				size: t,
-				width: Or(1, t * .2),
+				width: Ar(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: Io,
+				paths: Lo,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = Z(n.show), n.filter = Z(n.filter), n.fill = Z(n.fill), n.stroke = Z(n.stroke), n.paths = Z(n.paths), n.pxAlign = e.pxAlign;
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (I) {
-			let n = he(e, t);
-			se.splice(t, 0, n[0]), ce.splice(t, 0, n[1]), P.values.push(null);
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
 		}
-		if (ie) {
-			re.splice(t, 0, null);
+		if (oe) {
+			ae.splice(t, 0, null);
 			let n = null;
-			Ke ? t == 0 && (n = Ye(e, t)) : t > 0 && (n = Ye(e, t)), H.splice(t, 0, n), qe.splice(t, 0, 0), Je.splice(t, 0, 0);
+			Je ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Ye.splice(t, 0, n), B.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
-		Ei("addSeries", t);
+		Q("addSeries", t);
 	}
-	function Ze(e, t) {
-		t ??= v.length, e = i == 1 ? zo(e, t, ka, Ja) : zo(e, t, {}, qa), v.splice(t, 0, e), Xe(v[t], t);
+	function $e(e, t) {
+		t ??= v.length, e = i == 1 ? Bo(e, t, Aa, Ya) : Bo(e, t, {}, Ja), v.splice(t, 0, e), Qe(v[t], t);
 	}
-	r.addSeries = Ze;
-	function Qe(e) {
-		if (v.splice(e, 1), I) {
-			P.values.splice(e, 1), ce.splice(e, 1);
-			let t = se.splice(e, 1)[0];
-			ve(null, t.firstChild), t.remove();
+	r.addSeries = $e;
+	function et(e) {
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
 		}
-		ie && (re.splice(e, 1), H.splice(e, 1)[0].remove(), qe.splice(e, 1), Je.splice(e, 1)), Ei("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), B.splice(e, 1), Xe.splice(e, 1)), Q("delSeries", e);
 	}
-	r.delSeries = Qe;
-	let U = [
+	r.delSeries = et;
+	let tt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function $e(e, t) {
+	function nt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Z(e.size), e.space = Z(e.space), e.rotate = Z(e.rotate), ti(e.incrs) && e.incrs.forEach((e) => {
-				!Yr.has(e) && Yr.set(e, Xr(e));
-			}), e.incrs = Z(e.incrs || (i.distr == 2 ? Fi : a ? _ == 1 ? Ji : Zi : Ii)), e.splits = Z(e.splits || (a && i.distr == 1 ? N : i.distr == 3 ? Ma : i.distr == 4 ? Na : ja)), e.stroke = Z(e.stroke), e.grid.stroke = Z(e.grid.stroke), e.ticks.stroke = Z(e.ticks.stroke), e.border.stroke = Z(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), ri(e.incrs) && e.incrs.forEach((e) => {
+				!Zr.has(e) && Zr.set(e, Qr(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? Ii : a ? _ == 1 ? Yi : Qi : Li)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Na : i.distr == 4 ? Pa : Ma)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = ti(o) && !ti(o[0]) ? Z(o) : a ? ti(o) ? ta(M, ea(o, ee)) : ii(o) ? na(M, o) : o || te : o || Aa, e.filter = Z(e.filter || (i.distr >= 3 && i.log == 10 ? za : i.distr == 3 && i.log == 2 ? Ba : Br)), e.font = Jo(e.font), e.labelFont = Jo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (U[t] = !0, e._el = qn(cn, f));
+			e.values = ri(o) && !ri(o[0]) ? X(o) : a ? ri(o) ? na(j, ta(o, te)) : oi(o) ? ra(j, o) : o || re : o || ja, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ba : i.distr == 3 && i.log == 2 ? Va : Hr)), e.font = Yo(e.font), e.labelFont = Yo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Xn(dn, f));
 		}
 	}
-	function et(e, t, n, r) {
+	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Tr(Ea.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Tr(Ha.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Dr(Da.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Dr(Ua.size / 2) : 0), l;
 	}
-	let tt = r.padding = (e.padding || [
-		et,
-		et,
-		et,
-		et
-	]).map((e) => Z(Y(e, et))), nt = r._padding = tt.map((e, t) => e(r, t, U, 0)), rt, it = null, at = null, ot = i == 1 ? v[0].idxs : null, st = null, ct = !1;
-	function lt(e, n) {
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => X(q(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, V = null, ut = !1;
+	function dt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			rt = 0;
-			for (let e = 1; e < v.length; e++) rt += t[e][0].length;
+			ot = 0;
+			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), st = t[0], rt = st.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), V = t[0], ot = V.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(rt);
-				for (let e = 0; e < rt; e++) n[e] = e;
+				let n = e[0] = Array(ot);
+				for (let e = 0; e < ot; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (zt(!0), Ei("setData"), O == 2 && (Me = !0), n !== !1) {
+		if (Vt(!0), Q("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ct) ? ut() : ar(S, e.min, e.max), Ne ||= F.left >= 0, Fe = !0, Wt();
+			e.auto(r, ut) ? ft() : sr(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Kt();
 		}
 	}
-	r.setData = lt;
-	function ut() {
-		ct = !0;
+	r.setData = dt;
+	function ft() {
+		ut = !0;
 		let e, n;
-		i == 1 && (rt > 0 ? (it = ot[0] = 0, at = ot[1] = rt - 1, e = t[0][it], n = t[0][at], O == 2 ? (e = it, n = at) : e == n && (O == 3 ? [e, n] = ur(e, e, D.log, !1) : O == 4 ? [e, n] = dr(e, e, D.log, !1) : D.time ? n = e + Tr(86400 / _) : [e, n] = gr(e, n, fr, !0))) : (it = ot[0] = e = null, at = ot[1] = n = null)), ar(S, e, n);
+		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = pr(e, e, D.log, !1) : O == 4 ? [e, n] = mr(e, e, D.log, !1) : D.time ? n = e + Dr(86400 / _) : [e, n] = yr(e, n, hr, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), sr(S, e, n);
 	}
-	let dt, ft, pt, mt, ht, gt, _t, vt, yt, bt;
-	function xt(e, t, n, r, i, a) {
-		e ??= On, n ??= $r, r ??= "butt", i ??= On, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
+	let pt, mt, ht, gt, _t, vt, yt, bt, xt, St;
+	function Ct(e, t, n, r, i, a) {
+		e ??= jn, n ??= ti, r ??= "butt", i ??= jn, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != vt && (d.lineCap = vt = r), n != gt && d.setLineDash(gt = n);
 	}
-	function St(e, t, n, r) {
-		t != ft && (d.fillStyle = ft = t), e != _t && (d.font = _t = e), n != vt && (d.textAlign = vt = n), r != yt && (d.textBaseline = yt = r);
+	function wt(e, t, n, r) {
+		t != mt && (d.fillStyle = mt = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
 	}
-	function Ct(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ct) && (t == null || t.min == null)) {
-			let t = Y(it, 0), r = Y(at, i.length - 1), o = n.min == null ? lr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Dr(e.min, n.min = o[0]), e.max = Or(e.max, n.max = o[1]);
+	function Tt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
+			let t = q(st, 0), r = q(ct, i.length - 1), o = n.min == null ? fr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = kr(e.min, n.min = o[0]), e.max = Ar(e.max, n.max = o[1]);
 		}
 	}
-	let wt = {
+	let Et = {
 		min: null,
 		max: null
 	};
-	function Tt() {
+	function Dt() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ct)) && (j[e] = wt);
+			A[e] == null && (t.min == null || A[S] != null && t.auto(r, ut)) && (A[e] = Et);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = wt);
+			A[e] == null && t.from != null && A[t.from] != null && (A[e] = Et);
 		}
-		j[S] != null && zt(!0);
+		A[S] != null && Vt(!0);
 		let e = {};
-		for (let t in j) {
-			let n = j[t];
+		for (let t in A) {
+			let n = A[t];
 			if (n != null) {
-				let a = e[t] = li(b[t], oi);
-				if (n.min != null) ui(a, n);
+				let a = e[t] = di(b[t], ci);
+				if (n.min != null) fi(a, n);
 				else if (t != S || i == 2) {
-					if (rt == 0 && a.from == null) {
+					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = X, a.max = -Infinity;
+					} else a.min = Y, a.max = -Infinity;
 				}
 			}
 		}
-		if (rt > 0) {
+		if (ot > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = j[i];
+					let i = n.scale, o = A[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], it = rr(s.min, t[0]), at = rr(s.max, t[0]), at - it > 1 && (t[0][it] < s.min && it++, t[0][at] > s.max && at--), n.min = st[it], n.max = st[at];
-					} else n.show && n.auto && Ct(s, o, n, t[a], n.sorted);
-					n.idxs[0] = it, n.idxs[1] = at;
+						s.min = e[0], s.max = e[1], st = or(s.min, t[0]), ct = or(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = V[st], n.max = V[ct];
+					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Ct(u, j[o], r, c, r.sorted), d != null && Ct(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Tt(u, A[o], r, c, r.sorted), d != null && Tt(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = j[t];
+				let n = e[t], i = A[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == X ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == Y ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -4720,219 +4742,219 @@ function Xo(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? jr(i.min) : e == 4 ? Pr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? jr(i.max) : e == 4 ? Pr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Nr(i.min) : e == 4 ? Ir(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Nr(i.max) : e == 4 ? Ir(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Me = !0, Ei("setScale", e);
-			ie && F.left >= 0 && (Ne = Fe = !0);
+			for (let e in n) Pe = !0, Q("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
 		}
-		for (let e in j) j[e] = null;
+		for (let e in A) A[e] = null;
 	}
-	function Et(e) {
-		let t = Ir(it - 1, 0, rt - 1), n = Ir(at + 1, 0, rt - 1);
+	function Ot(e) {
+		let t = Rr(st - 1, 0, ot - 1), n = Rr(ct + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < rt - 1;) n++;
+		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
 	}
-	function Dt() {
-		if (rt > 0) {
-			let e = v.some((e) => e._focus) && bt != We.alpha;
-			e && (d.globalAlpha = bt = We.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (Ot(n, !1), Ot(n, !0), e._paths == null)) {
-					let a = bt;
-					bt != e.alpha && (d.globalAlpha = bt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Et(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), bt != a && (d.globalAlpha = bt = a);
+	function kt() {
+		if (ot > 0) {
+			let e = v.some((e) => e._focus) && St != Ke.alpha;
+			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
+					let a = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = bt;
-					bt != e.alpha && (d.globalAlpha = bt = e.alpha), e._paths != null && kt(t, !1);
+					let n = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, it, at, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, it, at, a), kt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), jt(t, !0));
 					}
-					bt != n && (d.globalAlpha = bt = n), Ei("drawSeries", t);
+					St != n && (d.globalAlpha = St = n), Q("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = bt = 1);
+			}), e && (d.globalAlpha = St = 1);
 		}
 	}
-	function Ot(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function kt(e, t) {
+	function jt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Q(l * K, 3);
+		l = Z(l * W, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Ee - l / 2, t = De - l / 2, n = Oe + l, r = ke + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? jt(s, l, n.dash, n.cap, c, r, i, o, a) : At(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function At(e, n, i, a, o, s, c, l, u, d, f) {
+	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Qr).band;
-				ti(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ei).band;
+				ri(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && _r(g, it, at) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && br(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || jt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function jt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & to ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & eo && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
+	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & no ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & to && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Mt(e, t, n) {
+	function Pt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = dt = t, d.stroke(e);
+			d.strokeStyle = pt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Nt(e, t) {
+	function Ft(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = ft = t, d.fill(e);
+			d.fillStyle = mt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Pt(e, t, n, i) {
+	function It(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = qo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Jo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Ft(e, t, n, r, i, a, o, s, c, l) {
+	function Lt(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), xt(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function It(e) {
+	function Rt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, zt(!1));
+				n._show && (t = !1, n._show = !1, Vt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, zt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? B : V);
+			n._show || (t = !1, n._show = !0, Vt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? R : z);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => st[e]) : p, h = a.distr == 2 ? st[p[1]] - st[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => V[e]) : p, h = a.distr == 2 ? V[p[1]] - V[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Er(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Or(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Lt(e) {
+	function zt(e) {
 		let t = !0;
-		return tt.forEach((n, i) => {
-			let a = n(r, i, U, e);
-			a != nt[i] && (t = !1), nt[i] = a;
+		return it.forEach((n, i) => {
+			let a = n(r, i, tt, e);
+			a != at[i] && (t = !1), at[i] = a;
 		}), t;
 	}
-	function Rt() {
+	function Bt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Tr((t._lpos + s) * K);
-				St(t.labelFont[0], c, "center", n == 2 ? Cn : wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Tr(De + ke / 2)), d.rotate((n == 3 ? -Sr : Sr) / 2)) : (a = Tr(Ee + Oe / 2), o = p);
-				let m = Lr(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Dr((t._lpos + s) * W);
+				wt(t.labelFont[0], c, "center", n == 2 ? En : Dn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Dr(ke + je / 2)), d.rotate((n == 3 ? -Tr : Tr) / 2)) : (a = Dr(Oe + Ae / 2), o = p);
+				let m = zr(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Oe : ke, h = i == 0 ? Ee : De, _ = t._splits, v = p.distr == 2 ? _.map((e) => st[e]) : _, x = p.distr == 2 ? st[_[1]] - st[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Tr(w * K), E = Tr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Sr / 180, O = g(t._pos * K), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => V[e]) : _, x = p.distr == 2 ? V[_[1]] - V[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Dr(w * W), E = Dr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * W), D = t._rotate * -Tr / 180, O = g(t._pos * W), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let A = t.font[0];
-			St(A, c, t.align == 1 ? Tn : t.align == 2 ? En : D > 0 ? Tn : D < 0 ? En : i == 0 ? "center" : n == 3 ? En : Tn, D || i == 1 ? "middle" : n == 2 ? Cn : wn);
-			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
-			for (let e = 0; e < ee.length; e++) {
-				let t = ee[e];
+			let ee = t.font[0];
+			wt(ee, c, t.align == 1 ? On : t.align == 2 ? kn : D > 0 ? On : D < 0 ? kn : i == 0 ? "center" : n == 3 ? kn : On, D || i == 1 ? "middle" : n == 2 ? En : Dn);
+			let A = t.font[1] * t.lineGap, j = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
 				if (t != null) {
-					i == 0 ? a = M[e] : o = M[e], t = "" + t;
+					i == 0 ? a = j[e] : o = j[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
+						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
 					}
 				}
 			}
-			S.show && Ft(M, S.filter(r, v, e, f, x), i, n, O, T, Q(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let N = t.grid;
-			N.show && Ft(M, N.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? De : Ee, i == 0 ? ke : Oe, Q(N.width * K, 3), N.stroke(r, e), N.dash, N.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? De : Ee, i == 1 ? ke : Oe, Q(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && Lt(j, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * W, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && Lt(j, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * W, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * W, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Ei("drawAxes");
+		Q("drawAxes");
 	}
-	function zt(e) {
+	function Vt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Bt = !1, Vt = !1, Ht = [];
-	function Ut() {
-		Vt = !1;
-		for (let e = 0; e < Ht.length; e++) Ei(...Ht[e]);
-		Ht.length = 0;
+	let Ht = !1, Ut = !1, Wt = [];
+	function Gt() {
+		Ut = !1;
+		for (let e = 0; e < Wt.length; e++) Q(...Wt[e]);
+		Wt.length = 0;
 	}
-	function Wt() {
-		Bt ||= (gi(Kt), !0);
-	}
-	function Gt(e, t = !1) {
-		Bt = !0, Vt = t, e(r), Kt(), t && Ht.length > 0 && queueMicrotask(Ut);
-	}
-	r.batch = Gt;
 	function Kt() {
-		if (Ae &&= (Tt(), !1), Me &&= (Re(), !1), je) {
-			if (q(p, Tn, be), q(p, Cn, xe), q(p, xn, B), q(p, Sn, V), q(m, Tn, be), q(m, Cn, xe), q(m, xn, B), q(m, Sn, V), q(f, xn, z), q(f, Sn, ye), u.width = Tr(z * K), u.height = Tr(ye * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		Ht ||= (vi(Jt), !0);
+	}
+	function qt(e, t = !1) {
+		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
+	}
+	r.batch = qt;
+	function Jt() {
+		if (Me &&= (Dt(), !1), Pe &&= (Be(), !1), Ne) {
+			if (G(p, On, Se), G(p, En, Ce), G(p, wn, R), G(p, Tn, z), G(m, On, Se), G(m, En, Ce), G(m, wn, R), G(m, Tn, z), G(f, wn, L), G(f, Tn, xe), u.width = Dr(L * W), u.height = Dr(xe * W), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? xe : be), q(e, a ? "height" : "width", a ? V : B), Gn(e, ln);
-					} else Wn(e, ln);
+						G(e, a ? "left" : "top", r - t), G(e, a ? "width" : "height", n), G(e, a ? "top" : "left", a ? Ce : Se), G(e, a ? "height" : "width", a ? z : R), Jn(e, fn);
+					} else qn(e, fn);
 				}
-			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, si(!0), be != Se || xe != Ce || B != we || V != Te) {
-				zt(!1);
-				let e = B / we, t = V / Te;
-				if (ie && !Ne && F.left >= 0) {
-					F.left *= e, F.top *= t, Xt && Yn(Xt, Tr(F.left), 0, B, V), Zt && Yn(Zt, 0, Tr(F.top), B, V);
-					for (let n = 0; n < H.length; n++) {
-						let r = H[n];
-						r != null && (qe[n] *= e, Je[n] *= t, Yn(r, Er(qe[n]), Er(Je[n]), B, V));
+			}), pt = mt = ht = _t = vt = yt = bt = xt = gt = null, St = 1, ii(!0), Se != we || Ce != Te || R != Ee || z != De) {
+				Vt(!1);
+				let e = R / Ee, t = z / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Qt && Qn(Qt, Dr(N.left), 0, R, z), $t && Qn($t, 0, Dr(N.top), R, z);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (B[n] *= e, Xe[n] *= t, Qn(r, Or(B[n]), Or(Xe[n]), R, z));
 					}
 				}
-				if (J.show && !Pe && J.left >= 0 && J.width > 0) {
-					J.left *= e, J.width *= e, J.top *= t, J.height *= t;
-					for (let e in fi) q($n, e, J[e]);
+				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
+					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
+					for (let e in pi) G(er, e, K[e]);
 				}
-				Se = be, Ce = xe, we = B, Te = V;
+				we = Se, Te = Ce, Ee = R, De = z;
 			}
-			Ei("setSize"), je = !1;
+			Q("setSize"), Ne = !1;
 		}
-		z > 0 && ye > 0 && (d.clearRect(0, 0, u.width, u.height), Ei("drawClear"), w.forEach((e) => e()), Ei("draw")), J.show && Pe && (er(J), Pe = !1), ie && Ne && (Zr(null, !0, !1), Ne = !1), P.show && P.live && Fe && (qr(), Fe = !1), c || (c = !0, r.status = 1, Ei("ready")), ct = !1, Bt = !1;
+		L > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), Q("drawClear"), w.forEach((e) => e()), Q("draw")), K.show && Ie && (nr(K), Ie = !1), oe && Fe && (Xr(null, !0, !1), Fe = !1), M.show && M.live && Le && (qr(), Le = !1), c || (c = !0, r.status = 1, Q("ready")), ut = !1, Ht = !1;
 	}
 	r.redraw = (e, t) => {
-		Me = t || !1, e === !1 ? Wt() : ar(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Kt() : sr(S, D.min, D.max);
 	};
-	function qt(e, n) {
+	function Yt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (rt == 0) {
+			if (ot == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -4940,339 +4962,339 @@ function Xo(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (rt > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && rt > 0 && (n.min = rr(n.min, t[0]), n.max = rr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ae = !0, Wt();
+			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && ot > 0 && (n.min = or(n.min, t[0]), n.max = or(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Me = !0, Kt();
 		}
 	}
-	r.setScale = qt;
-	let Jt, Yt, Xt, Zt, Qt, $t, Dn, Fn, In, Ln, W, G, Hn = !1, Un = F.drag, Jn = Un.x, Xn = Un.y;
-	ie && (F.x && (Jt = qn(dn, m)), F.y && (Yt = qn(fn, m)), D.ori == 0 ? (Xt = Jt, Zt = Yt) : (Xt = Yt, Zt = Jt), W = F.left, G = F.top);
-	let J = r.select = ui({
+	r.setScale = Yt;
+	let Xt, Zt, Qt, $t, en, tn, nn, An, Rn, zn, H, U, Wn = !1, Gn = N.drag, Kn = Gn.x, Zn = Gn.y;
+	oe && (N.x && (Xt = Xn(mn, m)), N.y && (Zt = Xn(hn, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
+	let K = r.select = fi({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), $n = J.show ? qn(un, J.over ? m : p) : null;
-	function er(e, t) {
-		if (J.show) {
-			for (let t in e) J[t] = e[t], t in fi && q($n, t, e[t]);
-			t !== !1 && Ei("setSelect");
+	}, e.select), er = K.show ? Xn(pn, K.over ? m : p) : null;
+	function nr(e, t) {
+		if (K.show) {
+			for (let t in e) K[t] = e[t], t in pi && G(er, t, e[t]);
+			t !== !1 && Q("setSelect");
 		}
 	}
-	r.setSelect = er;
-	function ir(e) {
-		if (v[e].show) I && Gn(se[e], ln);
-		else if (I && Wn(se[e], ln), ie) {
-			let t = Ke ? H[0] : H[e];
-			t != null && Yn(t, -10, -10, B, V);
+	r.setSelect = nr;
+	function rr(e) {
+		if (v[e].show) P && Jn(le[e], fn);
+		else if (P && qn(le[e], fn), oe) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && Qn(t, -10, -10, R, z);
 		}
 	}
-	function ar(e, t, n) {
-		qt(e, {
+	function sr(e, t, n) {
+		Yt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function or(e, t, n, a) {
+	function cr(e, t, n, a) {
 		t.focus != null && wr(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, ir(r), i == 2 ? (ar(n.facets[0].scale, null, null), ar(n.facets[1].scale, null, null)) : ar(n.scale, null, null), Wt());
-		}), n !== !1 && Ei("setSeries", e, t), a && Mi("setSeries", r, e, t);
+			r > 0 && (e == r || e == null) && (n.show = t.show, rr(r), i == 2 ? (sr(n.facets[0].scale, null, null), sr(n.facets[1].scale, null, null)) : sr(n.scale, null, null), Kt());
+		}), n !== !1 && Q("setSeries", e, t), a && Mi("setSeries", r, e, t);
 	}
-	r.setSeries = or;
-	function sr(e, t) {
-		ui(x[e], t);
+	r.setSeries = cr;
+	function lr(e, t) {
+		fi(x[e], t);
 	}
-	function cr(e, t) {
-		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	function ur(e, t) {
+		e.fill = X(e.fill || null), e.dir = q(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function mr(e) {
+	function dr(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = cr, r.setBand = sr, r.delBand = mr;
-	function hr(e, t) {
-		v[e].alpha = t, ie && H[e] != null && (H[e].style.opacity = t), I && se[e] && (se[e].style.opacity = t);
+	r.addBand = ur, r.setBand = lr, r.delBand = dr;
+	function _r(e, t) {
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let vr, yr, br, xr = { focus: !0 };
+	let vr, xr, Sr, Cr = { focus: !0 };
 	function wr(e) {
-		if (e != br) {
-			let t = e == null, n = We.alpha != 1;
+		if (e != Sr) {
+			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && hr(a, i ? 1 : We.alpha);
+					r._focus = t ? null : i, n && _r(a, i ? 1 : Ke.alpha);
 				}
-			}), br = e, n && Wt();
+			}), Sr = e, n && Kt();
 		}
 	}
-	I && Ge && _e(Nn, R, (e) => {
-		F._lock || (He(e), br != null && or(null, xr, !0, ki.setSeries));
+	P && qe && ye(In, I, (e) => {
+		N._lock || (We(e), Sr != null && cr(null, Cr, !0, Oi.setSeries));
 	});
-	function Ar(e, t, n) {
+	function J(e, t, n) {
 		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? xe : be));
-		let i = B;
-		r.ori == 1 && (i = V, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / W - (r.ori == 1 ? Ce : Se));
+		let i = R;
+		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? kr(10, c) : l == 4 ? Nr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? jr(10, c) : l == 4 ? Fr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
 	function Mr(e, n) {
-		return rr(Ar(e, S, n), t[0], it, at);
+		return or(J(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => rr(e, t[0]), r.posToIdx = Mr, r.posToVal = Ar, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Oe : B, n ? Ee : 0) : o(e, b[t], n ? ke : V, n ? De : 0), r.setCursor = (e, t, n) => {
-		W = e.left, G = e.top, Zr(null, t, n);
+	r.valToIdx = (e) => or(e, t[0]), r.posToIdx = Mr, r.posToVal = J, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
+		H = e.left, U = e.top, Xr(null, t, n);
 	};
-	function Fr(e, t) {
-		q($n, Tn, J.left = e), q($n, xn, J.width = t);
+	function Pr(e, t) {
+		G(er, On, K.left = e), G(er, wn, K.width = t);
 	}
-	function Rr(e, t) {
-		q($n, Cn, J.top = e), q($n, Sn, J.height = t);
+	function Lr(e, t) {
+		G(er, En, K.top = e), G(er, Tn, K.height = t);
 	}
-	let zr = D.ori == 0 ? Fr : Rr, Wr = D.ori == 1 ? Fr : Rr;
-	function Gr() {
-		if (I && P.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && ue) continue;
-			let t = P.values[e], n = 0;
-			for (let r in t) ce[e][n++].firstChild.nodeValue = t[r];
+	let Br = D.ori == 0 ? Pr : Lr, Vr = D.ori == 1 ? Pr : Lr;
+	function Kr() {
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
 	function qr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			re[t] = e;
-		}) : ri(e.idx) || re.fill(e.idx), P.idx = re[0]), I && P.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !ue) && Jr(e, re[e]);
-			Gr();
+			ae[t] = e;
+		}) : ai(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Yr(e, ae[e]);
+			Kr();
 		}
-		Fe = !1, t !== !1 && Ei("setLegend");
+		Le = !1, t !== !1 && Q("setLegend");
 	}
 	r.setLegend = qr;
-	function Jr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? st : t[e], o;
-		ue ? o = i.values(r, e, n) ?? de : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? de : { _: o }), P.values[e] = o;
+	function Yr(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? V : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Zr(e, n, a) {
-		In = W, Ln = G, [W, G] = F.move(r, W, G), F.left = W, F.top = G, ie && (Xt && Yn(Xt, Tr(W), 0, B, V), Zt && Yn(Zt, 0, Tr(G), B, V));
-		let o, s = it > at;
-		vr = X, yr = null;
-		let c = D.ori == 0 ? B : V, l = D.ori == 1 ? B : V;
-		if (W < 0 || rt == 0 || s) {
-			o = F.idx = null;
+	function Xr(e, n, a) {
+		Rn = H, zn = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && Qn(Qt, Dr(H), 0, R, z), $t && Qn($t, 0, Dr(U), R, z));
+		let o, s = st > ct;
+		vr = Y, xr = null;
+		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
+		if (H < 0 || ot == 0 || s) {
+			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = H[e];
-				t != null && Yn(t, -10, -10, B, V);
+				let t = Ye[e];
+				t != null && Qn(t, -10, -10, R, z);
 			}
-			Ge && or(null, xr, !0, e == null && ki.setSeries), P.live && (re.fill(o), Fe = !0);
+			qe && cr(null, Cr, !0, e == null && Oi.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? W : G, n = Ar(e, S), o = F.idx = rr(n, t[0], it, at), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? H : U, n = J(e, S), o = N.idx = or(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = re[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = F.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Fe = Fe || S != y || x != _, re[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ge && S != null) {
-						let t = D.ori == 1 ? W : G, n = Cr(We.dist(r, e, x, _, t));
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (qe && S != null) {
+						let t = D.ori == 1 ? H : U, n = Er(Ke.dist(r, e, x, _, t));
 						if (n < vr) {
-							let r = We.bias;
+							let r = Ke.bias;
 							if (r != 0) {
-								let i = Ar(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, yr = e);
-							} else vr = n, yr = e;
+								let i = J(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, xr = e);
+							} else vr = n, xr = e;
 						}
 					}
-					if (Fe || Ke) {
+					if (Le || Je) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ue.bbox;
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ue.size(r, e);
-						if (v = Ue.fill(r, e), g = Ue.stroke(r, e), Ke) e == yr && vr <= We.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == xr && vr <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = H[e];
-							t != null && (qe[e] = c, Je[e] = l, Qn(t, a, o, y), Zn(t, v, g), Yn(t, Er(c), Er(l), B, V));
+							let t = Ye[e];
+							t != null && (B[e] = c, Xe[e] = l, tr(t, a, o, y), $n(t, v, g), Qn(t, Or(c), Or(l), R, z));
 						}
 					}
 				}
 			}
-			if (Ke) {
-				let e = We.prox;
-				if (Fe || (br == null ? vr <= e : vr > e || yr != br)) {
-					let e = H[0];
-					e != null && (qe[0] = s, Je[0] = u, Qn(e, d, f, p), Zn(e, m, h), Yn(e, Er(s), Er(u), B, V));
+			if (Je) {
+				let e = Ke.prox;
+				if (Le || (Sr == null ? vr <= e : vr > e || xr != Sr)) {
+					let e = Ye[0];
+					e != null && (B[0] = s, Xe[0] = u, tr(e, d, f, p), $n(e, m, h), Qn(e, Or(s), Or(u), R, z));
 				}
 			}
 		}
-		if (J.show && Hn) {
+		if (K.show && Wn) {
 			if (e != null) {
-				let [t, n] = ki.scales, [r, i] = ki.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (Jn = s._x, Xn = s._y, Jn || Xn) {
+				let [t, n] = Oi.scales, [r, i] = Oi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (Kn = s._x, Zn = s._y, Kn || Zn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && Jn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), zr(Dr(v, y), Cr(y - v))) : zr(0, c), S && Xn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Wr(Dr(v, y), Cr(y - v))) : Wr(0, l);
-				} else pi();
+					x && Kn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Br(kr(v, y), Er(y - v))) : Br(0, c), S && Zn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), Vr(kr(v, y), Er(y - v))) : Vr(0, l);
+				} else mi();
 			} else {
-				let e = Cr(In - Qt), t = Cr(Ln - $t);
+				let e = Er(Rn - en), t = Er(zn - tn);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				Jn = Un.x && e >= Un.dist, Xn = Un.y && t >= Un.dist;
-				let n = Un.uni;
-				n == null ? Un.x && Un.y && (Jn || Xn) && (Jn = Xn = !0) : Jn && Xn && (Jn = e >= n, Xn = t >= n, !Jn && !Xn && (t > e ? Xn = !0 : Jn = !0));
+				Kn = Gn.x && e >= Gn.dist, Zn = Gn.y && t >= Gn.dist;
+				let n = Gn.uni;
+				n == null ? Gn.x && Gn.y && (Kn || Zn) && (Kn = Zn = !0) : Kn && Zn && (Kn = e >= n, Zn = t >= n, !Kn && !Zn && (t > e ? Zn = !0 : Kn = !0));
 				let r, i;
-				Jn && (D.ori == 0 ? (r = Dn, i = W) : (r = Fn, i = G), zr(Dr(r, i), Cr(i - r)), Xn || Wr(0, l)), Xn && (D.ori == 1 ? (r = Dn, i = W) : (r = Fn, i = G), Wr(Dr(r, i), Cr(i - r)), Jn || zr(0, c)), !Jn && !Xn && (zr(0, 0), Wr(0, 0));
+				Kn && (D.ori == 0 ? (r = nn, i = H) : (r = An, i = U), Br(kr(r, i), Er(i - r)), Zn || Vr(0, l)), Zn && (D.ori == 1 ? (r = nn, i = H) : (r = An, i = U), Vr(kr(r, i), Er(i - r)), Kn || Br(0, c)), !Kn && !Zn && (Br(0, 0), Vr(0, 0));
 			}
 		}
-		if (Un._x = Jn, Un._y = Xn, e == null) {
+		if (Gn._x = Kn, Gn._y = Zn, e == null) {
 			if (a) {
 				if (Ai != null) {
-					let [e, t] = ki.scales;
-					ki.values[0] = e == null ? null : Ar(D.ori == 0 ? W : G, e), ki.values[1] = t == null ? null : Ar(D.ori == 1 ? W : G, t);
+					let [e, t] = Oi.scales;
+					Oi.values[0] = e == null ? null : J(D.ori == 0 ? H : U, e), Oi.values[1] = t == null ? null : J(D.ori == 1 ? H : U, t);
 				}
-				Mi(kn, r, W, G, B, V, o);
+				Mi(Mn, r, H, U, R, z, o);
 			}
-			if (Ge) {
-				let e = a && ki.setSeries, t = We.prox;
-				br == null ? vr <= t && or(yr, xr, !0, e) : vr > t ? or(null, xr, !0, e) : yr != br && or(yr, xr, !0, e);
+			if (qe) {
+				let e = a && Oi.setSeries, t = Ke.prox;
+				Sr == null ? vr <= t && cr(xr, Cr, !0, e) : vr > t ? cr(null, Cr, !0, e) : xr != Sr && cr(xr, Cr, !0, e);
 			}
 		}
-		Fe && (P.idx = o, qr()), n !== !1 && Ei("setCursor");
+		Le && (M.idx = o, qr()), n !== !1 && Q("setCursor");
 	}
-	let ni = null;
+	let $r = null;
 	Object.defineProperty(r, "rect", { get() {
-		return ni ?? si(!1), ni;
+		return $r ?? ii(!1), $r;
 	} });
-	function si(e = !1) {
-		e ? ni = null : (ni = m.getBoundingClientRect(), Ei("syncRect", ni));
+	function ii(e = !1) {
+		e ? $r = null : ($r = m.getBoundingClientRect(), Q("syncRect", $r));
 	}
-	function ci(e, t, n, r, i, a, o) {
-		F._lock || Hn && e != null && e.movementX == 0 && e.movementY == 0 || (di(e, t, n, r, i, a, o, !1, e != null), e == null ? Zr(t, !0, !1) : Zr(null, !0, !0));
+	function li(e, t, n, r, i, a, o) {
+		N._lock || Wn && e != null && e.movementX == 0 && e.movementY == 0 || (ui(e, t, n, r, i, a, o, !1, e != null), e == null ? Xr(t, !0, !1) : Xr(null, !0, !0));
 	}
-	function di(e, t, n, i, a, o, c, l, u) {
-		if (ni ?? si(!1), He(e), e != null) n = e.clientX - ni.left, i = e.clientY - ni.top;
+	function ui(e, t, n, i, a, o, c, l, u) {
+		if ($r ?? ii(!1), We(e), e != null) n = e.clientX - $r.left, i = e.clientY - $r.top;
 		else {
 			if (n < 0 || i < 0) {
-				W = -10, G = -10;
+				H = -10, U = -10;
 				return;
 			}
-			let [e, r] = ki.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = ki.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? B : V, _ = D.ori == 1 ? B : V, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == kn) && ((n <= 1 || n >= B - 1) && (n = Kr(n, B)), (i <= 1 || i >= V - 1) && (i = Kr(i, V))), l ? (Qt = n, $t = i, [Dn, Fn] = F.move(r, n, i)) : (W = n, G = i);
+		u && (t == null || t.cursor.event.type == Mn) && ((n <= 1 || n >= R - 1) && (n = Jr(n, R)), (i <= 1 || i >= z - 1) && (i = Jr(i, z))), l ? (en = n, tn = i, [nn, An] = N.move(r, n, i)) : (H = n, U = i);
 	}
-	let fi = {
+	let pi = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function pi() {
-		er(fi, !1);
+	function mi() {
+		nr(pi, !1);
 	}
-	let mi, hi, _i, vi;
-	function yi(e, t, n, i, a, o, s) {
-		Hn = !0, Jn = Xn = Un._x = Un._y = !1, di(e, t, n, i, a, o, s, !0, !1), e != null && (_e(jn, Bn, bi, !1), Mi(An, r, Dn, Fn, B, V, null));
-		let { left: c, top: l, width: u, height: d } = J;
-		mi = c, hi = l, _i = u, vi = d;
-	}
+	let hi, gi, _i, yi;
 	function bi(e, t, n, i, a, o, s) {
-		Hn = Un._x = Un._y = !1, di(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = J, f = u > 0 || d > 0, p = mi != c || hi != l || _i != u || vi != d;
-		if (f && p && er(J), Un.setScale && f && p) {
+		Wn = !0, Kn = Zn = Gn._x = Gn._y = !1, ui(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Pn, Hn, xi, !1), Mi(Nn, r, nn, An, R, z, null));
+		let { left: c, top: l, width: u, height: d } = K;
+		hi = c, gi = l, _i = u, yi = d;
+	}
+	function xi(e, t, n, i, a, o, s) {
+		Wn = Gn._x = Gn._y = !1, ui(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = hi != c || gi != l || _i != u || yi != d;
+		if (f && p && nr(K), Gn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Jn && ar(S, Ar(e, S), Ar(e + t, S)), Xn) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Kn && sr(S, J(e, S), J(e + t, S)), Zn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != X && ar(e, Ar(n + r, e), Ar(n, e));
+				e != S && t.from == null && t.min != Y && sr(e, J(n + r, e), J(n, e));
 			}
-			pi();
-		} else F.lock && (F._lock = !F._lock, Zr(t, !0, e != null));
-		e != null && (ve(jn, Bn), Mi(jn, r, W, G, B, V, null));
+			mi();
+		} else N.lock && (N._lock = !N._lock, Xr(t, !0, e != null));
+		e != null && (be(Pn, Hn), Mi(Pn, r, H, U, R, z, null));
 	}
-	function xi(e, t, n, r, i, a, o) {
-		if (F._lock) return;
-		He(e);
-		let s = Hn;
-		if (Hn) {
+	function Si(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		We(e);
+		let s = Wn;
+		if (Wn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = Jn, r = Xn) : (n = Xn, r = Jn), n && r && (e = W <= 10 || W >= B - 10, t = G <= 10 || G >= V - 10), n && e && (W = W < Dn ? 0 : B), r && t && (G = G < Fn ? 0 : V), Zr(null, !0, !0), Hn = !1;
+			D.ori == 0 ? (n = Kn, r = Zn) : (n = Zn, r = Kn), n && r && (e = H <= 10 || H >= R - 10, t = U <= 10 || U >= z - 10), n && e && (H = H < nn ? 0 : R), r && t && (U = U < An ? 0 : z), Xr(null, !0, !0), Wn = !1;
 		}
-		W = -10, G = -10, re.fill(null), Zr(null, !0, !0), s && (Hn = s);
+		H = -10, U = -10, ae.fill(null), Xr(null, !0, !0), s && (Wn = s);
 	}
-	function Si(e, t, n, i, a, o, s) {
-		F._lock || (He(e), ut(), pi(), e != null && Mi(Pn, r, W, G, B, V, null));
+	function Ci(e, t, n, i, a, o, s) {
+		N._lock || (We(e), ft(), mi(), e != null && Mi(Ln, r, H, U, R, z, null));
 	}
-	function Ci() {
-		y.forEach(Yo), Ie(r.width, r.height, !0);
+	function wi() {
+		y.forEach(Xo), Re(r.width, r.height, !0);
 	}
-	tr(Rn, Vn, Ci);
-	let wi = {};
-	wi.mousedown = yi, wi.mousemove = ci, wi.mouseup = bi, wi.dblclick = Si, wi.setSeries = (e, t, n, i) => {
-		let a = ki.match[2];
-		n = a(r, t, n), n != -1 && or(n, i, !0, !1);
-	}, ie && (_e(An, m, yi), _e(kn, m, ci), _e(Mn, m, (e) => {
-		He(e), si(!1);
-	}), _e(Nn, m, xi), _e(Pn, m, Si), No.add(r), r.syncRect = si);
-	let Ti = r.hooks = e.hooks || {};
-	function Ei(e, t, n) {
-		Vt ? Ht.push([
+	ir(Bn, Un, wi);
+	let Ti = {};
+	Ti.mousedown = bi, Ti.mousemove = li, Ti.mouseup = xi, Ti.dblclick = Ci, Ti.setSeries = (e, t, n, i) => {
+		let a = Oi.match[2];
+		n = a(r, t, n), n != -1 && cr(n, i, !0, !1);
+	}, oe && (ye(Nn, m, bi), ye(Mn, m, li), ye(Fn, m, (e) => {
+		We(e), ii(!1);
+	}), ye(In, m, Si), ye(Ln, m, Ci), Po.add(r), r.syncRect = ii);
+	let Ei = r.hooks = e.hooks || {};
+	function Q(e, t, n) {
+		Ut ? Wt.push([
 			e,
 			t,
 			n
-		]) : e in Ti && Ti[e].forEach((e) => {
+		]) : e in Ei && Ei[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Ti[t] = (Ti[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Ei[t] = (Ei[t] || []).concat(e.hooks[t]);
 	});
-	let Di = (e, t, n) => n, ki = ui({
+	let Di = (e, t, n) => n, Oi = fi({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Hr,
-			sub: Hr
+			pub: Wr,
+			sub: Wr
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Ur,
-			Ur,
+			Gr,
+			Gr,
 			Di
 		],
 		values: [null, null]
-	}, F.sync);
-	ki.match.length == 2 && ki.match.push(Di), F.sync = ki;
-	let Ai = ki.key, ji = $a(Ai);
+	}, N.sync);
+	Oi.match.length == 2 && Oi.match.push(Di), N.sync = Oi;
+	let Ai = Oi.key, ji = eo(Ai);
 	function Mi(e, t, n, r, i, a, o) {
-		ki.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
+		Oi.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
 	}
 	ji.sub(r);
 	function Ni(e, t, n, r, i, a, o) {
-		ki.filters.sub(e, t, n, r, i, a, o) && wi[e](null, t, n, r, i, a, o);
+		Oi.filters.sub(e, t, n, r, i, a, o) && Ti[e](null, t, n, r, i, a, o);
 	}
 	r.pub = Ni;
 	function Pi() {
-		ji.unsub(r), No.delete(r), ge.clear(), nr(Rn, Vn, Ci), l.remove(), R?.remove(), Ei("destroy");
+		ji.unsub(r), Po.delete(r), ve.clear(), ar(Bn, Un, wi), l.remove(), I?.remove(), Q("destroy");
 	}
 	r.destroy = Pi;
-	function Li() {
-		Ei("init", e, t), lt(t || e.data, !1), j[S] ? qt(S, j[S]) : ut(), Pe = J.show && (J.width > 0 || J.height > 0), Ne = Fe = !0, Ie(e.width, e.height);
+	function Fi() {
+		Q("init", e, t), dt(t || e.data, !1), A[S] ? Yt(S, A[S]) : ft(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	return v.forEach(Xe), y.forEach($e), n ? n instanceof HTMLElement ? (n.appendChild(l), Li()) : n(r, Li) : Li(), r;
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Fi()) : n(r, Fi) : Fi(), r;
 }
-Xo.assign = ui, Xo.fmtNum = br, Xo.rangeNum = gr, Xo.rangeLog = ur, Xo.rangeAsinh = dr, Xo.orient = no, Xo.pxRatio = K, Xo.join = hi, Xo.fmtDate = Oi, Xo.tzDate = Ai, Xo.sync = $a;
+Zo.assign = fi, Zo.fmtNum = Cr, Zo.rangeNum = yr, Zo.rangeLog = pr, Zo.rangeAsinh = mr, Zo.orient = ro, Zo.pxRatio = W, Zo.join = _i, Zo.fmtDate = ki, Zo.tzDate = ji, Zo.sync = eo;
 {
-	Xo.addGap = so, Xo.clipGaps = oo;
-	let e = Xo.paths = { points: So };
-	e.linear = Eo, e.stepped = Do, e.bars = ko, e.spline = jo;
+	Zo.addGap = co, Zo.clipGaps = so;
+	let e = Zo.paths = { points: Co };
+	e.linear = Do, e.stepped = Oo, e.bars = Ao, e.spline = Mo;
 }
 // src/plots.tsx
-var Zo = [
+var Qo = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5280,16 +5302,16 @@ var Zo = [
 	"--c5",
 	"--c6"
 ];
-function Qo({ store: e, state: t }) {
-	let [n, r] = ot(null), [i, a] = ot(!1), [o, s] = ot(800), c = lt(null), l = t.run, [u, d] = t.span;
-	ct(() => {
+function $o({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = ft(null), l = t.run, [u, d] = t.span;
+	dt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (ct(() => {
+	if (dt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5316,25 +5338,29 @@ function Qo({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), !l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
+	]), t.running && t.soFar) return /* @__PURE__ */ L(es, {
+		state: t,
+		soFar: t.soFar
+	});
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
 		class: "hint plots",
-		children: l?.error ? "" : "Press Run."
+		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z($o, {
+					/* @__PURE__ */ L(ts, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
-						/* @__PURE__ */ z("input", {
+					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
+						/* @__PURE__ */ L("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5343,15 +5369,15 @@ function Qo({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ z("button", {
+					!m && /* @__PURE__ */ L("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ z("label", {
+					/* @__PURE__ */ L("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ z("span", { children: "t" }),
-							/* @__PURE__ */ z("input", {
+							/* @__PURE__ */ L("span", { children: "t" }),
+							/* @__PURE__ */ L("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -5362,19 +5388,19 @@ function Qo({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ z("output", { children: p === null ? "" : Re(p, "s") })
+							/* @__PURE__ */ L("output", { children: p === null ? "" : Ve(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(es, {
+			t.plotted.map((r, i) => /* @__PURE__ */ L(ns, {
 				name: r,
-				ink: Zo[i % Zo.length],
+				ink: Qo[i % Qo.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -5386,7 +5412,7 @@ function Qo({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			/* @__PURE__ */ z(is, {
+			/* @__PURE__ */ L(os, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -5395,18 +5421,42 @@ function Qo({ store: e, state: t }) {
 		]
 	});
 }
-function $o({ store: e, state: t, run: n }) {
+function es({ state: e, soFar: t }) {
+	let n = ft(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ L("div", {
+		class: "plots",
+		ref: n,
+		children: [t.curves.map((i, a) => /* @__PURE__ */ L(ns, {
+			name: i.name,
+			ink: Qo[a % Qo.length],
+			curves: [i],
+			span: r,
+			cursor: null,
+			wide: (n.current?.clientWidth ?? 800) - 18,
+			dark: e.dark,
+			last: a === t.curves.length - 1,
+			onSpan: () => {},
+			onTime: () => {}
+		}, i.name)), /* @__PURE__ */ L(os, {
+			lanes: t.strip,
+			span: r,
+			cursor: null,
+			onTime: () => {}
+		})]
+	});
+}
+function ts({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ z("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ z("button", {
+			t.plotted.map((n) => /* @__PURE__ */ L("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ L("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -5416,14 +5466,14 @@ function $o({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ z("datalist", {
+			/* @__PURE__ */ L("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
 			})
 		]
 	});
 }
-var es = class extends x {
+var ns = class extends x {
 	box = y();
 	plot = null;
 	componentDidMount() {
@@ -5442,8 +5492,8 @@ var es = class extends x {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Zo[(t + 3) % Zo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Xo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Xo({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Qo[(t + 3) % Qo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Zo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Zo({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -5465,7 +5515,7 @@ var es = class extends x {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => ts(t, n, m.length > 0) }
+				y: { range: (e, t, n) => rs(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -5476,7 +5526,7 @@ var es = class extends x {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => ns(t, "s")
+				values: (e, t) => is(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -5489,7 +5539,7 @@ var es = class extends x {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => ns(t, p)
+				values: (e, t) => is(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -5521,7 +5571,7 @@ var es = class extends x {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${Re(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${Ve(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -5535,10 +5585,10 @@ var es = class extends x {
 	}
 	render({ name: e, curves: t }) {
 		let n = t.find((e) => e.error);
-		return /* @__PURE__ */ z("figure", {
+		return /* @__PURE__ */ L("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
-			children: [/* @__PURE__ */ z("div", { ref: this.box }), n && /* @__PURE__ */ z("p", {
+			children: [/* @__PURE__ */ L("div", { ref: this.box }), n && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: [
 					n.error.code,
@@ -5549,13 +5599,13 @@ var es = class extends x {
 		});
 	}
 };
-function ts(e, t, n) {
+function rs(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function ns(e, t) {
+function is(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -5576,7 +5626,7 @@ function ns(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var rs = [
+var as = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -5586,21 +5636,21 @@ var rs = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function is({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function os({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ z("span", {
+				children: e.map((e) => /* @__PURE__ */ L("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ z("svg", {
+			/* @__PURE__ */ L("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -5610,24 +5660,24 @@ function is({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: rs[o % rs.length],
-						children: /* @__PURE__ */ z("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
+						fill: as[o % as.length],
+						children: /* @__PURE__ */ L("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: rs[t % rs.length],
+						fill: as[t % as.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -5635,10 +5685,10 @@ function is({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -5650,7 +5700,7 @@ function is({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/app.tsx
-var as = [
+var ss = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -5658,7 +5708,7 @@ var as = [
 	["table", "Table"],
 	["text", "Text"],
 	["equations", "Equations"]
-], os = class extends x {
+], cs = class extends x {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -5701,81 +5751,81 @@ var as = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ z("div", {
+		if (!n) return /* @__PURE__ */ L("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ z("main", {
+		return /* @__PURE__ */ L("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			children: [
-				/* @__PURE__ */ z(cs, {
+				/* @__PURE__ */ L(us, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ z("div", {
+				/* @__PURE__ */ L("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ z(Zt, {
+						/* @__PURE__ */ L(en, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ z(ze, {
+						/* @__PURE__ */ L(He, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ z("aside", {
+						/* @__PURE__ */ L("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ z("div", {
+							children: [/* @__PURE__ */ L("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: as.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: ss.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ z("div", {
+							}), /* @__PURE__ */ L("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ z(Ot, {
+									t.tab === "item" && /* @__PURE__ */ L(jt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ z(zt, {
+									t.tab === "machines" && /* @__PURE__ */ L(Ht, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ z(Ht, {
+									t.tab === "model" && /* @__PURE__ */ L(Gt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ z(Kt, {
+									t.tab === "problems" && /* @__PURE__ */ L(Yt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ z(qt, {
+									t.tab === "table" && /* @__PURE__ */ L(Xt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ z(Jt, {
+									t.tab === "text" && /* @__PURE__ */ L(Zt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ z(Yt, {
+									t.tab === "equations" && /* @__PURE__ */ L(Qt, {
 										store: e,
 										state: t
 									})
@@ -5784,28 +5834,28 @@ var as = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ z("div", {
+				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(Qo, {
+					children: [/* @__PURE__ */ L($o, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ z(bt, {
+					}), /* @__PURE__ */ L(Ct, {
 						store: e,
 						state: t
 					})]
 				}),
-				/* @__PURE__ */ z("footer", { children: [
-					/* @__PURE__ */ z("span", {
+				/* @__PURE__ */ L("footer", { children: [
+					/* @__PURE__ */ L("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(ss, {
+					/* @__PURE__ */ L(ls, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -5813,34 +5863,34 @@ var as = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ z(Qt, {
+				t.adding && n.view.editable && /* @__PURE__ */ L(tn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ z("div", {
+				t.notice && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ z("b", { children: t.notice.code }),
+						/* @__PURE__ */ L("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ z("button", {
+						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ L("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ z("div", {
+				!t.connected && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -5849,94 +5899,94 @@ var as = [
 		});
 	}
 };
-function ss({ store: e, state: t }) {
+function ls({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ z("span", {
+	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ z("b", { children: [
+			t.cursor && /* @__PURE__ */ L("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function cs({ store: e, state: t, errors: n }) {
+function us({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(ls, {
+	return /* @__PURE__ */ L("header", { children: [
+		/* @__PURE__ */ L(ds, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ z("h1", {
+		/* @__PURE__ */ L("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ z("span", {
+		/* @__PURE__ */ L("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ z("span", { class: "spring" }),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("span", { class: "spring" }),
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		i ? /* @__PURE__ */ z(b, { children: [/* @__PURE__ */ z("progress", {
+		i ? /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ z("button", {
+		}), /* @__PURE__ */ L("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ z("button", {
+		})] }) : /* @__PURE__ */ L("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ L("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -5944,7 +5994,7 @@ function cs({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function ls({ store: e, state: t }) {
+function ds({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -5974,75 +6024,75 @@ function ls({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ z("details", {
+	return /* @__PURE__ */ L("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ z("summary", {
+		children: [/* @__PURE__ */ L("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ z("div", {
+		}), /* @__PURE__ */ L("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ L("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ z("button", {
+				].map((e) => /* @__PURE__ */ L("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ z("hr", {}),
-				/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ z("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ z("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ z("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ z("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function us({ model: e, el: t }) {
-	let n = new Ne(), r = new Fe(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ z(os, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), L(null, t);
+function fs({ model: e, el: t }) {
+	let n = new Ie(), r = new Re(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ L(cs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), F(null, t);
 	};
 }
-var ds = { render: us };
-export { ds as default, us as render };
+var ps = { render: fs };
+export { ps as default, fs as render };
