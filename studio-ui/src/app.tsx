@@ -2,9 +2,10 @@
 import { Component } from "preact";
 import { Canvas } from "./canvas";
 import { Events } from "./events";
+import { Equations } from "./formulas";
 import { Item } from "./item";
 import { Machines } from "./machines";
-import { Equations, ModelPanel, Problems, TableView, TextPanel } from "./panels";
+import { ModelPanel, Problems, TableView, TextPanel } from "./panels";
 import { Palette, QuickAdd } from "./palette";
 import { Plots } from "./plots";
 import type { State, Store, Tab } from "./store";

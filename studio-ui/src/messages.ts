@@ -208,3 +208,12 @@ export interface SoFar {
   tBegin: number;
   tEnd: number;
 }
+
+/** A tag of MathML, its attributes, then texts and tags. */
+export type Formula = [string, Record<string, string>, ...(Formula | string)[]];
+
+export interface Written {
+  text: string;
+  formula?: Formula | null;
+  notes?: string[];
+}

@@ -1,4 +1,4 @@
-/** Parameters, inputs, signals; problems; all as a table; the text; the equations. */
+/** Parameters, inputs, signals; problems; all as a table; the text. */
 import { useEffect, useState } from "preact/hooks";
 import { Field, valueOf } from "./fields";
 import { free, text, words } from "./item";
@@ -241,27 +241,6 @@ export function TextPanel({ store, state }: Props) {
         <button disabled={mine === null} onClick={apply}>Apply (Ctrl+Enter)</button>
         <button disabled={mine === null} onClick={() => setMine(null)}>Discard</button>
       </div>
-    </section>
-  );
-}
-
-export function Equations({ store, state }: Props) {
-  const [said, setSaid] = useState("…");
-  const revision = state.look!.revision;
-  useEffect(() => {
-    let gone = false;
-    store.transport
-      .ask<{ text: string }>("equations")
-      .then((a) => !gone && setSaid(a.text))
-      .catch((e) => !gone && setSaid(String(e.message)));
-    return () => {
-      gone = true;
-    };
-  }, [revision]);
-  return (
-    <section>
-      <h2>Equations of all modes</h2>
-      <pre class="equations" tabindex={0}>{said}</pre>
     </section>
   );
 }

@@ -91,12 +91,12 @@ class Document:
     @property
     def can_undo(self) -> bool:
         """Whether there is something to undo."""
-        return bool(self._past)
+        return bool(self._past) or self._later is not None
 
     @property
     def can_redo(self) -> bool:
         """Whether something was undone."""
-        return bool(self._future)
+        return bool(self._future) and self._later is None
 
     def edit(self, edit: Mapping[str, Any]) -> None:
         """Do one edit of `hybond.studio.edits`; the text follows with `settle`.
@@ -188,6 +188,19 @@ class Document:
         self._after()
         return True
 
+    def save(self) -> None:
+        """Write the text to the file; `unsaved` says why that was not possible."""
+        if self.file is not None:
+            self._keep_foreign()
+            try:
+                write_whole(self.file, self._text.encode())
+                self.unsaved, self._on_disk = "", self._text
+            except OSError as error:
+                self.unsaved = error.strerror or str(error)
+                return
+        if self.journal is not None:
+            self.journal.keep(self._text)
+
     def close(self) -> None:
         """Write what is left to write."""
         self.settle()
@@ -202,7 +215,7 @@ class Document:
         self._future.clear()
         self._text = edited(self._text, old, new)
         self.error = None
-        self._save()
+        self.save()
 
     def _change_to(self, text: str) -> None:
         self._past.append(self._text)
@@ -213,7 +226,7 @@ class Document:
     def _set(self, text: str) -> None:
         self._text = text
         self._after()
-        self._save()
+        self.save()
 
     def _after(self) -> None:
         self.revision += 1
@@ -233,18 +246,6 @@ class Document:
                 code="HB-F106",
                 hint="a model begins with hybond = 1",
             )
-
-    def _save(self) -> None:
-        if self.file is not None:
-            self._keep_foreign()
-            try:
-                write_whole(self.file, self._text.encode())
-                self.unsaved, self._on_disk = "", self._text
-            except OSError as error:
-                self.unsaved = error.strerror or str(error)
-                return
-        if self.journal is not None:
-            self.journal.keep(self._text)
 
     def _keep_foreign(self) -> None:
         """If something else has changed the file, put its text among what undo goes back to."""

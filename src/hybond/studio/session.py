@@ -7,28 +7,22 @@ Nothing here knows how messages travel.
 
 from __future__ import annotations
 
-import base64
-import tempfile
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hybond._version import __version__
 from hybond.cli.examples import examples_folder, models_in
 from hybond.errors import FileError, HybondError, UsageError
-from hybond.files.load import loads
 from hybond.files.toml_text import toml_text
-from hybond.model.builder import Model
-from hybond.studio.curves import at_cursor, curve, strip, units_of
+from hybond.model.graph import FlatGraph, Mode
+from hybond.studio import of_models, of_runs
 from hybond.studio.document import EMPTY, Document, Lock
 from hybond.studio.edits import cut_out
-from hybond.studio.instants import events
 from hybond.studio.journal import Journal
 from hybond.studio.levels import level_of, table
 from hybond.studio.problems import problem_of, problems
 from hybond.studio.runs import Runs
-from hybond.studio.stock import stock
 from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
 from hybond.studio.view import view
 
@@ -259,15 +253,11 @@ class Session:
         at = {n["name"]: [n["x"], n["y"]] for n in seen["nodes"]}
         return self.edit({**message, "edit": {"do": "move", "at": at, "level": path}})
 
-    def stock(self, message: Mapping[str, Any]) -> Message:
-        """Return what the palette offers, and what can be opened."""
-        return {**stock(), "version": __version__, "files": self._files(), "examples": _examples()}
-
     def open(self, message: Mapping[str, Any]) -> Message:
         """Open another file of the folder, an example as a copy, or an empty model."""
         if message.get("example"):
             name = str(message["example"])
-            if name not in _examples():
+            if name not in self.examples():
                 raise UsageError(f"there is no example {name!r}", code="HB-W104", where="example")
             text = (examples_folder() / f"{name}.toml").read_text(encoding="utf-8")
             self._take(self._open(None, text))
@@ -292,7 +282,7 @@ class Session:
             file.unlink()
         self._take(self._open(file, text))
         self.document.revision += 1
-        self.document._save()
+        self.document.save()
         if self.document.unsaved:
             raise FileError(
                 f"cannot write the file: {self.document.unsaved}",
@@ -301,106 +291,6 @@ class Session:
                 hint="check that the directory is there and yours",
             )
         return self._changed(message)
-
-    def run(self, message: Mapping[str, Any]) -> Message:
-        """Begin a run of the model as it is."""
-        model = self.meaning().model
-        known = self.meaning()
-        if known.error is not None or model is None:
-            raise known.error or UsageError("there is no model", code="HB-W103", where="run")
-        until = message.get("until") or None
-        options = message.get("options") or {}
-        running = self.runs.start(
-            model,
-            until=until,
-            options=options,
-            revision=self.document.revision,
-            wanted=[str(n) for n in message.get("names") or ()],
-            wide=int(message.get("width") or 800),
-        )
-        return {"run": running.number}
-
-    def cancel(self, message: Mapping[str, Any]) -> Message:
-        """Stop what runs."""
-        self.runs.cancel()
-        return {}
-
-    def summaries(self, message: Mapping[str, Any]) -> Message:
-        """Return the runs that are kept."""
-        return {"runs": [r.summary() for r in self.runs.kept.values()]}
-
-    def curves(self, message: Mapping[str, Any]) -> Message:
-        """Return signals and lanes of a run between two times."""
-        run = self.runs.result(message.get("run"))
-        t0, t1 = float(message.get("t0", 0.0)), float(message.get("t1", run.t_end))
-        width = int(message.get("width", 800))
-        found = []
-        for name in [str(n) for n in message.get("names", ())][:32]:
-            try:
-                found.append(curve(run, name, t0, t1, width))
-            except HybondError as error:
-                found.append({"name": name, "error": error.to_dict()})
-        return {"curves": found, "strip": strip(run, t0, t1, width) if message.get("strip") else []}
-
-    def events(self, message: Mapping[str, Any]) -> Message:
-        """Return some events of a run."""
-        run = self.runs.result(message.get("run"))
-        first = int(message.get("first", 0))
-        return {
-            "events": events(run, first, int(message.get("count", 100))),
-            "total": len(run.events),
-        }
-
-    def cursor(self, message: Mapping[str, Any]) -> Message:
-        """Return values on the bonds of a level at a time, and its strokes in the mode there.
-
-        With ``mode`` the strokes are those of that mode, one of the modes of an instant.
-        """
-        run = self.runs.result(message.get("run"))
-        known, path = self.meaning(), str(message.get("level") or "")
-        bonds = _numbers(known, path)
-        if known.graph is None or not known.whole or len(known.graph.bonds) != len(run.graph.bonds):
-            bonds = {}
-        found = at_cursor(
-            run, float(message["t"]), str(message.get("side", "right")), list(bonds.values())
-        )
-        units = units_of(run, list(bonds.values()))
-        values = {
-            key: {
-                "e": found["values"][str(b)][0],
-                "f": found["values"][str(b)][1],
-                "units": units[str(b)],
-            }
-            for key, b in bonds.items()
-        }
-        states = message.get("mode") if isinstance(message.get("mode"), dict) else found["mode"]
-        drawn = strokes(known, mode_of(known, states), path)
-        return {"t": found["t"], "mode": states, "values": values, "strokes": drawn}
-
-    def equations(self, message: Mapping[str, Any]) -> Message:
-        """Return the equations of all modes as text."""
-        from hybond.equations.derive import state_equations
-
-        known = self.meaning()
-        if known.error is not None or known.graph is None:
-            raise known.error or UsageError("there is no model", code="HB-W103", where="equations")
-        return {"text": str(state_equations(known.graph))}
-
-    def picture(self, message: Mapping[str, Any]) -> Message:
-        """Return the printed drawing in the mode that is shown: svg, pdf, png or tex."""
-        from hybond.draw import draw_mode
-
-        form = str(message.get("form", "svg"))
-        known = self.meaning()
-        if known.graph is None or not known.whole:
-            raise known.error or UsageError("there is no model", code="HB-W103", where="picture")
-        asked = message.get("mode")
-        mode = mode_of(known, asked if isinstance(asked, dict) else None)
-        drawing = draw_mode(known.graph, known.graph.start_mode if mode is None else mode)
-        with tempfile.TemporaryDirectory() as folder:
-            file = drawing.save(Path(folder, f"drawing.{form}"))
-            content = base64.b64encode(file.read_bytes()).decode()
-        return {"content": content, "name": f"{Path(self.document.name).stem}.{form}"}
 
     # -- inside
 
@@ -419,6 +309,20 @@ class Session:
                 meaning(document.data, base=base, where=document.name),
             )
         return self._known[1]
+
+    def whole(self, what: str) -> FlatGraph:
+        """Return the graph of the model; a refusal where it means nothing yet."""
+        known = self.meaning()
+        if known.graph is None or known.error is not None:
+            raise known.error or UsageError("there is no model", code="HB-W103", where=what)
+        return known.graph
+
+    def shown(self, message: Mapping[str, Any]) -> Mode:
+        """Return the mode that the page shows."""
+        known, asked = self.meaning(), message.get("mode")
+        mode = mode_of(known, asked if isinstance(asked, dict) else None)
+        assert known.graph is not None
+        return known.graph.start_mode if mode is None else mode
 
     def _changed(self, message: Mapping[str, Any]) -> Message:
         answer = self._seen(message)
@@ -480,33 +384,17 @@ class Session:
             )
         return file
 
-    def _files(self) -> list[str]:
+    def files(self) -> list[str]:
+        """Return the names of the model files that can be opened."""
         found = sorted(p.name for p in self.root.glob("*.toml"))
         return found[:500]
 
-
-def _examples() -> list[str]:
-    try:
-        return sorted(f.stem for f in models_in(examples_folder()) if f.suffix == ".toml")
-    except HybondError:
-        return []
-
-
-def _numbers(known: Meaning, path: str) -> dict[str, int]:
-    """Return the numbers of the bonds of a level in the graph, by what the page calls them."""
-    prefix = f"{path}.graph.bonds[" if path else "graph.bonds["
-    found, last, arrow = {}, "", 0
-    for k, written in enumerate(known.bonds):
-        arrow = arrow + 1 if written.where == last else 0
-        last = written.where
-        if written.where.startswith(prefix):
-            found[f"{written.where[len(prefix) : -1]}.{arrow}"] = k
-    return found
-
-
-def model_of(text: str, base: Path) -> Model:
-    """Return the model that a text says."""
-    return loads(text, base=base)
+    def examples(self) -> list[str]:
+        """Return the names of the examples that can be opened."""
+        try:
+            return sorted(f.stem for f in models_in(examples_folder()) if f.suffix == ".toml")
+        except HybondError:
+            return []
 
 
 ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
@@ -519,16 +407,18 @@ ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "copy": Session.copy,
     "paste": Session.paste,
     "arrange": Session.arrange,
-    "stock": Session.stock,
     "open": Session.open,
     "save as": Session.save_as,
-    "run": Session.run,
-    "cancel": Session.cancel,
-    "runs": Session.summaries,
-    "curves": Session.curves,
-    "events": Session.events,
-    "cursor": Session.cursor,
-    "equations": Session.equations,
-    "picture": Session.picture,
+    "stock": of_models.offers,
+    "equations": of_models.written,
+    "structure": of_models.structured,
+    "picture": of_models.picture,
+    "run": of_runs.begin,
+    "cancel": of_runs.cancel,
+    "runs": of_runs.summaries,
+    "curves": of_runs.curves_of,
+    "phase": of_runs.phase_of,
+    "events": of_runs.events_of,
+    "cursor": of_runs.cursor,
 }
 """What may be asked."""

@@ -3,7 +3,12 @@ var e, t, n, r, i, a, o, s, c, l, u = Symbol.for("pv"), d = {}, f = [], p = /^m(
 function _(e) {
 	e && e.parentNode && e.remove();
 }
-function v(n, r, i, a, o) {
+function v(e, t, n) {
+	var r, i, a, o = {}, s = arguments.length;
+	for (a in t) a == "key" ? r = t[a] : a == "ref" && typeof e != "function" ? i = t[a] : o[a] = t[a];
+	return s > 2 && (o.children = s > 3 ? h.call(arguments, 2) : n), y(e, o, r, i, null);
+}
+function y(n, r, i, a, o) {
 	var s = {
 		type: n,
 		props: r,
@@ -21,69 +26,69 @@ function v(n, r, i, a, o) {
 	};
 	return !o && e.vnode && e.vnode(s), s;
 }
-function y() {
+function b() {
 	return { current: null };
 }
-function b(e) {
+function x(e) {
 	return e.children;
 }
-function x(e, t) {
+function S(e, t) {
 	this.props = e, this.context = t, this.__g = 0;
 }
-function S(e, t) {
-	if (t == null) return e.__ && S(e.__, e.__i + 1);
+function C(e, t) {
+	if (t == null) return e.__ && C(e.__, e.__i + 1);
 	for (var n; t < e.__k.length; t++) if ((n = e.__k[t]) && n.__e) return n.__e;
-	return typeof e.type != "function" || e.props.__P ? null : S(e);
+	return typeof e.type != "function" || e.props.__P ? null : C(e);
 }
-function C(t) {
+function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || S(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, ae(a, n, o), r.__ = r.__e = null, n.__e != i && w(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
-function w(e) {
+function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
 		return t && (e.__e = t.__e);
-	}), w(e);
+	}), T(e);
 }
-function T(t) {
-	(8 & t.__g || (t.__g |= 8, n.push(t), i++)) && r == e.debounceRendering || ((r = e.debounceRendering) || queueMicrotask)(E);
+function E(t) {
+	(8 & t.__g || (t.__g |= 8, n.push(t), i++)) && r == e.debounceRendering || ((r = e.debounceRendering) || queueMicrotask)(D);
 }
-function E() {
+function D() {
 	try {
-		for (var e, t = 1; n.length;) n.length > t && n.sort(a), e = n.shift(), t = n.length, 8 & e.__g && C(e);
+		for (var e, t = 1; n.length;) n.length > t && n.sort(a), e = n.shift(), t = n.length, 8 & e.__g && w(e);
 	} finally {
-		(i = n.length) && (r || queueMicrotask)(E);
+		(i = n.length) && (r || queueMicrotask)(D);
 	}
 }
-function D(e, t, n, r, i, a, o, s, c, l, u) {
+function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = O(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = k(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
-function O(e, t, n, r, i) {
-	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, y = 0, x = 0, C = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = C[a] = v(null, o) : m(o) ? o = C[a] = v(b, { children: o }) : o.constructor === u && o.__b ? o = C[a] = v(o.type, o.props, o.key, o.ref, o.__v) : C[a] = o, c = a + y, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = ee(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? y-- : l == c + 1 ? y++ : l != c && (l > c ? y-- : y++, x = 1)) : (~l || (i > g ? y-- : i < g && y++), typeof o.type != "function" && (o.__u |= 4))) : C[a] = null;
-	if (x) {
-		for (d = [], f = [], a = 0; a < i; a++) if ((o = C[a]) && 16 & o.__u) {
-			for (y = 0, p = d.length; y < p;) d[h = y + p >> 1] < o.__i ? y = h + 1 : p = h;
-			d[y] = o.__i, f[a] = y + 1;
+function k(e, t, n, r, i) {
+	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, v = 0, b = 0, S = e.__k = Array(i);
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = j(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
+	if (b) {
+		for (d = [], f = [], a = 0; a < i; a++) if ((o = S[a]) && 16 & o.__u) {
+			for (v = 0, p = d.length; v < p;) d[h = v + p >> 1] < o.__i ? v = h + 1 : p = h;
+			d[v] = o.__i, f[a] = v + 1;
 		}
-		for (y = d.length; a--;) f[a] && (f[a] == y ? y-- : C[a].__u |= 4);
+		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = S(s)), P(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
 	return r;
 }
-function k(e, t, n, r) {
+function A(e, t, n, r) {
 	var i, a, o, s;
 	if (typeof e.type == "function") {
 		if (e.props.__P) return t;
-		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = k(i[a], t, n, !1));
+		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = A(i[a], t, n, !1));
 		return t;
 	}
-	for (t && !t.parentNode && (t = S(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
+	for (t && !t.parentNode && (t = C(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function ee(e, t, n, r) {
+function j(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -92,16 +97,16 @@ function ee(e, t, n, r) {
 	}
 	return -1;
 }
-function A(e, t, n) {
+function M(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function j(e, t, n, r, i) {
+function ee(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || A(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || A(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
 		}
 	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
@@ -125,54 +130,54 @@ function te(t) {
 	};
 }
 function ne(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, C, w, T, E, O, k, ee, A, j, te, ne, ae, N, F, I = n.type;
+	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
 	if (n.constructor !== u) return null;
 	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	n: if (typeof L == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, O = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (O ? n.__c = y = new I(E, ee) : (n.__c = y = new x(E, ee), y.constructor = I, y.render = oe), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), O && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), C = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== C && O && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
+			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
-					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = S(r);
+					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), O && y.componentDidUpdate && y.__h.push(function() {
-					y.componentDidUpdate(C, w, T);
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
+					y.componentDidUpdate(b, w, T);
 				});
-			} else O && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), O && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, j = O ? 25 : 0;
+			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
 			do
-				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++j < 25);
-			O && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), O && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(C, w)), te = p && p.type === b && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && P(e, e);
-			}), r.__k = null), c = r.__k ? S(r, 0) : null), c = D(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++M < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && ae(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
 						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
 						for (; N < o.length; N++) if (F = o[N]) {
-							if (o[N] = null, ne) {
-								if (F == ae) break;
+							if (o[N] = null, te) {
+								if (F == ne) break;
 							} else {
 								if (F.nodeType != 8) break;
-								F.data.startsWith("$s") && (ae = re(ne = F));
+								F.data.startsWith("$s") && (ne = re(te = F));
 							}
 						}
 					}
-					if (!ne) {
+					if (!te) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						ne = c;
+						te = c;
 					}
-					(p = re(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
 			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
 function re(e, t) {
@@ -187,8 +192,8 @@ function re(e, t) {
 function ie(e) {
 	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
 }
-function ae(t, n, r) {
-	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
+function N(t, n, r) {
+	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -199,36 +204,36 @@ function ae(t, n, r) {
 		}
 	});
 }
-function M(t, n, r, i, a, o, s, c, l, u) {
-	var f, g, v, y, b, x, C, w, T = r.props || d, E = n.props, O = n.type;
-	if (O == "svg" ? a = "http://www.w3.org/2000/svg" : O == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
-		for (f = 0; f < o.length; f++) if ((b = o[f]) && (O ? b.localName == O : b.nodeType == 3)) {
+function P(t, n, r, i, a, o, s, c, l, u) {
+	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
+	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
+		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
 			t = b, o[f] = null;
 			break;
 		}
 	}
 	if (!t) {
-		if (w = u.ownerDocument || document, !O) return w.createTextNode(E);
-		t = w.createElementNS(a, O, E.is ? E : u), c &&= (e.__m && e.__m(n, o), !1), o = null;
+		if (w = u.ownerDocument || document, !D) return w.createTextNode(E);
+		t = w.createElementNS(a, D, E.is ? E : u), c &&= (e.__m && e.__m(n, o), !1), o = null;
 	}
-	if (O) {
-		if (u = O == "template" && t.content || t, o = O == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || j(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? C = b : c && typeof b != "function" || T[f] === b || j(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (O == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(O)) && (a = "http://www.w3.org/1999/xhtml"), D(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && S(r, 0), c, l), o && o.some(_)), c && O != "textarea" || (f = "value", O == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (O != "progress" || x) || j(t, f, x, T[f], a), f = "checked", C != null && C != t[f] && j(t, f, C, T[f], a));
+	if (D) {
+		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function N(t, n, r, i) {
+function F(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function P(t, n, r) {
+function ae(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -236,15 +241,15 @@ function P(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && P(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
 	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function oe(e, t, n) {
+function I(e, t, n) {
 	return this.constructor(e, n);
 }
-function F(t, n) {
+function L(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = v(b, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), ae(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -256,16 +261,16 @@ e = { __e: function(e, t, n, r) {
 		}
 	}
 	throw i = 0, e;
-} }, t = 0, x.prototype.setState = function(e, t) {
+} }, t = 0, S.prototype.setState = function(e, t) {
 	var n = this.__s;
-	n && n != this.state || (n = this.__s = g({}, this.state)), typeof e == "function" && (e = e(g({}, n), this.props)), e && (g(n, e), this.__v && (t && this.__k.push(t), T(this)));
-}, x.prototype.forceUpdate = function(e) {
-	this.__v && (this.__g |= 4, e && this.__h.push(e), T(this));
-}, x.prototype.render = b, n = [], i = 0, a = function(e, t) {
+	n && n != this.state || (n = this.__s = g({}, this.state)), typeof e == "function" && (e = e(g({}, n), this.props)), e && (g(n, e), this.__v && (t && this.__k.push(t), E(this)));
+}, S.prototype.forceUpdate = function(e) {
+	this.__v && (this.__g |= 4, e && this.__h.push(e), E(this));
+}, S.prototype.render = x, n = [], i = 0, a = function(e, t) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var I = 5.5, se = 35 * Math.PI / 180;
+var oe = 5.5, se = 35 * Math.PI / 180;
 function ce(e, t) {
 	return {
 		x0: e.x0 - t,
@@ -307,7 +312,7 @@ function de(e, t, n, r, i = 0) {
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, I), [u, d]), p = le(ce(t, I), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, oe), [u, d]), p = le(ce(t, oe), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
 	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(se), S = b * Math.sin(se);
 	return {
@@ -351,7 +356,7 @@ function ve(e, t) {
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var ye = Symbol.for("pv"), be = 0;
 Array.isArray;
-function L(t, n, r, i, a, o) {
+function R(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -373,11 +378,11 @@ function L(t, n, r, i, a, o) {
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var xe = [100, 84];
-function R(e, t) {
-	return [e * xe[0], t * xe[1]];
+var z = [100, 84];
+function B(e, t) {
+	return [e * z[0], t * z[1]];
 }
-var z = 18;
+var xe = 18;
 function Se(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
@@ -385,7 +390,7 @@ function Se(e, t) {
 	}).join("");
 }
 function Ce(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => he(e, 9))), a = (e) => r(e).reduce((e, t) => e + he(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * z / 2 : 0, l = o ? c - 15 : 4;
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => he(e, 9))), a = (e) => r(e).reduce((e, t) => e + he(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * xe / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -403,7 +408,7 @@ function we(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * z]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * xe]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
@@ -459,53 +464,53 @@ function ke(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Ae = class extends x {
+var Ae = class extends S {
 	shouldComponentUpdate(e) {
 		return ke(e, this.props);
 	}
 	render(e) {
 		let [t, n] = Ee(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ee(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = de(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ L("g", {
+		return /* @__PURE__ */ R("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "reach",
 					...De([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ L("line", {
+				e.flow !== 0 && /* @__PURE__ */ R("line", {
 					class: "power",
 					...De(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line",
 					...De([a.tail, a.head])
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line barb",
 					...De(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
 					...De(fe(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
 					...De(fe(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ L("path", {
+				o?.conflict && /* @__PURE__ */ R("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("text", {
+				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
 					class: "value",
 					...Oe(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ L("text", {
+				}), /* @__PURE__ */ R("text", {
 					class: "value",
 					...Oe(a, -1),
 					children: e.rate
@@ -561,7 +566,7 @@ function Me(e, t, n) {
 		anchor: "start"
 	};
 }
-var Ne = class extends x {
+var Ne = class extends S {
 	shouldComponentUpdate(e) {
 		return ke(e, this.props);
 	}
@@ -588,13 +593,13 @@ var Ne = class extends x {
 				text: `port ${t.outside.join(", ")}`
 			}] : []
 		], c = Me(e, i, s.length), l = ge * 19 / 2, u = Ce(t, e.ports);
-		return /* @__PURE__ */ L("g", {
+		return /* @__PURE__ */ R("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ L(b, { children: [
-					/* @__PURE__ */ L("rect", {
+				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -602,42 +607,42 @@ var Ne = class extends x {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ R("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...we(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
+					[...we(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ R("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ R("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ L("text", {
+							/* @__PURE__ */ R("text", {
 								...je(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ L(b, { children: [
-					/* @__PURE__ */ L("rect", {
+				] }) : /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ L("rect", {
+					r && /* @__PURE__ */ R("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -645,43 +650,43 @@ var Ne = class extends x {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ R("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ L("text", {
+					r && /* @__PURE__ */ R("text", {
 						class: "subscript",
 						x: he(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ L("text", {
+				s.map((e, t) => /* @__PURE__ */ R("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ L("g", {
+				e.selected && /* @__PURE__ */ R("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ R("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ R("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -1050,8 +1055,8 @@ function Ve(e, t) {
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/canvas.tsx
-var He = class extends x {
-	svg = y();
+var He = class extends S {
+	svg = b();
 	state = {
 		sight: {
 			x: 60,
@@ -1107,12 +1112,12 @@ var He = class extends x {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = R(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = B(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = R(i[0].x, i[0].y);
+				let [e, t] = B(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1139,7 +1144,7 @@ var He = class extends x {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * xe[0]), i = e.map((e) => e.y * xe[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1338,7 +1343,7 @@ var He = class extends x {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / xe[0], r = e.y + n[1] / xe[1];
+						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1347,7 +1352,7 @@ var He = class extends x {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = R(t.x, t.y);
+						let [r, i] = B(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
@@ -1441,14 +1446,14 @@ var He = class extends x {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / xe[0] * 4) / 4, Math.round(a / xe[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = R(e.x, e.y);
+			let [t, n] = B(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1473,12 +1478,12 @@ var He = class extends x {
 		let m = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Se(e, p));
 		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ L("div", {
+		return /* @__PURE__ */ R("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ L("svg", {
+				/* @__PURE__ */ R("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1491,19 +1496,19 @@ var He = class extends x {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
+						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
 							id: "dots",
-							width: xe[0] / 4,
-							height: xe[1] / 4,
+							width: z[0] / 4,
+							height: z[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ L("circle", {
+							children: /* @__PURE__ */ R("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ L("marker", {
+						}), /* @__PURE__ */ R("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1511,25 +1516,25 @@ var He = class extends x {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ L("path", {
+							children: /* @__PURE__ */ R("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ L("rect", {
+						n.k > .45 && /* @__PURE__ */ R("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ L("g", {
+						/* @__PURE__ */ R("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
 									let [r, i] = [c.get(e.from), c.get(e.to)], a = de(Te(t, u(t), r, h(t.name)), Te(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ L("line", {
+									return /* @__PURE__ */ R("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1538,9 +1543,9 @@ var He = class extends x {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
+								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
 									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ L(Ae, {
+									return /* @__PURE__ */ R(Ae, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1560,7 +1565,7 @@ var He = class extends x {
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ne, {
+								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Ne, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1570,11 +1575,11 @@ var He = class extends x {
 									target: v === t.name || e.bondFrom === t.name,
 									taken: [...ve(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ L(Ue, {
+								r?.kind === "wire" && /* @__PURE__ */ R(Ue, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ L("rect", {
+								r?.kind === "box" && /* @__PURE__ */ R("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1585,7 +1590,7 @@ var He = class extends x {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+				r?.kind === "wire" && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1596,11 +1601,11 @@ var He = class extends x {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(We, {
+				e.instant && /* @__PURE__ */ R(We, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ L("div", {
+				e.bondFrom && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1612,22 +1617,22 @@ var He = class extends x {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ R("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1635,23 +1640,23 @@ var He = class extends x {
 						})
 					]
 				}),
-				/* @__PURE__ */ L(Je, {
+				/* @__PURE__ */ R(Je, {
 					state: e,
 					sight: n
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(b, { children: [" › ", /* @__PURE__ */ L("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+						!a.view.editable && /* @__PURE__ */ R("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1663,7 +1668,7 @@ var He = class extends x {
 	}
 };
 function Ue({ from: e, to: t }) {
-	return /* @__PURE__ */ L("line", {
+	return /* @__PURE__ */ R("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1673,11 +1678,11 @@ function Ue({ from: e, to: t }) {
 }
 function We({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
@@ -1690,14 +1695,14 @@ function We({ store: e, state: t }) {
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ L("b", { children: i.kind }),
+			/* @__PURE__ */ R("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ R("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1726,47 +1731,47 @@ function Je({ state: e, sight: t }) {
 	let n = e.look.view.nodes;
 	if (n.length < 25) return null;
 	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / xe[0],
-		y: -t.y / t.k / xe[1]
+		x: -t.x / t.k / z[0],
+		y: -t.y / t.k / z[1]
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ R("svg", {
 		class: "minimap",
 		viewBox: `${a} ${o} ${s} ${c}`,
 		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ L("circle", {
+		children: [n.map((e) => /* @__PURE__ */ R("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: s / 90
-		})), /* @__PURE__ */ L("rect", {
+		})), /* @__PURE__ */ R("rect", {
 			x: l.x,
 			y: l.y,
-			width: 900 / t.k / xe[0],
-			height: 500 / t.k / xe[1]
+			width: 900 / t.k / z[0],
+			height: 500 / t.k / z[1]
 		})]
 	});
 }
 // node_modules/preact/hooks/dist/hooks.mjs
-var Ye, B, Xe, Ze, Qe = Object.is, $e = 0, et = [], tt = [], nt = e, rt = nt.__b, it = nt.__r, at = nt.diffed, ot = nt.__c, st = nt.unmount, ct = nt.__;
-function lt(e, t) {
-	nt.__h && nt.__h(B, e, $e || t), $e = 0;
-	var n = B.__H || (B.__H = {
+var Ye, V, Xe, Ze, Qe = Object.is, $e = 0, et = [], tt = [], H = e, nt = H.__b, rt = H.__r, it = H.diffed, at = H.__c, ot = H.unmount, st = H.__;
+function ct(e, t) {
+	H.__h && H.__h(V, e, $e || t), $e = 0;
+	var n = V.__H || (V.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function V(e) {
+function lt(e) {
 	return $e = 1, ut(xt, e);
 }
 function ut(e, t, n) {
-	var r = lt(Ye++, 2);
+	var r = ct(Ye++, 2);
 	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
 		Qe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = B, !B.__f)) {
-		B.__f = !0;
-		var i = B.shouldComponentUpdate;
-		B.shouldComponentUpdate = function(e, t, n) {
+	}], r.__c = V, !V.__f)) {
+		V.__f = !0;
+		var i = V.shouldComponentUpdate;
+		V.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
@@ -1782,8 +1787,8 @@ function ut(e, t, n) {
 	return r.__;
 }
 function dt(e, t) {
-	var n = lt(Ye++, 3);
-	!nt.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+	var n = ct(Ye++, 3);
+	!H.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, V.__H.__h.push(n));
 }
 function ft(e) {
 	return $e = 5, pt(function() {
@@ -1791,7 +1796,7 @@ function ft(e) {
 	}, []);
 }
 function pt(e, t) {
-	var n = lt(Ye++, 7);
+	var n = ct(Ye++, 7);
 	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
 function mt() {
@@ -1800,35 +1805,35 @@ function mt() {
 		for (; e = tt.shift();) try {
 			vt(e);
 		} catch (t) {
-			nt.__e(t, { __: (e = e.__P) && e.__v });
+			H.__e(t, { __: (e = e.__P) && e.__v });
 		}
 		for (; e = et.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
 				t.__h.some(vt), t.__h.some(yt), t.__h = [];
 			} catch (n) {
-				t.__h = [], nt.__e(n, e.__v);
+				t.__h = [], H.__e(n, e.__v);
 			}
 		}
 	} while (tt.length);
 }
-nt.__b = function(e) {
-	B = null, rt && rt(e);
-}, nt.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ct && ct(e, t);
-}, nt.__r = function(e) {
-	it && it(e), Ye = 0;
-	var t = (B = e.__c).__H;
-	t && (Xe == B ? B.__h = [] : (t.__h.some(vt), t.__h.some(yt), Ye = 0), t.__h = [], t.__.some(function(e) {
+H.__b = function(e) {
+	V = null, nt && nt(e);
+}, H.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), st && st(e, t);
+}, H.__r = function(e) {
+	rt && rt(e), Ye = 0;
+	var t = (V = e.__c).__H;
+	t && (Xe == V ? V.__h = [] : (t.__h.some(vt), t.__h.some(yt), Ye = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Xe = B;
-}, nt.diffed = function(e) {
-	at && at(e);
+	})), Xe = V;
+}, H.diffed = function(e) {
+	it && it(e);
 	var t = e.__c;
 	t && t.__H && (t.__H.__h.length && _t(et.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Xe = B = null;
-}, nt.__c = function(e, t) {
+	})), Xe = V = null;
+}, H.__c = function(e, t) {
 	t.some(function(e) {
 		try {
 			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
@@ -1839,9 +1844,9 @@ nt.__b = function(e) {
 				throw t;
 			}];
 		}
-	}), ot && ot(e, t);
-}, nt.unmount = function(e) {
-	st && st(e);
+	}), at && at(e, t);
+}, H.unmount = function(e) {
+	ot && ot(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1855,7 +1860,7 @@ nt.__b = function(e) {
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && nt.__e(t, r.__v));
+	}), r.__H = void 0, t && H.__e(t, r.__v));
 };
 var ht = typeof requestAnimationFrame == "function";
 function gt(e) {
@@ -1865,15 +1870,15 @@ function gt(e) {
 	ht && (t = requestAnimationFrame(n));
 }
 function _t(e) {
-	e != 1 && Ze == nt.requestAnimationFrame || ((Ze = nt.requestAnimationFrame) || gt)(mt);
+	e != 1 && Ze == H.requestAnimationFrame || ((Ze = H.requestAnimationFrame) || gt)(mt);
 }
 function vt(e) {
-	var t = B, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), B = t;
+	var t = V, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), V = t;
 }
 function yt(e) {
-	var t = B;
-	e.__c = e.__(), B = t;
+	var t = V;
+	e.__c = e.__(), V = t;
 }
 function bt(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
@@ -1886,7 +1891,7 @@ function xt(e, t) {
 // src/events.tsx
 var St = 100;
 function Ct({ store: e, state: t }) {
-	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	let [n, r] = lt([]), [i, a] = lt(0), [o, s] = lt(0), c = t.run;
 	dt(() => s(0), [c?.run]), dt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
@@ -1901,15 +1906,15 @@ function Ct({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
@@ -1917,12 +1922,12 @@ function Ct({ store: e, state: t }) {
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
 				class: "warning",
 				children: e
 			})),
-			i > St && /* @__PURE__ */ L("p", { children: [
-				/* @__PURE__ */ L("button", {
+			i > St && /* @__PURE__ */ R("p", { children: [
+				/* @__PURE__ */ R("button", {
 					disabled: o === 0,
 					onClick: () => s(Math.max(0, o - St)),
 					children: "◂"
@@ -1934,27 +1939,27 @@ function Ct({ store: e, state: t }) {
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: o + St >= i,
 					onClick: () => s(o + St),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ L("b", { children: Ve(n.t, "s") }),
+						/* @__PURE__ */ R("b", { children: Ve(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ L("i", { children: n.cause }),
+						/* @__PURE__ */ R("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", wt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", wt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(Tt, {
+				}), n.event === l && /* @__PURE__ */ R(Tt, {
 					store: e,
 					state: t,
 					event: n
@@ -1969,12 +1974,12 @@ function wt(e) {
 }
 function Tt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1986,32 +1991,32 @@ function Tt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ L("p", { children: [
+			/* @__PURE__ */ R("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ L("p", {
+			i.fired.map((e) => /* @__PURE__ */ R("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ L("b", { children: e.machine }),
+					/* @__PURE__ */ R("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ L("code", { children: e.why })
+					/* @__PURE__ */ R("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
 				Object.entries(i.impulses).map(([e, t]) => `${e} = ${ze(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ L("p", { children: [
+			i.energy && /* @__PURE__ */ R("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2021,17 +2026,82 @@ function Tt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+		]
+	});
+}
+// src/formulas.tsx
+var Et = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Dt(e) {
+	if (typeof e == "string") return e;
+	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
+	return v(Et.has(t) ? t : "mrow", {
+		...n,
+		...i
+	}, ...r.map(Dt));
+}
+function Ot({ store: e, state: t }) {
+	let [n, r] = lt("all"), [i, a] = lt(!1), [o, s] = lt(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return dt(() => {
+		let t = !1;
+		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
+			one: n === "mode",
+			mode: l
+		}).then((e) => !t && s(e)).catch((e) => !t && s({ text: String(e.message) })), () => {
+			t = !0;
+		};
+	}, [
+		c.revision,
+		n,
+		u
+	]), /* @__PURE__ */ R("section", {
+		class: "formulas",
+		children: [
+			/* @__PURE__ */ R("div", {
+				class: "row",
+				children: [[
+					["all", "all modes"],
+					["mode", "the mode drawn"],
+					["structure", "structure"]
+				].map(([e, t]) => /* @__PURE__ */ R("button", {
+					"aria-pressed": n === e,
+					onClick: () => r(e),
+					children: t
+				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+					type: "checkbox",
+					checked: i,
+					onChange: (e) => a(e.currentTarget.checked)
+				}), " as text"] })]
+			}),
+			!o && /* @__PURE__ */ R("p", {
+				class: "hint",
+				children: "…"
+			}),
+			o?.formula && !i ? /* @__PURE__ */ R("div", {
+				class: "formula",
+				tabindex: 0,
+				role: "group",
+				"aria-label": "Equations",
+				children: Dt(o.formula)
+			}) : o && /* @__PURE__ */ R("pre", {
+				class: "equations",
+				tabindex: 0,
+				children: o.text
+			}),
+			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
+				class: "hint",
+				children: e
+			}))
 		]
 	});
 }
 // src/fields.tsx
-var Et = 0;
-function Dt(e) {
-	let [t, n] = V(e.value), [r] = V(() => `list${++Et}`), i = ft(!1);
+var kt = 0;
+function At(e) {
+	let [t, n] = lt(e.value), [r] = lt(() => `list${++kt}`), i = ft(!1);
 	return dt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("input", {
+	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2048,20 +2118,20 @@ function Dt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ L("datalist", {
+	}), e.list && /* @__PURE__ */ R("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
 	})] });
 }
-function Ot(e) {
+function jt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var kt = {
+var Mt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, At = {
+}, Nt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2072,25 +2142,25 @@ var kt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function jt({ store: e, state: t }) {
+function Pt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(Ft, {
+	if (r.length === 1) return /* @__PURE__ */ R(Rt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ L("section", { children: [
-			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Dt, {
+		return /* @__PURE__ */ R("section", { children: [
+			/* @__PURE__ */ R("h2", { children: "Bond" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(At, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Mt(e, t, r.key, n)
+				onWrite: (n) => void Ft(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ L("p", { children: [
+			a && /* @__PURE__ */ R("p", { children: [
 				"effort ",
 				Ve(a.e, a.units[0]),
 				", flow ",
@@ -2099,49 +2169,49 @@ function jt({ store: e, state: t }) {
 				" ",
 				a.e === null || a.f === null ? "—" : Ve(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ L("div", {
+	] }), /* @__PURE__ */ R("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ L("button", {
-				onClick: () => Nt(e, r, "y"),
+			/* @__PURE__ */ R("button", {
+				onClick: () => It(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ L("button", {
-				onClick: () => Nt(e, r, "x"),
+			/* @__PURE__ */ R("button", {
+				onClick: () => It(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(Pt, {
+	})] }) : /* @__PURE__ */ R(Lt, {
 		store: e,
 		state: t
 	});
 }
-async function Mt(e, t, n, r) {
+async function Ft(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2156,33 +2226,33 @@ async function Mt(e, t, n, r) {
 		text: r
 	}));
 }
-function Nt(e, t, n) {
+function It(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Pt({ store: e, state: t }) {
+function Lt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Dt, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Model" }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(At, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ L("option", {
+			children: r.map((e) => /* @__PURE__ */ R("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2191,21 +2261,21 @@ function Pt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ L("kbd", { children: "a" }),
+				/* @__PURE__ */ R("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ L("kbd", { children: "b" }),
+				/* @__PURE__ */ R("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function Ft({ store: e, state: t, node: n }) {
+function Rt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2219,66 +2289,66 @@ function Ft({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Dt, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(At, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(It, {
+		!s && n.kind !== "part" && /* @__PURE__ */ R(zt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		kt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Dt, {
+		Mt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(At, {
 			label: `Start value ${e}`,
-			value: zt(i[e]),
+			value: Ht(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Ot(t))
+			onWrite: (t) => a([e], jt(t))
 		})] })),
-		s && /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+		s && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ L("option", {
+				}), /* @__PURE__ */ R("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
 				disabled: r,
-				value: zt(i.law),
+				value: Ht(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(At[zt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
+			(Nt[Ht(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(At, {
 				label: e,
-				value: zt(i[e]),
+				value: Ht(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Ot(t))
+				onWrite: (t) => a([e], jt(t))
 			})] })),
-			/* @__PURE__ */ L(Lt, {
+			/* @__PURE__ */ R(Bt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ L(b, { children: [
-			c && /* @__PURE__ */ L("p", {
+		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
+			c && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2287,41 +2357,41 @@ function Ft({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
+				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(At, {
 					label: e,
-					value: zt(t),
+					value: Ht(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Ot(t))
+					onWrite: (t) => a(["parameters", e], jt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Dt, {
+			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(At, {
 				label: `Input ${e}`,
-				value: zt(i.inputs?.[e]),
+				value: Ht(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Bt(t),
-				onWrite: (t) => a(["inputs", e], Ot(t))
+				list: Ut(t),
+				onWrite: (t) => a(["inputs", e], jt(t))
 			})] })),
-			n.known && /* @__PURE__ */ L("button", {
+			n.known && /* @__PURE__ */ R("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ L("div", {
+		/* @__PURE__ */ R("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2330,11 +2400,11 @@ function Ft({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function It({ node: e, off: t, set: n }) {
+function zt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Dt, {
+		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(At, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2342,31 +2412,31 @@ function It({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Dt, {
+	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(At, {
 		label: "Value",
 		first: !0,
-		value: zt(r),
+		value: Ht(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Ot(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : jt(t) ?? 1);
 		}
 	})] });
 }
-function Lt({ store: e, state: t, node: n }) {
+function Bt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Rt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Vt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2379,14 +2449,14 @@ function Lt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Rt(e, t) {
+function Vt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function zt(e) {
+function Ht(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Bt(e) {
+function Ut(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2394,7 +2464,7 @@ function Bt(e) {
 	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
 }
 // src/machines.tsx
-function Vt(e) {
+function Wt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2402,19 +2472,19 @@ function Vt(e) {
 		guard: t[3]
 	} : null;
 }
-function Ht({ store: e, state: t }) {
+function Gt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L(Ut, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ R(Kt, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ L("button", {
+		n.view.editable && /* @__PURE__ */ R("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Rt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Vt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2430,23 +2500,23 @@ function Ht({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				/* @__PURE__ */ R("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				/* @__PURE__ */ R("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ L("code", { children: "x" }),
+				/* @__PURE__ */ R("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				/* @__PURE__ */ R("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Ut({ store: e, state: t, name: n, machine: r }) {
+function Kt({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2455,13 +2525,13 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 		...r,
 		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
 	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(Dt, {
+				children: [/* @__PURE__ */ R(At, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2470,7 +2540,7 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ L("button", {
+				}), !a && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2481,15 +2551,15 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(Wt, {
+			/* @__PURE__ */ R(qt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ L("div", {
+			c.map((e) => /* @__PURE__ */ R("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2501,7 +2571,7 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ L(Dt, {
+					/* @__PURE__ */ R(At, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2519,17 +2589,17 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Vt(t);
+									let r = Wt(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ R("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(Dt, {
+					/* @__PURE__ */ R(At, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2546,43 +2616,43 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Vt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ L("div", {
+				let i = Wt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ R("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ L(b, { children: [
-						/* @__PURE__ */ L("select", {
+					children: [i ? /* @__PURE__ */ R(x, { children: [
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ L("select", {
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(Dt, {
+						/* @__PURE__ */ R(At, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							list: Bt(t),
+							list: Ut(t),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ L("span", {
+						/* @__PURE__ */ R("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(Dt, {
+					] }) : /* @__PURE__ */ R(At, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ L("button", {
+					}), !a && /* @__PURE__ */ R("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2590,21 +2660,21 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ L("div", {
+			!a && /* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Rt(c, "state")]: []
+							[Vt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Vt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Wt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2616,18 +2686,18 @@ function Ut({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Wt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Vt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ L("div", {
+function qt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Wt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ R("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ L("svg", {
+		children: /* @__PURE__ */ R("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2635,26 +2705,26 @@ function Wt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ L("path", {
+					children: /* @__PURE__ */ R("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
+						children: /* @__PURE__ */ R("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
-					}), /* @__PURE__ */ L("text", {
+						children: /* @__PURE__ */ R("title", { children: e.guard })
+					}), /* @__PURE__ */ R("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2662,7 +2732,7 @@ function Wt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ L("g", {
+				r.map((r) => /* @__PURE__ */ R("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2671,20 +2741,20 @@ function Wt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ L("rect", {
+						/* @__PURE__ */ R("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ L("text", {
+						/* @__PURE__ */ R("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ L("circle", {
+						r === e.start && /* @__PURE__ */ R("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2696,23 +2766,23 @@ function Wt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/panels.tsx
-function Gt({ store: e, state: t }) {
+function Jt({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(qt, {
+		return /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ R(Xt, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ L("button", {
+			!r && /* @__PURE__ */ R("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2723,53 +2793,53 @@ function Gt({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Rt(t, e)], s);
+					a([i, Vt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ L("section", { children: [
+	return /* @__PURE__ */ R("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ L(b, { children: [
-			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
+		!t.level && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: "Run" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(At, {
 				label: "Until",
-				value: zt(i.until),
+				value: Ht(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Ot(e))
+				onWrite: (e) => void a(["experiment", "until"], jt(e))
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
-				value: zt(i.solver),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
+				value: Ht(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Dt, {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(At, {
 				label: "Relative tolerance",
-				value: zt(i.rtol),
+				value: Ht(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Ot(e))
+				onWrite: (e) => void a(["experiment", "rtol"], jt(e))
 			})] })
 		] })
 	] });
 }
-var Kt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function qt({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Kt.exec(zt(i)) : null, [c] = V(() => s && Number(s[1]) || 1);
-	return /* @__PURE__ */ L("div", {
+var Yt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function Xt({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Yt.exec(Ht(i)) : null, [c] = lt(() => s && Number(s[1]) || 1);
+	return /* @__PURE__ */ R("div", {
 		class: "entry",
 		"data-entry": r,
-		children: [/* @__PURE__ */ L("label", { children: [
-			/* @__PURE__ */ L(Dt, {
+		children: [/* @__PURE__ */ R("label", { children: [
+			/* @__PURE__ */ R(At, {
 				label: `Name ${r}`,
 				value: r,
 				disabled: a,
@@ -2779,23 +2849,23 @@ function qt({ store: e, state: t, section: n, name: r, value: i }) {
 					new: t.trim()
 				})
 			}),
-			o ? /* @__PURE__ */ L(Dt, {
+			o ? /* @__PURE__ */ R(At, {
 				label: r,
-				value: zt(i),
+				value: Ht(i),
 				disabled: a,
-				list: n === "signals" ? Bt(t) : void 0,
+				list: n === "signals" ? Ut(t) : void 0,
 				onWrite: (t) => void e.edit({
 					do: "set",
 					path: [n, r],
-					value: Ot(t)
+					value: jt(t)
 				})
-			}) : /* @__PURE__ */ L(Jt, {
+			}) : /* @__PURE__ */ R(Zt, {
 				store: e,
 				path: [n, r],
 				value: i,
 				off: a
 			}),
-			!a && /* @__PURE__ */ L("button", {
+			!a && /* @__PURE__ */ R("button", {
 				class: "small",
 				"aria-label": `Delete ${r}`,
 				onClick: () => void e.edit({
@@ -2805,7 +2875,7 @@ function qt({ store: e, state: t, section: n, name: r, value: i }) {
 				}),
 				children: "✕"
 			})
-		] }), s && !a && /* @__PURE__ */ L("input", {
+		] }), s && !a && /* @__PURE__ */ R("input", {
 			type: "range",
 			"aria-label": `Slider ${r}`,
 			min: -1,
@@ -2823,20 +2893,20 @@ function qt({ store: e, state: t, section: n, name: r, value: i }) {
 		})]
 	});
 }
-function Jt({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ L("span", {
+function Zt({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ R("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(Jt, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(Zt, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Dt, {
+		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(At, {
 			label: `${t.join(" ")} ${n}`,
-			value: zt(i),
+			value: Ht(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Ot(r);
+				let i = jt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -2849,58 +2919,58 @@ function Jt({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function Yt({ store: e, state: t }) {
+function Qt({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
-		/* @__PURE__ */ L("ul", {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
+		/* @__PURE__ */ R("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ L("li", {
+			children: n.map((t) => /* @__PURE__ */ R("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ R("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ L("b", { children: t.code }),
+						/* @__PURE__ */ R("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ L("i", { children: t.where }),
-						/* @__PURE__ */ L("span", { children: t.why }),
-						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ R("i", { children: t.where }),
+						/* @__PURE__ */ R("span", { children: t.why }),
+						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function Xt({ store: e, state: t }) {
+function $t({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "Elements" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ R("h2", { children: "Elements" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -2908,9 +2978,9 @@ function Xt({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ L("td", { children: [
+						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ R("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -2919,26 +2989,26 @@ function Xt({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ L("h2", { children: "Bonds" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ R("h2", { children: "Bonds" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -2946,16 +3016,16 @@ function Xt({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function Zt({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+function en({ store: e, state: t }) {
+	let [n, r] = lt(null), [i, a] = lt(null), o = t.look.revision;
 	dt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
@@ -2965,15 +3035,15 @@ function Zt({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: [
+			/* @__PURE__ */ R("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ L("textarea", {
+			/* @__PURE__ */ R("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -2982,13 +3052,13 @@ function Zt({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -2997,21 +3067,8 @@ function Zt({ store: e, state: t }) {
 		]
 	});
 }
-function Qt({ store: e, state: t }) {
-	let [n, r] = V("…"), i = t.look.revision;
-	return dt(() => {
-		let t = !1;
-		return e.transport.ask("equations").then((e) => !t && r(e.text)).catch((e) => !t && r(String(e.message))), () => {
-			t = !0;
-		};
-	}, [i]), /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: "Equations of all modes" }), /* @__PURE__ */ L("pre", {
-		class: "equations",
-		tabindex: 0,
-		children: n
-	})] });
-}
 // src/palette.tsx
-function $t(e) {
+function tn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3034,20 +3091,20 @@ function $t(e) {
 		parts: r
 	};
 }
-function en({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = $t(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function nn({ store: e, state: t }) {
+	let [n, r] = lt(""), { kinds: i, parts: a } = tn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ L("aside", {
+	return /* @__PURE__ */ R("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ L("button", {
+				children: i.map((e) => /* @__PURE__ */ R("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3058,27 +3115,27 @@ function en({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ L("details", {
+					return n.length ? /* @__PURE__ */ R("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ L("summary", { children: [
+						children: [/* @__PURE__ */ R("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ L("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							/* @__PURE__ */ R("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ R("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3094,8 +3151,8 @@ function en({ store: e, state: t }) {
 		]
 	});
 }
-function tn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = $t(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function rn({ store: e, state: t }) {
+	let [n, r] = lt(""), { kinds: i, parts: a } = tn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3112,11 +3169,11 @@ function tn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ R("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3125,10 +3182,10 @@ function tn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("b", { children: e.letters }),
+				/* @__PURE__ */ R("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3136,10 +3193,10 @@ function tn({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var nn = !0, rn = "uplot", an = "u-hz", on = "u-vt", sn = "u-title", cn = "u-wrap", ln = "u-under", un = "u-over", dn = "u-axis", fn = "u-off", pn = "u-select", mn = "u-cursor-x", hn = "u-cursor-y", gn = "u-cursor-pt", _n = "u-legend", vn = "u-live", yn = "u-inline", bn = "u-series", xn = "u-marker", Sn = "u-label", Cn = "u-value", wn = "width", Tn = "height", En = "top", Dn = "bottom", On = "left", kn = "right", An = "#000", jn = "#0000", Mn = "mousemove", Nn = "mousedown", Pn = "mouseup", Fn = "mouseenter", In = "mouseleave", Ln = "dblclick", Rn = "resize", zn = "scroll", H = "change", Bn = "dppxchange", Vn = "--", U = typeof window < "u", Hn = U ? document : null, Un = U ? window : null, Wn = U ? navigator : null, W, Gn;
+var an = !0, on = "uplot", sn = "u-hz", cn = "u-vt", ln = "u-title", un = "u-wrap", dn = "u-under", fn = "u-over", pn = "u-axis", mn = "u-off", hn = "u-select", gn = "u-cursor-x", _n = "u-cursor-y", vn = "u-cursor-pt", yn = "u-legend", bn = "u-live", xn = "u-inline", Sn = "u-series", Cn = "u-marker", wn = "u-label", Tn = "u-value", En = "width", Dn = "height", On = "top", kn = "bottom", An = "left", jn = "right", U = "#000", Mn = "#0000", Nn = "mousemove", Pn = "mousedown", Fn = "mouseup", In = "mouseenter", Ln = "mouseleave", Rn = "dblclick", W = "resize", zn = "scroll", Bn = "change", Vn = "dppxchange", Hn = "--", G = typeof window < "u", Un = G ? document : null, Wn = G ? window : null, Gn = G ? navigator : null, K, q;
 function Kn() {
 	let e = devicePixelRatio;
-	W != e && (W = e, Gn && ar(H, Gn, Kn), Gn = matchMedia(`(min-resolution: ${W - .001}dppx) and (max-resolution: ${W + .001}dppx)`), ir(H, Gn, Kn), Un.dispatchEvent(new CustomEvent(Bn)));
+	K != e && (K = e, q && or(Bn, q, Kn), q = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), ar(Bn, q, Kn), Wn.dispatchEvent(new CustomEvent(Vn)));
 }
 function qn(e, t) {
 	if (t != null) {
@@ -3151,11 +3208,11 @@ function Jn(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function G(e, t, n) {
+function J(e, t, n) {
 	e.style[t] = n + "px";
 }
 function Yn(e, t, n, r) {
-	let i = Hn.createElement(e);
+	let i = Un.createElement(e);
 	return t != null && qn(i, t), n?.insertBefore(i, r), i;
 }
 function Xn(e, t) {
@@ -3164,37 +3221,37 @@ function Xn(e, t) {
 var Zn = /* @__PURE__ */ new WeakMap();
 function Qn(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != Zn.get(e) && (e.style.transform = a, Zn.set(e, a), t < 0 || n < 0 || t > r || n > i ? qn(e, fn) : Jn(e, fn));
+	a != Zn.get(e) && (e.style.transform = a, Zn.set(e, a), t < 0 || n < 0 || t > r || n > i ? qn(e, mn) : Jn(e, mn));
 }
-var K = /* @__PURE__ */ new WeakMap();
-function $n(e, t, n) {
+var $n = /* @__PURE__ */ new WeakMap();
+function er(e, t, n) {
 	let r = t + n;
-	r != K.get(e) && (K.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != $n.get(e) && ($n.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var er = /* @__PURE__ */ new WeakMap();
-function tr(e, t, n, r) {
+var tr = /* @__PURE__ */ new WeakMap();
+function nr(e, t, n, r) {
 	let i = t + "" + n;
-	i != er.get(e) && (er.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != tr.get(e) && (tr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var nr = { passive: !0 }, rr = {
-	...nr,
+var rr = { passive: !0 }, ir = {
+	...rr,
 	capture: !0
 };
-function ir(e, t, n, r) {
-	t.addEventListener(e, n, r ? rr : nr);
-}
 function ar(e, t, n, r) {
-	t.removeEventListener(e, n, nr);
+	t.addEventListener(e, n, r ? ir : rr);
 }
-U && Kn();
 function or(e, t, n, r) {
+	t.removeEventListener(e, n, rr);
+}
+G && Kn();
+function sr(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : J((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Or((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function sr(e) {
+function cr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3208,9 +3265,9 @@ function sr(e) {
 		return [i, a];
 	};
 }
-var cr = (e) => e != null, lr = (e) => e != null && e > 0, ur = sr(cr), dr = sr(lr);
-function fr(e, t, n, r = 0, i = !1) {
-	let a = i ? dr : ur, o = i ? lr : cr;
+var lr = (e) => e != null, ur = (e) => e != null && e > 0, dr = cr(lr), fr = cr(ur);
+function pr(e, t, n, r = 0, i = !1) {
+	let a = i ? fr : dr, o = i ? ur : lr;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3221,106 +3278,106 @@ function fr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? Y, c ?? -Y];
-}
-function pr(e, t, n, r) {
-	let i = Mr(e), a = Mr(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Nr : Pr, s = i == 1 ? J : Or, c = a == 1 ? Or : J, l = s(o(Er(e))), u = c(o(Er(t))), d = jr(n, l), f = jr(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Xr(e, d), t = Yr(t, f)), [e, t];
+	return [s ?? X, c ?? -X];
 }
 function mr(e, t, n, r) {
-	let i = pr(e, t, n, r);
+	let i = Pr(e), a = Pr(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? Fr : Ir, s = i == 1 ? Or : Ar, c = a == 1 ? Ar : Or, l = s(o(Dr(e))), u = c(o(Dr(t))), d = Nr(n, l), f = Nr(n, u);
+	return n == 10 && (l < 0 && (d = Q(d, -l)), u < 0 && (f = Q(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Qr(e, d), t = Zr(t, f)), [e, t];
+}
+function hr(e, t, n, r) {
+	let i = mr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var hr = .1, gr = {
+var gr = .1, _r = {
 	mode: 3,
-	pad: hr
-}, _r = {
+	pad: gr
+}, vr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, vr = {
-	min: _r,
-	max: _r
+}, yr = {
+	min: vr,
+	max: vr
 };
-function yr(e, t, n, r) {
-	return si(n) ? xr(e, t, n) : (_r.pad = n, _r.soft = r ? 0 : null, _r.mode = r ? 3 : 0, xr(e, t, vr));
+function br(e, t, n, r) {
+	return li(n) ? Sr(e, t, n) : (vr.pad = n, vr.soft = r ? 0 : null, vr.mode = r ? 3 : 0, Sr(e, t, yr));
 }
-function q(e, t) {
+function Y(e, t) {
 	return e ?? t;
 }
-function br(e, t, n) {
-	for (t = q(t, 0), n = q(n, e.length - 1); t <= n;) {
+function xr(e, t, n) {
+	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function xr(e, t, n) {
-	let r = n.min, i = n.max, a = q(r.pad, 0), o = q(i.pad, 0), s = q(r.hard, -Y), c = q(i.hard, Y), l = q(r.soft, Y), u = q(i.soft, -Y), d = q(r.mode, 0), f = q(i.mode, 0), p = t - e, m = Nr(p), h = Ar(Er(e), Er(t)), g = Er(Nr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Y && (a = 0), f == 2 && u != -Y && (o = 0)));
-	let _ = p || h || 1e3, v = jr(10, J(Nr(_))), y = Z(Xr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Y, x = Ar(s, y < b && e >= b ? b : kr(b, y)), S = Z(Yr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Y, w = kr(c, S > C && t <= C ? C : Ar(C, S));
+function Sr(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -X), c = Y(i.hard, X), l = Y(r.soft, X), u = Y(i.soft, -X), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Fr(p), h = Mr(Dr(e), Dr(t)), g = Dr(Fr(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != X && (a = 0), f == 2 && u != -X && (o = 0)));
+	let _ = p || h || 1e3, v = Nr(10, Or(Fr(_))), y = Q(Qr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : X, x = Mr(s, y < b && e >= b ? b : jr(b, y)), S = Q(Zr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -X, w = jr(c, S > C && t <= C ? C : Mr(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Sr = new Intl.NumberFormat(U ? Wn.language : "en-US"), Cr = (e) => Sr.format(e), wr = Math, Tr = wr.PI, Er = wr.abs, J = wr.floor, Dr = wr.round, Or = wr.ceil, kr = wr.min, Ar = wr.max, jr = wr.pow, Mr = wr.sign, Nr = wr.log10, Pr = wr.log2, Fr = (e, t = 1) => wr.sinh(e) * t, Ir = (e, t = 1) => wr.asinh(e / t), Y = Infinity;
-function Lr(e) {
-	return (Nr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
-}
-function Rr(e, t, n) {
-	return kr(Ar(e, t), n);
-}
+var Cr = new Intl.NumberFormat(G ? Gn.language : "en-US"), wr = (e) => Cr.format(e), Tr = Math, Er = Tr.PI, Dr = Tr.abs, Or = Tr.floor, kr = Tr.round, Ar = Tr.ceil, jr = Tr.min, Mr = Tr.max, Nr = Tr.pow, Pr = Tr.sign, Fr = Tr.log10, Ir = Tr.log2, Lr = (e, t = 1) => Tr.sinh(e) * t, Rr = (e, t = 1) => Tr.asinh(e / t), X = Infinity;
 function zr(e) {
+	return (Fr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function Br(e, t, n) {
+	return jr(Mr(e, t), n);
+}
+function Vr(e) {
 	return typeof e == "function";
 }
-function X(e) {
-	return zr(e) ? e : () => e;
+function Z(e) {
+	return Vr(e) ? e : () => e;
 }
-var Br = () => {}, Vr = (e) => e, Hr = (e, t) => t, Ur = (e) => null, Wr = (e) => !0, Gr = (e, t) => e == t, Kr = /\.\d*?(?=9{6,}|0{6,})/gm, qr = (e) => {
-	if (ii(e) || Zr.has(e)) return e;
-	let t = `${e}`, n = t.match(Kr);
+var Hr = () => {}, Ur = (e) => e, Wr = (e, t) => t, Gr = (e) => null, Kr = (e) => !0, qr = (e, t) => e == t, Jr = /\.\d*?(?=9{6,}|0{6,})/gm, Yr = (e) => {
+	if (oi(e) || $r.has(e)) return e;
+	let t = `${e}`, n = t.match(Jr);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${qr(e)}e${n}`;
+		return +`${Yr(e)}e${n}`;
 	}
-	return Z(e, r);
+	return Q(e, r);
 };
-function Jr(e, t) {
-	return qr(Z(qr(e / t)) * t);
-}
-function Yr(e, t) {
-	return qr(Or(qr(e / t)) * t);
-}
 function Xr(e, t) {
-	return qr(J(qr(e / t)) * t);
+	return Yr(Q(Yr(e / t)) * t);
 }
-function Z(e, t = 0) {
-	if (ii(e)) return e;
+function Zr(e, t) {
+	return Yr(Ar(Yr(e / t)) * t);
+}
+function Qr(e, t) {
+	return Yr(Or(Yr(e / t)) * t);
+}
+function Q(e, t = 0) {
+	if (oi(e)) return e;
 	let n = 10 ** t;
-	return Dr(e * n * (1 + 2 ** -52)) / n;
+	return kr(e * n * (1 + 2 ** -52)) / n;
 }
-var Zr = /* @__PURE__ */ new Map();
-function Qr(e) {
+var $r = /* @__PURE__ */ new Map();
+function ei(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function $r(e, t, n, r) {
-	let i = [], a = r.map(Qr);
+function ti(e, t, n, r) {
+	let i = [], a = r.map(ei);
 	for (let o = t; o < n; o++) {
-		let t = Er(o), n = Z(jr(e, o), t);
+		let t = Dr(o), n = Q(Nr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), Zr.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Q(c, l);
+			i.push(u), $r.set(u, l);
 		}
 	}
 	return i;
 }
-var ei = {}, ti = [], ni = [null, null], ri = Array.isArray, ii = Number.isInteger, ai = (e) => e === void 0;
-function oi(e) {
+var ni = {}, ri = [], ii = [null, null], ai = Array.isArray, oi = Number.isInteger, si = (e) => e === void 0;
+function ci(e) {
 	return typeof e == "string";
 }
-function si(e) {
+function li(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3328,35 +3385,35 @@ function si(e) {
 	}
 	return t;
 }
-function ci(e) {
+function ui(e) {
 	return typeof e == "object" && !!e;
 }
-var li = Object.getPrototypeOf(Uint8Array), ui = "__proto__";
-function di(e, t = si) {
+var di = Object.getPrototypeOf(Uint8Array), fi = "__proto__";
+function pi(e, t = li) {
 	let n;
-	if (ri(e)) {
+	if (ai(e)) {
 		let r = e.find((e) => e != null);
-		if (ri(r) || t(r)) {
+		if (ai(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = di(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = pi(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof li) n = e.slice();
+	} else if (e instanceof di) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ui && (n[r] = di(e[r], t));
+		for (let r in e) r != fi && (n[r] = pi(e[r], t));
 	} else n = e;
 	return n;
 }
-function fi(e) {
+function mi(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ui && (si(e[t]) ? fi(e[t], di(r[t])) : e[t] = di(r[t]));
+		for (let t in r) t != fi && (li(e[t]) ? mi(e[t], pi(r[t])) : e[t] = pi(r[t]));
 	}
 	return e;
 }
-var pi = 0, mi = 1, hi = 2;
-function gi(e, t, n) {
+var hi = 0, gi = 1, _i = 2;
+function vi(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3365,11 +3422,11 @@ function gi(e, t, n) {
 		}
 	}
 }
-function _i(e, t) {
-	if (bi(e)) {
+function yi(e, t) {
+	if (Si(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return xi(t[0]) || (t = yi(t)), t;
+		return Ci(t[0]) || (t = xi(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3381,18 +3438,18 @@ function _i(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : mi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : gi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != pi && (l[n] = t, u == hi && d.push(n)) : l[n] = t;
+				t === null ? u != hi && (l[n] = t, u == _i && d.push(n)) : l[n] = t;
 			}
-			gi(l, d, i), r.push(l);
+			vi(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var vi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function yi(e) {
+var bi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function xi(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3404,7 +3461,7 @@ function yi(e) {
 	}
 	return i;
 }
-function bi(e) {
+function Si(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3415,14 +3472,14 @@ function bi(e) {
 	}
 	return !0;
 }
-function xi(e, t = 100) {
+function Ci(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Ar(1, J((i - r + 1) / t));
+	let a = Mr(1, Or((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3432,7 +3489,7 @@ function xi(e, t = 100) {
 	}
 	return !0;
 }
-var Si = [
+var wi = [
 	"January",
 	"February",
 	"March",
@@ -3445,7 +3502,7 @@ var Si = [
 	"October",
 	"November",
 	"December"
-], Ci = [
+], Ti = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3454,33 +3511,33 @@ var Si = [
 	"Friday",
 	"Saturday"
 ];
-function wi(e) {
+function Ei(e) {
 	return e.slice(0, 3);
 }
-var Ti = Ci.map(wi), Ei = {
-	MMMM: Si,
-	MMM: Si.map(wi),
-	WWWW: Ci,
-	WWW: Ti
+var Di = Ti.map(Ei), Oi = {
+	MMMM: wi,
+	MMM: wi.map(Ei),
+	WWWW: Ti,
+	WWW: Di
 };
-function Q(e) {
+function ki(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Di(e) {
+function Ai(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Oi = {
+var ji = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Q(e.getMonth() + 1),
+	MM: (e) => ki(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Q(e.getDate()),
+	DD: (e) => ki(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Q(e.getHours()),
+	HH: (e) => ki(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3489,35 +3546,35 @@ var Oi = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Q(e.getMinutes()),
+	mm: (e) => ki(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Q(e.getSeconds()),
+	ss: (e) => ki(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Di(e.getMilliseconds())
+	fff: (e) => Ai(e.getMilliseconds())
 };
-function ki(e, t) {
-	t ||= Ei;
+function Mi(e, t) {
+	t ||= Oi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Oi[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ji[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Ai = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function ji(e, t) {
+var Ni = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Pi(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ai ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ni ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Mi = (e) => e % 1 == 0, Ni = [
+var Fi = (e) => e % 1 == 0, Ii = [
 	1,
 	2,
 	2.5,
 	5
-], Pi = $r(10, -32, 0, Ni), Fi = $r(10, 0, 32, Ni), Ii = Fi.filter(Mi), Li = Pi.concat(Fi), Ri = "\n", zi = "{YYYY}", Bi = Ri + zi, Vi = "{M}/{D}", Hi = Ri + Vi, Ui = Hi + "/{YY}", Wi = "{aa}", Gi = "{h}:{mm}" + Wi, Ki = Ri + Gi, qi = ":{ss}", $ = null;
-function Ji(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? $r(10, 0, 3, Ni).filter(Mi) : $r(10, -3, 0, Ni)).concat([
+], Li = ti(10, -32, 0, Ii), Ri = ti(10, 0, 32, Ii), zi = Ri.filter(Fi), Bi = Li.concat(Ri), Vi = "\n", Hi = "{YYYY}", Ui = Vi + Hi, Wi = "{M}/{D}", Gi = Vi + Wi, Ki = Gi + "/{YY}", qi = "{aa}", Ji = "{h}:{mm}" + qi, Yi = Vi + Ji, Xi = ":{ss}", $ = null;
+function Zi(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ti(10, 0, 3, Ii).filter(Fi) : ti(10, -3, 0, Ii)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -3561,7 +3618,7 @@ function Ji(e) {
 	]), c = [
 		[
 			o,
-			zi,
+			Hi,
 			$,
 			$,
 			$,
@@ -3573,7 +3630,7 @@ function Ji(e) {
 		[
 			i * 28,
 			"{MMM}",
-			Bi,
+			Ui,
 			$,
 			$,
 			$,
@@ -3583,8 +3640,8 @@ function Ji(e) {
 		],
 		[
 			i,
-			Vi,
-			Bi,
+			Wi,
+			Ui,
 			$,
 			$,
 			$,
@@ -3594,10 +3651,10 @@ function Ji(e) {
 		],
 		[
 			r,
-			"{h}" + Wi,
-			Ui,
+			"{h}" + qi,
+			Ki,
 			$,
-			Hi,
+			Gi,
 			$,
 			$,
 			$,
@@ -3605,10 +3662,10 @@ function Ji(e) {
 		],
 		[
 			n,
-			Gi,
-			Ui,
+			Ji,
+			Ki,
 			$,
-			Hi,
+			Gi,
 			$,
 			$,
 			$,
@@ -3616,45 +3673,45 @@ function Ji(e) {
 		],
 		[
 			t,
-			qi,
-			Ui + " " + Gi,
+			Xi,
+			Ki + " " + Ji,
 			$,
-			Hi + " " + Gi,
+			Gi + " " + Ji,
 			$,
-			Ki,
+			Yi,
 			$,
 			1
 		],
 		[
 			e,
-			qi + ".{fff}",
-			Ui + " " + Gi,
+			Xi + ".{fff}",
+			Ki + " " + Ji,
 			$,
-			Hi + " " + Gi,
+			Gi + " " + Ji,
 			$,
-			Ki,
+			Yi,
 			$,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ia(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Q(g * e, 3), v = sa(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Q(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ia(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Dr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Q(sa(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(kr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = ia(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
-					i = Z((+o + s) * e, 3), i <= u && p.push(i);
+					let o = sa(c + r * a, l + n * a, 1), s = o - t(Q(o * e, 3));
+					i = Q((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (J(l) - J(_)) + Yr(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Or(l) - Or(_)) + Zr(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = J(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Q(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = Or(Q(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Z((o - i) / d, 3) * v >= .7 && p.push(o);
+					Q((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -3666,12 +3723,12 @@ function Ji(e) {
 		l
 	];
 }
-var [Yi, Xi, Zi] = Ji(1), [Qi, $i, ea] = Ji(.001);
-$r(2, -53, 53, [1]);
-function ta(e, t) {
+var [Qi, $i, ea] = Zi(1), [ta, na, ra] = Zi(.001);
+ti(2, -53, 53, [1]);
+function ia(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function na(e, t) {
+function aa(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -3680,98 +3737,98 @@ function na(e, t) {
 		});
 	};
 }
-function ra(e, t) {
-	let n = ki(t);
+function oa(e, t) {
+	let n = Mi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function ia(e, t, n) {
+function sa(e, t, n) {
 	return new Date(e, t, n);
 }
-function aa(e, t) {
+function ca(e, t) {
 	return t(e);
 }
-var oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function sa(e, t) {
-	return (n, r, i, a) => a == null ? Vn : t(e(r));
+var la = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function ua(e, t) {
+	return (n, r, i, a) => a == null ? Hn : t(e(r));
 }
-function ca(e, t) {
+function da(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function la(e, t) {
+function fa(e, t) {
 	return e.series[t].fill(e, t);
 }
-var ua = {
+var pa = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: Br,
+	mount: Hr,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: ca,
-		fill: la,
+		stroke: da,
+		fill: fa,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function da(e, t) {
+function ma(e, t) {
 	let n = e.cursor.points, r = Xn(), i = n.size(e, t);
-	G(r, wn, i), G(r, Tn, i);
+	J(r, En, i), J(r, Dn, i);
 	let a = i / -2;
-	G(r, "marginLeft", a), G(r, "marginTop", a);
+	J(r, "marginLeft", a), J(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && G(r, "borderWidth", o), r;
+	return o && J(r, "borderWidth", o), r;
 }
-function fa(e, t) {
+function ha(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function pa(e, t) {
+function ga(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function ma(e, t) {
+function _a(e, t) {
 	return e.series[t].points.size;
 }
-var ha = [0, 0];
-function ga(e, t, n) {
-	return ha[0] = t, ha[1] = n, ha;
+var va = [0, 0];
+function ya(e, t, n) {
+	return va[0] = t, va[1] = n, va;
 }
-function _a(e, t, n, r = !0) {
+function ba(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function va(e, t, n, r = !0) {
+function xa(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var ya = {
+var Sa = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: ga,
+	move: ya,
 	points: {
 		one: !1,
-		show: da,
-		size: ma,
+		show: ma,
+		size: _a,
 		width: 0,
-		stroke: pa,
-		fill: fa
+		stroke: ga,
+		fill: ha
 	},
 	bind: {
-		mousedown: _a,
-		mouseup: _a,
-		click: _a,
-		dblclick: _a,
-		mousemove: va,
-		mouseleave: va,
-		mouseenter: va
+		mousedown: ba,
+		mouseup: ba,
+		click: ba,
+		dblclick: ba,
+		mousemove: xa,
+		mouseleave: xa,
+		mouseenter: xa
 	},
 	drag: {
 		setScale: !0,
@@ -3801,139 +3858,139 @@ var ya = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, ba = {
+}, Ca = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, xa = fi({}, ba, { filter: Hr }), Sa = fi({}, xa, { size: 10 }), Ca = fi({}, ba, { show: !1 }), wa = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ta = "bold " + wa, Ea = 1.5, Da = {
+}, wa = mi({}, Ca, { filter: Wr }), Ta = mi({}, wa, { size: 10 }), Ea = mi({}, Ca, { show: !1 }), Da = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Oa = "bold " + Da, ka = 1.5, Aa = {
 	show: !0,
 	scale: "x",
-	stroke: An,
+	stroke: U,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ta,
+	labelFont: Oa,
 	side: 2,
-	grid: xa,
-	ticks: Sa,
-	border: Ca,
-	font: wa,
-	lineGap: Ea,
+	grid: wa,
+	ticks: Ta,
+	border: Ea,
+	font: Da,
+	lineGap: ka,
 	rotate: 0
-}, Oa = "Value", ka = "Time", Aa = {
+}, ja = "Value", Ma = "Time", Na = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: Y,
+	min: X,
 	max: -Infinity,
 	idxs: []
 };
-function ja(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Cr(e));
+function Pa(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : wr(e));
 }
-function Ma(e, t, n, r, i, a, o) {
-	let s = [], c = Zr.get(i) || 0;
-	n = o ? n : Z(Yr(n, i), c);
-	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function Fa(e, t, n, r, i, a, o) {
+	let s = [], c = $r.get(i) || 0;
+	n = o ? n : Q(Zr(n, i), c);
+	for (let e = n; e <= r; e = Q(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function Na(e, t, n, r, i, a, o) {
+function Ia(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = jr(c, J((c == 10 ? Nr : Pr)(n))), c == 10 && (i = Li[or(i, Li)]);
+	i = Nr(c, Or((c == 10 ? Fr : Ir)(n))), c == 10 && (i = Bi[sr(i, Bi)]);
 	let l = n, u = i * c;
-	c == 10 && (u = Li[or(u, Li)]);
+	c == 10 && (u = Bi[sr(u, Bi)]);
 	do
-		s.push(l), l += i, c == 10 && !Zr.has(l) && (l = Z(l, Zr.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Li[or(u, Li)]));
+		s.push(l), l += i, c == 10 && !$r.has(l) && (l = Q(l, $r.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Bi[sr(u, Bi)]));
 	while (l <= r);
 	return s;
 }
-function Pa(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Na(e, t, Ar(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? Na(e, t, Ar(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function La(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ia(e, t, Mr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? Ia(e, t, Mr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var Fa = /./, Ia = /[12357]/, La = /[125]/, Ra = /1/, za = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Ba(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Fa : c(7, o) - u >= l ? Ia : c(5, o) - u >= l ? La : Ra;
-	if (d == Ra) {
-		let e = Er(c(1, o) - u);
-		if (e < l) return za(t.slice().reverse(), s.distr, d, Or(l / e)).reverse();
+var Ra = /./, za = /[12357]/, Ba = /[125]/, Va = /1/, Ha = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function Ua(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Ra : c(7, o) - u >= l ? za : c(5, o) - u >= l ? Ba : Va;
+	if (d == Va) {
+		let e = Dr(c(1, o) - u);
+		if (e < l) return Ha(t.slice().reverse(), s.distr, d, Ar(l / e)).reverse();
 	}
-	return za(t, s.distr, d, 1);
+	return Ha(t, s.distr, d, 1);
 }
-function Va(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Er(c(1, o) - c(2, o));
-	return l < s ? za(t.slice().reverse(), 3, Fa, Or(s / l)).reverse() : t;
+function Wa(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Dr(c(1, o) - c(2, o));
+	return l < s ? Ha(t.slice().reverse(), 3, Ra, Ar(s / l)).reverse() : t;
 }
-function Ha(e, t, n, r) {
-	return r == null ? Vn : t == null ? "" : Cr(t);
+function Ga(e, t, n, r) {
+	return r == null ? Hn : t == null ? "" : wr(t);
 }
-var Ua = {
+var Ka = {
 	show: !0,
 	scale: "y",
-	stroke: An,
+	stroke: U,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ta,
+	labelFont: Oa,
 	side: 3,
-	grid: xa,
-	ticks: Sa,
-	border: Ca,
-	font: wa,
-	lineGap: Ea,
+	grid: wa,
+	ticks: Ta,
+	border: Ea,
+	font: Da,
+	lineGap: ka,
 	rotate: 0
 };
-function Wa(e, t) {
-	return Z((3 + (e || 1) * 2) * t, 3);
+function qa(e, t) {
+	return Q((3 + (e || 1) * 2) * t, 3);
 }
-function Ga(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Er(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * W);
+function Ja(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Dr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
 	return r[1] - r[0] <= o;
 }
-var Ka = {
+var Ya = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: Y,
+	min: X,
 	max: -Infinity
-}, qa = (e, t, n, r, i) => i, Ja = {
+}, Xa = (e, t, n, r, i) => i, Za = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: qa,
+	gaps: Xa,
 	alpha: 1,
-	facets: [fi({}, Ka, { scale: "x" }), fi({}, Ka, { scale: "y" })]
-}, Ya = {
+	facets: [mi({}, Ya, { scale: "x" }), mi({}, Ya, { scale: "y" })]
+}, Qa = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: qa,
+	gaps: Xa,
 	alpha: 1,
 	points: {
-		show: Ga,
+		show: Ja,
 		filter: null
 	},
 	values: null,
-	min: Y,
+	min: X,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Xa(e, t, n, r, i) {
+function $a(e, t, n, r, i) {
 	return n / 10;
 }
-var Za = {
-	time: nn,
+var eo = {
+	time: an,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -3942,12 +3999,12 @@ var Za = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Qa = fi({}, Za, {
+}, to = mi({}, eo, {
 	time: !1,
 	ori: 1
-}), $a = {};
-function eo(e, t) {
-	let n = $a[e];
+}), no = {};
+function ro(e, t) {
+	let n = no[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -3960,38 +4017,38 @@ function eo(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && ($a[e] = n)), n;
+	}, e != null && (no[e] = n)), n;
 }
-var to = 1, no = 2;
-function ro(e, t, n) {
+var io = 1, ao = 2;
+function oo(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, po, ho, _o, yo, xo) : n(i, c, l, u, d, _, g, p, f, h, m, mo, go, vo, bo, So);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, go, vo, bo, So, wo) : n(i, c, l, u, d, _, g, p, f, h, m, _o, yo, xo, Co, To);
 }
-function io(e, t) {
-	let n = 0, r = 0, i = q(e.bands, ti);
+function so(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, ri);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function ao(e, t, n, r, i) {
+function co(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function oo(e, t, n, r, i, a) {
-	return ro(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? ho : go, v, y;
+function lo(e, t, n, r, i, a) {
+	return oo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? vo : yo, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function so(e, t, n, r, i, a) {
+function uo(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? _o : vo, c = n;
+		let s = t == 0 ? bo : xo, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4004,11 +4061,11 @@ function so(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function co(e, t, n) {
+function fo(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function lo(e, t, n, r, i, a, o) {
+function po(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4021,11 +4078,11 @@ function lo(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function uo(e) {
-	return e == 0 ? Vr : e == 1 ? Dr : (t) => Jr(t, e);
+function mo(e) {
+	return e == 0 ? Ur : e == 1 ? kr : (t) => Xr(t, e);
 }
-function fo(e) {
-	let t = e == 0 ? po : mo, n = e == 0 ? (e, t, n, r, i, a) => {
+function ho(e) {
+	let t = e == 0 ? go : _o, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4035,36 +4092,36 @@ function fo(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = kr(c, o / 2, s / 2), l = kr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = jr(c, o / 2, s / 2), l = jr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var po = (e, t, n) => {
+var go = (e, t, n) => {
 	e.moveTo(t, n);
-}, mo = (e, t, n) => {
+}, _o = (e, t, n) => {
 	e.moveTo(n, t);
-}, ho = (e, t, n) => {
+}, vo = (e, t, n) => {
 	e.lineTo(t, n);
-}, go = (e, t, n) => {
+}, yo = (e, t, n) => {
 	e.lineTo(n, t);
-}, _o = fo(0), vo = fo(1), yo = (e, t, n, r, i, a) => {
+}, bo = ho(0), xo = ho(1), So = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, bo = (e, t, n, r, i, a) => {
+}, Co = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, xo = (e, t, n, r, i, a, o) => {
+}, wo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, So = (e, t, n, r, i, a, o) => {
+}, To = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Co(e) {
-	return (e, t, n, r, i) => ro(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Eo(e) {
+	return (e, t, n, r, i) => oo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = po, v = yo) : (_ = mo, v = bo);
-		let y = Z(g.width * W, 3), b = (g.size - g.width) / 2 * W, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		_o(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = go, v = So) : (_ = _o, v = Co);
+		let y = Q(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Q(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		bo(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Tr * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Er * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4077,25 +4134,25 @@ function Co(e) {
 		};
 	});
 }
-function wo(e) {
+function Do(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var To = wo(ho), Eo = wo(go);
-function Do(e) {
-	let t = q(e?.alignGaps, 0);
-	return (e, n, r, i) => ro(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = ur(s, r, i);
+var Oo = Do(vo), ko = Do(yo);
+function Ao(e) {
+	let t = Y(e?.alignGaps, 0);
+	return (e, n, r, i) => oo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = dr(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = ho, b = To) : (y = go, b = Eo);
+		c.ori == 0 ? (y = vo, b = Oo) : (y = yo, b = ko);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: to
+			flags: io
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4108,134 +4165,134 @@ function Do(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = io(e, n);
+		let [T, E] = so(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...lo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = so(l, c.ori, f, p, m, h);
+			w && l.push(...po(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = uo(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [oo(e, n, r, i, C, -1), oo(e, n, r, i, C, 1)] : oo(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [lo(e, n, r, i, C, -1), lo(e, n, r, i, C, 1)] : lo(e, n, r, i, C, E)), S;
 	});
 }
-function Oo(e) {
-	let t = q(e.align, 1), n = q(e.ascDesc, !1), r = q(e.alignGaps, 0), i = q(e.extend, !1);
-	return (e, a, o, s) => ro(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = ur(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? ho : go, T = {
+function jo(e) {
+	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
+	return (e, a, o, s) => oo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = dr(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? vo : yo, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: to
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
-		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
+			flags: io
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
+		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
+			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let j = ee;
-		i && t == 1 && (j = b + x, w(E, j, O));
-		let [te, ne] = io(e, a);
-		if (c.fill != null || te != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
-			w(t, j, n), w(t, A, n);
+		let M = A;
+		i && t == 1 && (M = b + x, w(E, M, O));
+		let [ee, te] = so(e, a);
+		if (c.fill != null || ee != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
+			w(t, M, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...lo(l, u, o, s, D, S, r));
-			let f = c.width * W / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...po(l, u, o, s, D, S, r));
+			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = so(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = uo(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [oo(e, a, o, s, E, -1), oo(e, a, o, s, E, 1)] : oo(e, a, o, s, E, ne)), T;
+		return te != 0 && (T.band = te == 2 ? [lo(e, a, o, s, E, -1), lo(e, a, o, s, E, 1)] : lo(e, a, o, s, E, te)), T;
 	});
 }
-function ko(e, t, n, r, i, a, o = Y) {
+function Mo(e, t, n, r, i, a, o = X) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Er(e[c] - e[s]);
-				t < l && (l = t, o = Er(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Dr(e[c] - e[s]);
+				t < l && (l = t, o = Dr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Ao(e) {
-	e ||= ei;
-	let t = q(e.size, [
+function No(e) {
+	e ||= ni;
+	let t = Y(e.size, [
 		.6,
-		Y,
+		X,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = q(t[1], Y), c = q(t[2], 1), l = q(e.disp, ei), u = q(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => ro(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * W, O = s * W, k = c * W, ee, A;
-		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
-		let j = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? _o : vo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = Z(i), o = 1 - t[0], s = Y(t[1], X), c = Y(t[2], 1), l = Y(e.disp, ni), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => oo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
+		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
+		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? bo : xo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = q(e.bands, ti).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * W), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
-			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
+		}, ne = Y(e.bands, ri).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
+		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
+			e != null && ce.set(e, new Path2D());
+		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+			e != null && ue.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = ko(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = ko(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Vr);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(Rr(he, k, O)), N = (E == 0 ? P / 2 : E == j ? 0 : P) - E * j * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: de, size: fe } = l;
+		if (de != null && fe != null) {
+			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = fe.values(e, t, i, p);
+			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Mo(h, g, y, _, C, x, I), ae = I - F + D;
+		} else I = Mo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
+		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = Ur);
+		let pe = ae > 0, me = I - ae - (pe ? L : 0);
+		F = T(Br(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
+		let he = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, ge = oe ? null : new Path2D(), _e = null;
+		if (ne != null) _e = e.data[ne.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
 		}
-		let ye = ee * P, be = A * P;
-		for (let n = j == 1 ? i : p; n >= i && n <= p; n += j) {
+		let ve = A * F, ye = j * F;
+		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (_e != null) {
+				let e = _e[n] ?? 0;
 				if (r - e == 0) continue;
-				M = b(e, v, w, S);
+				N = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(q(r, ae), v, w, S), o = T(i - N), s = T(Ar(a, M)), c = T(kr(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ie), v, w, S), o = T(i - P), s = T(Mr(a, N)), c = T(jr(a, N)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + J(I / 2), P, Ar(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + J(I / 2), P, Ar(0, u - I), i, a)) : te(_e, o, c + J(I / 2), P, Ar(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
+				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + Or(L / 2), F, Mr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + Or(L / 2), F, Mr(0, u - L), i, a)) : ee(ge, o, c + Or(L / 2), F, Mr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
 	});
 }
-function jo(e, t) {
-	let n = q(t?.alignGaps, 0);
-	return (t, r, i, a) => ro(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = ur(c, i, a);
+function Po(e, t) {
+	let n = Y(t?.alignGaps, 0);
+	return (t, r, i, a) => oo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = dr(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = po, S = ho, x = xo) : (b = mo, S = go, x = So);
+		l.ori == 0 ? (b = go, S = vo, x = wo) : (b = _o, S = yo, x = To);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4247,23 +4304,23 @@ function jo(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: to
-		}, k = O.stroke, [ee, A] = io(t, r);
-		if (o.fill != null || ee != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
+			flags: io
+		}, k = O.stroke, [A, j] = so(t, r);
+		if (o.fill != null || A != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...lo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = so(e, l.ori, p, m, h, g);
+			e.push(...po(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = uo(e, l.ori, p, m, h, g);
 		}
-		return A != 0 && (O.band = A == 2 ? [oo(t, r, i, a, k, -1), oo(t, r, i, a, k, 1)] : oo(t, r, i, a, k, A)), O;
+		return j != 0 && (O.band = j == 2 ? [lo(t, r, i, a, k, -1), lo(t, r, i, a, k, 1)] : lo(t, r, i, a, k, j)), O;
 	});
 }
-function Mo(e) {
-	return jo(No, e);
+function Fo(e) {
+	return Po(Io, e);
 }
-function No(e, t, n, r, i, a) {
+function Io(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4278,62 +4335,62 @@ function No(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var Po = /* @__PURE__ */ new Set();
-function Fo() {
-	for (let e of Po) e.syncRect(!0);
+var Lo = /* @__PURE__ */ new Set();
+function Ro() {
+	for (let e of Lo) e.syncRect(!0);
 }
-U && (ir(Rn, Un, Fo), ir(zn, Un, Fo, !0), ir(Bn, Un, () => {
-	Zo.pxRatio = W;
+G && (ar(W, Wn, Ro), ar(zn, Wn, Ro, !0), ar(Vn, Wn, () => {
+	es.pxRatio = K;
 }));
-var Io = Do(), Lo = Co();
-function Ro(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Bo(e, r, t, n));
+var zo = Ao(), Bo = Eo();
+function Vo(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Uo(e, r, t, n));
 }
-function zo(e, t) {
-	return e.map((e, n) => n == 0 ? {} : fi({}, t, e));
+function Ho(e, t) {
+	return e.map((e, n) => n == 0 ? {} : mi({}, t, e));
 }
-function Bo(e, t, n, r) {
-	return fi({}, t == 0 ? n : r, e);
+function Uo(e, t, n, r) {
+	return mi({}, t == 0 ? n : r, e);
 }
-function Vo(e, t, n) {
-	return t == null ? ni : [t, n];
-}
-var Ho = Vo;
-function Uo(e, t, n) {
-	return t == null ? ni : yr(t, n, hr, !0);
-}
-function Wo(e, t, n, r) {
-	return t == null ? ni : pr(t, n, e.scales[r].log, !1);
+function Wo(e, t, n) {
+	return t == null ? ii : [t, n];
 }
 var Go = Wo;
-function Ko(e, t, n, r) {
-	return t == null ? ni : mr(t, n, e.scales[r].log, !1);
+function Ko(e, t, n) {
+	return t == null ? ii : br(t, n, gr, !0);
 }
-var qo = Ko;
-function Jo(e, t, n, r, i) {
-	let a = Ar(Lr(e), Lr(t)), o = t - e, s = or(i / r * o, n);
+function qo(e, t, n, r) {
+	return t == null ? ii : mr(t, n, e.scales[r].log, !1);
+}
+var Jo = qo;
+function Yo(e, t, n, r) {
+	return t == null ? ii : hr(t, n, e.scales[r].log, !1);
+}
+var Xo = Yo;
+function Zo(e, t, n, r, i) {
+	let a = Mr(zr(e), zr(t)), o = t - e, s = sr(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Zr.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? $r.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Yo(e) {
+function Qo(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Dr((n = +r) * W)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = kr((n = +r) * K)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Xo(e) {
+function $o(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * W, 1);
+		let t = Q(e[2] * K, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Zo(e, t, n) {
-	let r = { mode: q(e.mode, 1) }, i = r.mode;
+function es(e, t, n) {
+	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4348,33 +4405,33 @@ function Zo(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Xn(rn);
+	let l = r.root = Xn(on);
 	if (e.id != null && (l.id = e.id), qn(l, e.class), e.title) {
-		let t = Xn(sn, l);
+		let t = Xn(ln, l);
 		t.textContent = e.title;
 	}
-	let u = Yn("canvas"), d = r.ctx = u.getContext("2d"), f = Xn(cn, l);
-	ir("click", f, (e) => {
-		e.target === m && (H != nn || U != An) && Gn.click(r, e);
+	let u = Yn("canvas"), d = r.ctx = u.getContext("2d"), f = Xn(un, l);
+	ar("click", f, (e) => {
+		e.target === m && (U != tn || W != nn) && Bn.click(r, e);
 	}, !0);
-	let p = r.under = Xn(ln, f);
+	let p = r.under = Xn(dn, f);
 	f.appendChild(u);
-	let m = r.over = Xn(un, f);
-	e = di(e);
-	let h = +q(e.pxAlign, 1), g = uo(h);
+	let m = r.over = Xn(fn, f);
+	e = pi(e);
+	let h = +Y(e.pxAlign, 1), g = mo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? Ro(e.series || [], Aa, Ya, !1) : zo(e.series || [null], Ja), y = r.axes = Ro(e.axes || [], Da, Ua, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? Vo(e.series || [], Na, Qa, !1) : Ho(e.series || [null], Za), y = r.axes = Vo(e.axes || [], Aa, Ka, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = X(e.fill || null), e.dir = q(e.dir, -1);
+		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Bt,
-		series: kt
+		axes: zt,
+		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Nr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Ir(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Fr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Rr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4383,30 +4440,30 @@ function Zo(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || ei)[t] || ei;
+			let r = (e.scales || ni)[t] || ni;
 			if (r.from != null) {
 				E(r.from);
-				let e = fi({}, b[r.from], r, { key: t });
+				let e = mi({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = fi({}, t == S ? Za : Qa, r), n.key = t;
-				let e = n.time, a = n.range, o = ri(a);
+				n = b[t] = mi({}, t == S ? eo : to, r), n.key = t;
+				let e = n.time, a = n.range, o = ai(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? gr : {
+					min: a[0] == null ? _r : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? gr : {
+					max: a[1] == null ? _r : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && si(a))) {
+				}, o = !1), !o && li(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? ni : yr(n, r, e);
+					a = (t, n, r) => n == null ? ii : br(n, r, e);
 				}
-				n.range = X(a || (e ? Ho : t == S ? n.distr == 3 ? Go : n.distr == 4 ? qo : Vo : n.distr == 3 ? Wo : n.distr == 4 ? Ko : Uo)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Xa), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Z(a || (e ? Go : t == S ? n.distr == 3 ? Jo : n.distr == 4 ? Xo : Wo : n.distr == 3 ? qo : n.distr == 4 ? Yo : Ko)), n.auto = Z(!o && n.auto), n.clamp = Z(n.clamp || $a), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4416,107 +4473,107 @@ function Zo(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, ee;
-	D.ori == 0 ? (qn(l, an), k = a, ee = o) : (qn(l, on), k = o, ee = a);
-	let A = {};
+	let D = b[S], O = D.distr, k, A;
+	D.ori == 0 ? (qn(l, sn), k = a, A = o) : (qn(l, cn), k = o, A = a);
+	let j = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (A[e] = {
+		(t.min != null || t.max != null) && (j[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let j = e.tzDate || ((e) => new Date(Dr(e / _))), te = e.fmtDate || ki, ne = _ == 1 ? Zi(j) : ea(j), re = na(j, ta(_ == 1 ? Xi : $i, te)), ie = sa(j, aa(oa, te)), ae = [], M = r.legend = fi({}, ua, e.legend), N = r.cursor = fi({}, ya, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
-	if (M.live) {
+	let M = e.tzDate || ((e) => new Date(kr(e / _))), ee = e.fmtDate || Mi, te = _ == 1 ? ea(M) : ra(M), ne = aa(M, ia(_ == 1 ? $i : na, ee)), re = ua(M, ca(la, ee)), ie = [], N = r.legend = mi({}, pa, e.legend), P = r.cursor = mi({}, Sa, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
+	N.idxs = ie, I.width = Z(I.width), I.dash = Z(I.dash), I.stroke = Z(I.stroke), I.fill = Z(I.fill);
+	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
+	if (N.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = Vn;
+		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
+		for (let e in ue) fe[e] = Hn;
 	}
-	if (P) {
-		if (I = Yn("table", _n, l), ce = Yn("tbody", null, I), M.mount(r, I), fe) {
-			se = Yn("thead", null, I, ce);
-			let e = Yn("tr", null, se);
-			for (var me in Yn("th", null, e), de) Yn("th", Sn, e).textContent = me;
-		} else qn(I, yn), M.live && qn(I, vn);
+	if (F) {
+		if (L = Yn("table", yn, l), se = Yn("tbody", null, L), N.mount(r, L), de) {
+			oe = Yn("thead", null, L, se);
+			let e = Yn("tr", null, oe);
+			for (var pe in Yn("th", null, e), ue) Yn("th", wn, e).textContent = pe;
+		} else qn(L, xn), N.live && qn(L, bn);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return ni;
-		let n = [], a = Yn("tr", bn, ce, ce.childNodes[t]);
-		qn(a, e.class), e.show || qn(a, fn);
+	let me = { show: !0 }, he = { show: !1 };
+	function ge(e, t) {
+		if (t == 0 && (de || !N.live || i == 2)) return ii;
+		let n = [], a = Yn("tr", Sn, se, se.childNodes[t]);
+		qn(a, e.class), e.show || qn(a, mn);
 		let o = Yn("th", null, a);
-		if (F.show) {
-			let e = Xn(xn, o);
+		if (I.show) {
+			let e = Xn(Cn, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = I.width(r, t);
+				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
 			}
 		}
-		let s = Xn(Sn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
-			if (N._lock) return;
-			We(t);
+		let s = Xn(wn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
+			if (P._lock) return;
+			Ue(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+			if ((t.ctrlKey || t.metaKey) != N.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && cr(r, e ? r == n ? he : ge : he, !0, Oi.setSeries);
+					r > 0 && rr(r, e ? r == n ? me : he : me, !0, Oi.setSeries);
 				});
-			} else cr(n, { show: !e.show }, !0, Oi.setSeries);
-		}, !1), qe && ye(Fn, o, (t) => {
-			N._lock || (We(t), cr(v.indexOf(e), Cr, !0, Oi.setSeries));
-		}, !1)), de) {
-			let e = Yn("td", Cn, a);
+			} else rr(n, { show: !e.show }, !0, Oi.setSeries);
+		}, !1), Ke && ve(In, o, (t) => {
+			P._lock || (Ue(t), rr(v.indexOf(e), yr, !0, Oi.setSeries));
+		}, !1)), ue) {
+			let e = Yn("td", Tn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (ir(e, t, a[e] = o), ve.set(t, a));
+	let _e = /* @__PURE__ */ new Map();
+	function ve(e, t, n, i = !0) {
+		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
+		o && (ar(e, t, a[e] = o), _e.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (ar(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+	function ye(e, t, n) {
+		let r = _e.get(t) || {};
+		for (let n in r) (e == null || n == e) && (or(n, t, r[n]), delete r[n]);
+		e ?? _e.delete(t);
 	}
-	let L = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let be = 0, R = 0, z = 0, B = 0, xe = 0, Se = 0, Ce = xe, we = Se, Te = z, Ee = B, De = 0, Oe = 0, ke = 0, Ae = 0;
 	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Vt(!1), Pe = !0, Ne = !0, Kt();
+	let je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1;
+	function Le(e, t, n) {
+		(n || e != r.width || t != r.height) && Re(e, t), Bt(!1), Ne = !0, Me = !0, Gt();
 	}
-	function ze(e, t) {
-		r.width = L = R = e, r.height = xe = z = t, Se = Ce = 0, He(), Ue();
+	function Re(e, t) {
+		r.width = be = z = e, r.height = R = B = t, xe = Se = 0, Ve(), He();
 		let n = r.bbox;
-		Oe = n.left = Jr(Se * W, .5), ke = n.top = Jr(Ce * W, .5), Ae = n.width = Jr(R * W, .5), je = n.height = Jr(z * W, .5);
+		De = n.left = Xr(xe * K, .5), Oe = n.top = Xr(Se * K, .5), ke = n.width = Xr(z * K, .5), Ae = n.height = Xr(B * K, .5);
 	}
-	function Be() {
+	function ze() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Rt(t), i = zt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+			let n = Lt(t), i = Rt(t);
+			e = t == 3 || n && i, e || (Re(r.width, r.height), Me = !0);
 		}
 	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
+	function Be({ width: e, height: t }) {
+		Le(e, t);
 	}
-	r.setSize = Ve;
-	function He() {
+	r.setSize = Be;
+	function Ve() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+				c > 0 && (s ? (z -= c, a == 3 ? (xe += c, r = !0) : n = !0) : (B -= c, a == 0 ? (Se += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= at[1] + at[3], Se += at[3], z -= at[2] + at[0], Ce += at[0];
+		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, z -= rt[1] + rt[3], xe += rt[3], B -= rt[2] + rt[0], Se += rt[0];
 	}
-	function Ue() {
-		let e = Se + R, t = Ce + z, n = Se, r = Ce;
+	function He() {
+		let e = xe + z, t = Se + B, n = xe, r = Se;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -4532,13 +4589,13 @@ function Zo(e, t, n) {
 			}
 		});
 	}
-	if (N.dataIdx == null) {
-		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+	if (P.dataIdx == null) {
+		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = X(e.prox), i = e.bias ??= 0;
-		N.dataIdx = (e, a, o, s) => {
+		let r = e.prox = Z(e.prox), i = e.bias ??= 0;
+		P.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? Y, u = l >= 0 && l < Y, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? X, u = l >= 0 && l < X, d = D.ori == 0 ? z : B, f = P.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -4550,177 +4607,177 @@ function Zo(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Er(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Dr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let We = (e) => {
-		N.event = e;
+	let Ue = (e) => {
+		P.event = e;
 	};
-	N.idxs = ae, N._lock = !1;
-	let Ge = N.points;
-	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = fi({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], B = [], Xe = [];
-	function Ze(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return qn(n, gn), qn(n, e.class), Qn(n, -10, -10, R, z), m.insertBefore(n, Ye[t]), n;
+	P.idxs = ie, P._lock = !1;
+	let We = P.points;
+	We.show = Z(We.show), We.size = Z(We.size), We.stroke = Z(We.stroke), We.width = Z(We.width), We.fill = Z(We.fill);
+	let Ge = r.focus = mi({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], V = [];
+	function Xe(e, t) {
+		let n = We.show(r, t);
+		if (n instanceof HTMLElement) return qn(n, vn), qn(n, e.class), Qn(n, -10, -10, z, B), m.insertBefore(n, Je[t]), n;
 	}
-	function Qe(e, t) {
+	function Ze(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? oi(n) ? sa(j, aa(n, te)) : n || ie : n || Ha, e.label = e.label || (t ? ka : Oa);
+			e.value = t ? ci(n) ? ua(M, ca(n, ee)) : n || re : n || Ga, e.label = e.label || (t ? Ma : ja);
 		}
-		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Io || Ur, e.fillTo = X(e.fillTo || ao), e.pxAlign = +q(e.pxAlign, h), e.pxRound = uo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Wa(Ar(1, e.width), 1), n = e.points = fi({}, {
+		if (qe || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || zo || Gr, e.fillTo = Z(e.fillTo || co), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = mo(e.pxAlign), e.stroke = Z(e.stroke || null), e.fill = Z(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = qa(Mr(1, e.width), 1), n = e.points = mi({}, {
 				size: t,
-				width: Ar(1, t * .2),
+				width: Mr(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: Lo,
+				paths: Bo,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
+			n.show = Z(n.show), n.filter = Z(n.filter), n.fill = Z(n.fill), n.stroke = Z(n.stroke), n.paths = Z(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		if (F) {
+			let n = ge(e, t);
+			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
 		}
-		if (oe) {
-			ae.splice(t, 0, null);
+		if (ae) {
+			ie.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Ye.splice(t, 0, n), B.splice(t, 0, 0), Xe.splice(t, 0, 0);
+			qe ? t == 0 && (n = Xe(e, t)) : t > 0 && (n = Xe(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), V.splice(t, 0, 0);
 		}
-		Q("addSeries", t);
+		Ei("addSeries", t);
 	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? Bo(e, t, Aa, Ya) : Bo(e, t, {}, Ja), v.splice(t, 0, e), Qe(v[t], t);
+	function Qe(e, t) {
+		t ??= v.length, e = i == 1 ? Uo(e, t, Na, Qa) : Uo(e, t, {}, Za), v.splice(t, 0, e), Ze(v[t], t);
 	}
-	r.addSeries = $e;
-	function et(e) {
-		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+	r.addSeries = Qe;
+	function $e(e) {
+		if (v.splice(e, 1), F) {
+			N.values.splice(e, 1), le.splice(e, 1);
+			let t = ce.splice(e, 1)[0];
+			ye(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), B.splice(e, 1), Xe.splice(e, 1)), Q("delSeries", e);
+		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), V.splice(e, 1)), Ei("delSeries", e);
 	}
-	r.delSeries = et;
-	let tt = [
+	r.delSeries = $e;
+	let et = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function nt(e, t) {
+	function tt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), ri(e.incrs) && e.incrs.forEach((e) => {
-				!Zr.has(e) && Zr.set(e, Qr(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? Ii : a ? _ == 1 ? Yi : Qi : Li)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Na : i.distr == 4 ? Pa : Ma)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = Z(e.size), e.space = Z(e.space), e.rotate = Z(e.rotate), ai(e.incrs) && e.incrs.forEach((e) => {
+				!$r.has(e) && $r.set(e, ei(e));
+			}), e.incrs = Z(e.incrs || (i.distr == 2 ? zi : a ? _ == 1 ? Qi : ta : Bi)), e.splits = Z(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? Ia : i.distr == 4 ? La : Fa)), e.stroke = Z(e.stroke), e.grid.stroke = Z(e.grid.stroke), e.ticks.stroke = Z(e.ticks.stroke), e.border.stroke = Z(e.border.stroke);
 			let o = e.values;
-			e.values = ri(o) && !ri(o[0]) ? X(o) : a ? ri(o) ? na(j, ta(o, te)) : oi(o) ? ra(j, o) : o || re : o || ja, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ba : i.distr == 3 && i.log == 2 ? Va : Hr)), e.font = Yo(e.font), e.labelFont = Yo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Xn(dn, f));
+			e.values = ai(o) && !ai(o[0]) ? Z(o) : a ? ai(o) ? aa(M, ia(o, ee)) : ci(o) ? oa(M, o) : o || ne : o || Pa, e.filter = Z(e.filter || (i.distr >= 3 && i.log == 10 ? Ua : i.distr == 3 && i.log == 2 ? Wa : Wr)), e.font = Qo(e.font), e.labelFont = Qo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = Xn(pn, f));
 		}
 	}
-	function rt(e, t, n, r) {
+	function H(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Dr(Da.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Dr(Ua.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? kr(Aa.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? kr(Ka.size / 2) : 0), l;
 	}
-	let it = r.padding = (e.padding || [
-		rt,
-		rt,
-		rt,
-		rt
-	]).map((e) => X(q(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, V = null, ut = !1;
-	function dt(e, n) {
+	let nt = r.padding = (e.padding || [
+		H,
+		H,
+		H,
+		H
+	]).map((e) => Z(Y(e, H))), rt = r._padding = nt.map((e, t) => e(r, t, et, 0)), it, at = null, ot = null, st = i == 1 ? v[0].idxs : null, ct = null, lt = !1;
+	function ut(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			ot = 0;
-			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
+			it = 0;
+			for (let e = 1; e < v.length; e++) it += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), V = t[0], ot = V.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), ct = t[0], it = ct.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(ot);
-				for (let e = 0; e < ot; e++) n[e] = e;
+				let n = e[0] = Array(it);
+				for (let e = 0; e < it; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Vt(!0), Q("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Bt(!0), Ei("setData"), O == 2 && (Ne = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ut) ? ft() : sr(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Kt();
+			e.auto(r, lt) ? dt() : tr(S, e.min, e.max), Pe ||= P.left >= 0, Ie = !0, Gt();
 		}
 	}
-	r.setData = dt;
-	function ft() {
-		ut = !0;
+	r.setData = ut;
+	function dt() {
+		lt = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = pr(e, e, D.log, !1) : O == 4 ? [e, n] = mr(e, e, D.log, !1) : D.time ? n = e + Dr(86400 / _) : [e, n] = yr(e, n, hr, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), sr(S, e, n);
+		i == 1 && (it > 0 ? (at = st[0] = 0, ot = st[1] = it - 1, e = t[0][at], n = t[0][ot], O == 2 ? (e = at, n = ot) : e == n && (O == 3 ? [e, n] = mr(e, e, D.log, !1) : O == 4 ? [e, n] = hr(e, e, D.log, !1) : D.time ? n = e + kr(86400 / _) : [e, n] = br(e, n, gr, !0))) : (at = st[0] = e = null, ot = st[1] = n = null)), tr(S, e, n);
 	}
-	let pt, mt, ht, gt, _t, vt, yt, bt, xt, St;
-	function Ct(e, t, n, r, i, a) {
-		e ??= jn, n ??= ti, r ??= "butt", i ??= jn, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != vt && (d.lineCap = vt = r), n != gt && d.setLineDash(gt = n);
+	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
+	function St(e, t, n, r, i, a) {
+		e ??= Mn, n ??= ri, r ??= "butt", i ??= Mn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
-	function wt(e, t, n, r) {
-		t != mt && (d.fillStyle = mt = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
+	function Ct(e, t, n, r) {
+		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
-	function Tt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = q(st, 0), r = q(ct, i.length - 1), o = n.min == null ? fr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = kr(e.min, n.min = o[0]), e.max = Ar(e.max, n.max = o[1]);
+	function wt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, lt) && (t == null || t.min == null)) {
+			let t = Y(at, 0), r = Y(ot, i.length - 1), o = n.min == null ? pr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = jr(e.min, n.min = o[0]), e.max = Mr(e.max, n.max = o[1]);
 		}
 	}
-	let Et = {
+	let Tt = {
 		min: null,
 		max: null
 	};
-	function Dt() {
+	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && (t.min == null || A[S] != null && t.auto(r, ut)) && (A[e] = Et);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, lt)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && t.from != null && A[t.from] != null && (A[e] = Et);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
 		}
-		A[S] != null && Vt(!0);
+		j[S] != null && Bt(!0);
 		let e = {};
-		for (let t in A) {
-			let n = A[t];
+		for (let t in j) {
+			let n = j[t];
 			if (n != null) {
-				let a = e[t] = di(b[t], ci);
-				if (n.min != null) fi(a, n);
+				let a = e[t] = pi(b[t], ui);
+				if (n.min != null) mi(a, n);
 				else if (t != S || i == 2) {
-					if (ot == 0 && a.from == null) {
+					if (it == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = Y, a.max = -Infinity;
+					} else a.min = X, a.max = -Infinity;
 				}
 			}
 		}
-		if (ot > 0) {
+		if (it > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = A[i];
+					let i = n.scale, o = j[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = or(s.min, t[0]), ct = or(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = V[st], n.max = V[ct];
-					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = st, n.idxs[1] = ct;
+						s.min = e[0], s.max = e[1], at = sr(s.min, t[0]), ot = sr(s.max, t[0]), ot - at > 1 && (t[0][at] < s.min && at++, t[0][ot] > s.max && ot--), n.min = ct[at], n.max = ct[ot];
+					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = at, n.idxs[1] = ot;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Tt(u, A[o], r, c, r.sorted), d != null && Tt(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = A[t];
+				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == Y ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == X ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -4742,219 +4799,219 @@ function Zo(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Nr(i.min) : e == 4 ? Ir(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Nr(i.max) : e == 4 ? Ir(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Fr(i.min) : e == 4 ? Rr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Fr(i.max) : e == 4 ? Rr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, Q("setScale", e);
-			oe && N.left >= 0 && (Fe = Le = !0);
+			for (let e in n) Ne = !0, Ei("setScale", e);
+			ae && P.left >= 0 && (Pe = Ie = !0);
 		}
-		for (let e in A) A[e] = null;
+		for (let e in j) j[e] = null;
 	}
-	function Ot(e) {
-		let t = Rr(st - 1, 0, ot - 1), n = Rr(ct + 1, 0, ot - 1);
+	function Dt(e) {
+		let t = Br(at - 1, 0, it - 1), n = Br(ot + 1, 0, it - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < ot - 1;) n++;
+		for (; e[n] == null && n < it - 1;) n++;
 		return [t, n];
 	}
-	function kt() {
-		if (ot > 0) {
-			let e = v.some((e) => e._focus) && St != Ke.alpha;
-			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
-					let a = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
+	function Ot() {
+		if (it > 0) {
+			let e = v.some((e) => e._focus) && xt != Ge.alpha;
+			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
+					let a = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
+					let n = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), jt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, at, ot, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, at, ot, a), At(t, !0));
 					}
-					St != n && (d.globalAlpha = St = n), Q("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), Ei("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = St = 1);
+			}), e && (d.globalAlpha = xt = 1);
 		}
 	}
-	function At(e, t) {
+	function kt(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function jt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * W, 3);
+		l = Q(l * K, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			let e = De - l / 2, t = Oe - l / 2, n = ke + l, r = Ae + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
+	function jt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ei).band;
-				ri(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ni).band;
+				ai(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && br(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && xr(g, at, ot) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & no ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & to && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
+	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & ao ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & io && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Pt(e, t, n) {
+	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = pt = t, d.stroke(e);
+			d.strokeStyle = ft = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Ft(e, t) {
+	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = mt = t, d.fill(e);
+			d.fillStyle = pt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function It(e, t, n, i) {
+	function Ft(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Jo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Zo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Lt(e, t, n, r, i, a, o, s, c, l) {
+	function It(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Rt(e) {
+	function Lt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Vt(!1));
+				n._show && (t = !1, n._show = !1, Bt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Vt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? R : z);
+			n._show || (t = !1, n._show = !0, Bt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? z : B);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => V[e]) : p, h = a.distr == 2 ? V[p[1]] - V[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ct[e]) : p, h = a.distr == 2 ? ct[p[1]] - ct[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Or(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Ar(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function zt(e) {
+	function Rt(e) {
 		let t = !0;
-		return it.forEach((n, i) => {
-			let a = n(r, i, tt, e);
-			a != at[i] && (t = !1), at[i] = a;
+		return nt.forEach((n, i) => {
+			let a = n(r, i, et, e);
+			a != rt[i] && (t = !1), rt[i] = a;
 		}), t;
 	}
-	function Bt() {
+	function zt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Dr((t._lpos + s) * W);
-				wt(t.labelFont[0], c, "center", n == 2 ? En : Dn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Dr(ke + je / 2)), d.rotate((n == 3 ? -Tr : Tr) / 2)) : (a = Dr(Oe + Ae / 2), o = p);
-				let m = zr(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = kr((t._lpos + s) * K);
+				Ct(t.labelFont[0], c, "center", n == 2 ? On : kn), d.save(), i == 1 ? (a = o = 0, d.translate(p, kr(Oe + Ae / 2)), d.rotate((n == 3 ? -Er : Er) / 2)) : (a = kr(De + ke / 2), o = p);
+				let m = Vr(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => V[e]) : _, x = p.distr == 2 ? V[_[1]] - V[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Dr(w * W), E = Dr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * W), D = t._rotate * -Tr / 180, O = g(t._pos * W), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ct[e]) : _, x = p.distr == 2 ? ct[_[1]] - ct[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = kr(w * K), E = kr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Er / 180, O = g(t._pos * K), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let ee = t.font[0];
-			wt(ee, c, t.align == 1 ? On : t.align == 2 ? kn : D > 0 ? On : D < 0 ? kn : i == 0 ? "center" : n == 3 ? kn : On, D || i == 1 ? "middle" : n == 2 ? En : Dn);
-			let A = t.font[1] * t.lineGap, j = _.map((e) => g(s(e, p, m, h))), te = t._values;
-			for (let e = 0; e < te.length; e++) {
-				let t = te[e];
+			let A = t.font[0];
+			Ct(A, c, t.align == 1 ? An : t.align == 2 ? jn : D > 0 ? An : D < 0 ? jn : i == 0 ? "center" : n == 3 ? jn : An, D || i == 1 ? "middle" : n == 2 ? On : kn);
+			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
+			for (let e = 0; e < ee.length; e++) {
+				let t = ee[e];
 				if (t != null) {
-					i == 0 ? a = j[e] : o = j[e], t = "" + t;
+					i == 0 ? a = M[e] : o = M[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
+						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
 					}
 				}
 			}
-			S.show && Lt(j, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * W, 3), S.stroke(r, e), S.dash, S.cap);
-			let ne = t.grid;
-			ne.show && Lt(j, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * W, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * W, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Q(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
+			let te = t.grid;
+			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Q(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Q(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Q("drawAxes");
+		Ei("drawAxes");
 	}
-	function Vt(e) {
+	function Bt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Ht = !1, Ut = !1, Wt = [];
+	let Vt = !1, Ht = !1, Ut = [];
+	function Wt() {
+		Ht = !1;
+		for (let e = 0; e < Ut.length; e++) Ei(...Ut[e]);
+		Ut.length = 0;
+	}
 	function Gt() {
-		Ut = !1;
-		for (let e = 0; e < Wt.length; e++) Q(...Wt[e]);
-		Wt.length = 0;
+		Vt ||= (bi(qt), !0);
 	}
-	function Kt() {
-		Ht ||= (vi(Jt), !0);
+	function Kt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
-	function qt(e, t = !1) {
-		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
-	}
-	r.batch = qt;
-	function Jt() {
-		if (Me &&= (Dt(), !1), Pe &&= (Be(), !1), Ne) {
-			if (G(p, On, Se), G(p, En, Ce), G(p, wn, R), G(p, Tn, z), G(m, On, Se), G(m, En, Ce), G(m, wn, R), G(m, Tn, z), G(f, wn, L), G(f, Tn, xe), u.width = Dr(L * W), u.height = Dr(xe * W), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	r.batch = Kt;
+	function qt() {
+		if (je &&= (Et(), !1), Ne &&= (ze(), !1), Me) {
+			if (J(p, An, xe), J(p, On, Se), J(p, En, z), J(p, Dn, B), J(m, An, xe), J(m, On, Se), J(m, En, z), J(m, Dn, B), J(f, En, be), J(f, Dn, R), u.width = kr(be * K), u.height = kr(R * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						G(e, a ? "left" : "top", r - t), G(e, a ? "width" : "height", n), G(e, a ? "top" : "left", a ? Ce : Se), G(e, a ? "height" : "width", a ? z : R), Jn(e, fn);
-					} else qn(e, fn);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Se : xe), J(e, a ? "height" : "width", a ? B : z), Jn(e, mn);
+					} else qn(e, mn);
 				}
-			}), pt = mt = ht = _t = vt = yt = bt = xt = gt = null, St = 1, ii(!0), Se != we || Ce != Te || R != Ee || z != De) {
-				Vt(!1);
-				let e = R / Ee, t = z / De;
-				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Qt && Qn(Qt, Dr(N.left), 0, R, z), $t && Qn($t, 0, Dr(N.top), R, z);
-					for (let n = 0; n < Ye.length; n++) {
-						let r = Ye[n];
-						r != null && (B[n] *= e, Xe[n] *= t, Qn(r, Or(B[n]), Or(Xe[n]), R, z));
+			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Zr(!0), xe != Ce || Se != we || z != Te || B != Ee) {
+				Bt(!1);
+				let e = z / Te, t = B / Ee;
+				if (ae && !Pe && P.left >= 0) {
+					P.left *= e, P.top *= t, Zt && Qn(Zt, kr(P.left), 0, z, B), Qt && Qn(Qt, 0, kr(P.top), z, B);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, V[n] *= t, Qn(r, Ar(Ye[n]), Ar(V[n]), z, B));
 					}
 				}
-				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
-					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
-					for (let e in pi) G(er, e, K[e]);
+				if (q.show && !Fe && q.left >= 0 && q.width > 0) {
+					q.left *= e, q.width *= e, q.top *= t, q.height *= t;
+					for (let e in oi) J(Kn, e, q[e]);
 				}
-				we = Se, Te = Ce, Ee = R, De = z;
+				Ce = xe, we = Se, Te = z, Ee = B;
 			}
-			Q("setSize"), Ne = !1;
+			Ei("setSize"), Me = !1;
 		}
-		L > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), Q("drawClear"), w.forEach((e) => e()), Q("draw")), K.show && Ie && (nr(K), Ie = !1), oe && Fe && (Xr(null, !0, !1), Fe = !1), M.show && M.live && Le && (qr(), Le = !1), c || (c = !0, r.status = 1, Q("ready")), ut = !1, Ht = !1;
+		be > 0 && R > 0 && (d.clearRect(0, 0, u.width, u.height), Ei("drawClear"), w.forEach((e) => e()), Ei("draw")), q.show && Fe && (Zn(q), Fe = !1), ae && Pe && (Jr(null, !0, !1), Pe = !1), N.show && N.live && Ie && (Hr(), Ie = !1), c || (c = !0, r.status = 1, Ei("ready")), lt = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Kt() : sr(S, D.min, D.max);
+		Ne = t || !1, e === !1 ? Gt() : tr(S, D.min, D.max);
 	};
-	function Yt(e, n) {
+	function Jt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (ot == 0) {
+			if (it == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -4962,339 +5019,339 @@ function Zo(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = or(n.min, t[0]), n.max = or(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Me = !0, Kt();
+			if (it > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && it > 0 && (n.min = sr(n.min, t[0]), n.max = sr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
 		}
 	}
-	r.setScale = Yt;
-	let Xt, Zt, Qt, $t, en, tn, nn, An, Rn, zn, H, U, Wn = !1, Gn = N.drag, Kn = Gn.x, Zn = Gn.y;
-	oe && (N.x && (Xt = Xn(mn, m)), N.y && (Zt = Xn(hn, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
-	let K = r.select = fi({
+	r.setScale = Jt;
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, zn = !1, Bn = P.drag, G = Bn.x, Gn = Bn.y;
+	ae && (P.x && (Yt = Xn(gn, m)), P.y && (Xt = Xn(_n, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
+	let q = r.select = mi({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), er = K.show ? Xn(pn, K.over ? m : p) : null;
-	function nr(e, t) {
-		if (K.show) {
-			for (let t in e) K[t] = e[t], t in pi && G(er, t, e[t]);
-			t !== !1 && Q("setSelect");
+	}, e.select), Kn = q.show ? Xn(hn, q.over ? m : p) : null;
+	function Zn(e, t) {
+		if (q.show) {
+			for (let t in e) q[t] = e[t], t in oi && J(Kn, t, e[t]);
+			t !== !1 && Ei("setSelect");
 		}
 	}
-	r.setSelect = nr;
-	function rr(e) {
-		if (v[e].show) P && Jn(le[e], fn);
-		else if (P && qn(le[e], fn), oe) {
-			let t = Je ? Ye[0] : Ye[e];
-			t != null && Qn(t, -10, -10, R, z);
+	r.setSelect = Zn;
+	function $n(e) {
+		if (v[e].show) F && Jn(ce[e], mn);
+		else if (F && qn(ce[e], mn), ae) {
+			let t = qe ? Je[0] : Je[e];
+			t != null && Qn(t, -10, -10, z, B);
 		}
 	}
-	function sr(e, t, n) {
-		Yt(e, {
+	function tr(e, t, n) {
+		Jt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function cr(e, t, n, a) {
-		t.focus != null && wr(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, rr(r), i == 2 ? (sr(n.facets[0].scale, null, null), sr(n.facets[1].scale, null, null)) : sr(n.scale, null, null), Kt());
-		}), n !== !1 && Q("setSeries", e, t), a && Mi("setSeries", r, e, t);
+	function rr(e, t, n, a) {
+		t.focus != null && Sr(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, $n(r), i == 2 ? (tr(n.facets[0].scale, null, null), tr(n.facets[1].scale, null, null)) : tr(n.scale, null, null), Gt());
+		}), n !== !1 && Ei("setSeries", e, t), a && ji("setSeries", r, e, t);
 	}
-	r.setSeries = cr;
-	function lr(e, t) {
-		fi(x[e], t);
+	r.setSeries = rr;
+	function ir(e, t) {
+		mi(x[e], t);
 	}
-	function ur(e, t) {
-		e.fill = X(e.fill || null), e.dir = q(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	function cr(e, t) {
+		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function dr(e) {
+	function lr(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = ur, r.setBand = lr, r.delBand = dr;
-	function _r(e, t) {
-		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = cr, r.setBand = ir, r.delBand = lr;
+	function ur(e, t) {
+		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
 	}
-	let vr, xr, Sr, Cr = { focus: !0 };
-	function wr(e) {
-		if (e != Sr) {
-			let t = e == null, n = Ke.alpha != 1;
+	let dr, fr, vr, yr = { focus: !0 };
+	function Sr(e) {
+		if (e != vr) {
+			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && _r(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && ur(a, i ? 1 : Ge.alpha);
 				}
-			}), Sr = e, n && Kt();
+			}), vr = e, n && Gt();
 		}
 	}
-	P && qe && ye(In, I, (e) => {
-		N._lock || (We(e), Sr != null && cr(null, Cr, !0, Oi.setSeries));
+	F && Ke && ve(Ln, L, (e) => {
+		P._lock || (Ue(e), vr != null && rr(null, yr, !0, Oi.setSeries));
 	});
-	function J(e, t, n) {
+	function Cr(e, t, n) {
 		let r = b[t];
-		n && (e = e / W - (r.ori == 1 ? Ce : Se));
-		let i = R;
-		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / K - (r.ori == 1 ? Se : xe));
+		let i = z;
+		r.ori == 1 && (i = B, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? jr(10, c) : l == 4 ? Fr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Nr(10, c) : l == 4 ? Lr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function Mr(e, n) {
-		return or(J(e, S, n), t[0], st, ct);
+	function wr(e, n) {
+		return sr(Cr(e, S, n), t[0], at, ot);
 	}
-	r.valToIdx = (e) => or(e, t[0]), r.posToIdx = Mr, r.posToVal = J, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
-		H = e.left, U = e.top, Xr(null, t, n);
+	r.valToIdx = (e) => sr(e, t[0]), r.posToIdx = wr, r.posToVal = Cr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : z, n ? De : 0) : o(e, b[t], n ? Ae : B, n ? Oe : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Jr(null, t, n);
 	};
-	function Pr(e, t) {
-		G(er, On, K.left = e), G(er, wn, K.width = t);
+	function Tr(e, t) {
+		J(Kn, An, q.left = e), J(Kn, En, q.width = t);
 	}
-	function Lr(e, t) {
-		G(er, En, K.top = e), G(er, Tn, K.height = t);
+	function Or(e, t) {
+		J(Kn, On, q.top = e), J(Kn, Dn, q.height = t);
 	}
-	let Br = D.ori == 0 ? Pr : Lr, Vr = D.ori == 1 ? Pr : Lr;
-	function Kr() {
-		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
-			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+	let Pr = D.ori == 0 ? Tr : Or, Ir = D.ori == 1 ? Tr : Or;
+	function zr() {
+		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && de) continue;
+			let t = N.values[e], n = 0;
+			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function qr(e, t) {
+	function Hr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ae[t] = e;
-		}) : ai(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Yr(e, ae[e]);
-			Kr();
+			ie[t] = e;
+		}) : si(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Ur(e, ie[e]);
+			zr();
 		}
-		Le = !1, t !== !1 && Q("setLegend");
+		Ie = !1, t !== !1 && Ei("setLegend");
 	}
-	r.setLegend = qr;
-	function Yr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? V : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+	r.setLegend = Hr;
+	function Ur(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? ct : t[e], o;
+		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
 	}
-	function Xr(e, n, a) {
-		Rn = H, zn = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && Qn(Qt, Dr(H), 0, R, z), $t && Qn($t, 0, Dr(U), R, z));
-		let o, s = st > ct;
-		vr = Y, xr = null;
-		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
-		if (H < 0 || ot == 0 || s) {
-			o = N.idx = null;
+	function Jr(e, n, a) {
+		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && Qn(Zt, kr(U), 0, z, B), Qt && Qn(Qt, 0, kr(W), z, B));
+		let o, s = at > ot;
+		dr = X, fr = null;
+		let c = D.ori == 0 ? z : B, l = D.ori == 1 ? z : B;
+		if (U < 0 || it == 0 || s) {
+			o = P.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Ye[e];
-				t != null && Qn(t, -10, -10, R, z);
+				let t = Je[e];
+				t != null && Qn(t, -10, -10, z, B);
 			}
-			qe && cr(null, Cr, !0, e == null && Oi.setSeries), M.live && (ae.fill(o), Le = !0);
+			Ke && rr(null, yr, !0, e == null && Oi.setSeries), N.live && (ie.fill(o), Ie = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? H : U, n = J(e, S), o = N.idx = or(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = Cr(e, S), o = P.idx = sr(n, t[0], at, ot), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (qe && S != null) {
-						let t = D.ori == 1 ? H : U, n = Er(Ke.dist(r, e, x, _, t));
-						if (n < vr) {
-							let r = Ke.bias;
+				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Ie = Ie || S != y || x != _, ie[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (Ke && S != null) {
+						let t = D.ori == 1 ? U : W, n = Dr(Ge.dist(r, e, x, _, t));
+						if (n < dr) {
+							let r = Ge.bias;
 							if (r != 0) {
-								let i = J(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vr = n, xr = e);
-							} else vr = n, xr = e;
+								let i = Cr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (dr = n, fr = e);
+							} else dr = n, fr = e;
 						}
 					}
-					if (Le || Je) {
+					if (Ie || qe) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						let a, o, c, l, g, v, y = !0, b = We.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == xr && vr <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = We.size(r, e);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == fr && dr <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Ye[e];
-							t != null && (B[e] = c, Xe[e] = l, tr(t, a, o, y), $n(t, v, g), Qn(t, Or(c), Or(l), R, z));
+							let t = Je[e];
+							t != null && (Ye[e] = c, V[e] = l, nr(t, a, o, y), er(t, v, g), Qn(t, Ar(c), Ar(l), z, B));
 						}
 					}
 				}
 			}
-			if (Je) {
-				let e = Ke.prox;
-				if (Le || (Sr == null ? vr <= e : vr > e || xr != Sr)) {
-					let e = Ye[0];
-					e != null && (B[0] = s, Xe[0] = u, tr(e, d, f, p), $n(e, m, h), Qn(e, Or(s), Or(u), R, z));
+			if (qe) {
+				let e = Ge.prox;
+				if (Ie || (vr == null ? dr <= e : dr > e || fr != vr)) {
+					let e = Je[0];
+					e != null && (Ye[0] = s, V[0] = u, nr(e, d, f, p), er(e, m, h), Qn(e, Ar(s), Ar(u), z, B));
 				}
 			}
 		}
-		if (K.show && Wn) {
+		if (q.show && zn) {
 			if (e != null) {
 				let [t, n] = Oi.scales, [r, i] = Oi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (Kn = s._x, Zn = s._y, Kn || Zn) {
+				if (G = s._x, Gn = s._y, G || Gn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && Kn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Br(kr(v, y), Er(y - v))) : Br(0, c), S && Zn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), Vr(kr(v, y), Er(y - v))) : Vr(0, l);
-				} else mi();
+					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Pr(jr(v, y), Dr(y - v))) : Pr(0, c), S && Gn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Ir(jr(v, y), Dr(y - v))) : Ir(0, l);
+				} else di();
 			} else {
-				let e = Er(Rn - en), t = Er(zn - tn);
+				let e = Dr(rn - $t), t = Dr(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				Kn = Gn.x && e >= Gn.dist, Zn = Gn.y && t >= Gn.dist;
-				let n = Gn.uni;
-				n == null ? Gn.x && Gn.y && (Kn || Zn) && (Kn = Zn = !0) : Kn && Zn && (Kn = e >= n, Zn = t >= n, !Kn && !Zn && (t > e ? Zn = !0 : Kn = !0));
+				G = Bn.x && e >= Bn.dist, Gn = Bn.y && t >= Bn.dist;
+				let n = Bn.uni;
+				n == null ? Bn.x && Bn.y && (G || Gn) && (G = Gn = !0) : G && Gn && (G = e >= n, Gn = t >= n, !G && !Gn && (t > e ? Gn = !0 : G = !0));
 				let r, i;
-				Kn && (D.ori == 0 ? (r = nn, i = H) : (r = An, i = U), Br(kr(r, i), Er(i - r)), Zn || Vr(0, l)), Zn && (D.ori == 1 ? (r = nn, i = H) : (r = An, i = U), Vr(kr(r, i), Er(i - r)), Kn || Br(0, c)), !Kn && !Zn && (Br(0, 0), Vr(0, 0));
+				G && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Pr(jr(r, i), Dr(i - r)), Gn || Ir(0, l)), Gn && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), Ir(jr(r, i), Dr(i - r)), G || Pr(0, c)), !G && !Gn && (Pr(0, 0), Ir(0, 0));
 			}
 		}
-		if (Gn._x = Kn, Gn._y = Zn, e == null) {
+		if (Bn._x = G, Bn._y = Gn, e == null) {
 			if (a) {
-				if (Ai != null) {
+				if (ki != null) {
 					let [e, t] = Oi.scales;
-					Oi.values[0] = e == null ? null : J(D.ori == 0 ? H : U, e), Oi.values[1] = t == null ? null : J(D.ori == 1 ? H : U, t);
+					Oi.values[0] = e == null ? null : Cr(D.ori == 0 ? U : W, e), Oi.values[1] = t == null ? null : Cr(D.ori == 1 ? U : W, t);
 				}
-				Mi(Mn, r, H, U, R, z, o);
+				ji(Nn, r, U, W, z, B, o);
 			}
-			if (qe) {
-				let e = a && Oi.setSeries, t = Ke.prox;
-				Sr == null ? vr <= t && cr(xr, Cr, !0, e) : vr > t ? cr(null, Cr, !0, e) : xr != Sr && cr(xr, Cr, !0, e);
+			if (Ke) {
+				let e = a && Oi.setSeries, t = Ge.prox;
+				vr == null ? dr <= t && rr(fr, yr, !0, e) : dr > t ? rr(null, yr, !0, e) : fr != vr && rr(fr, yr, !0, e);
 			}
 		}
-		Le && (M.idx = o, qr()), n !== !1 && Q("setCursor");
+		Ie && (N.idx = o, Hr()), n !== !1 && Ei("setCursor");
 	}
-	let $r = null;
+	let Yr = null;
 	Object.defineProperty(r, "rect", { get() {
-		return $r ?? ii(!1), $r;
+		return Yr ?? Zr(!1), Yr;
 	} });
-	function ii(e = !1) {
-		e ? $r = null : ($r = m.getBoundingClientRect(), Q("syncRect", $r));
+	function Zr(e = !1) {
+		e ? Yr = null : (Yr = m.getBoundingClientRect(), Ei("syncRect", Yr));
 	}
-	function li(e, t, n, r, i, a, o) {
-		N._lock || Wn && e != null && e.movementX == 0 && e.movementY == 0 || (ui(e, t, n, r, i, a, o, !1, e != null), e == null ? Xr(t, !0, !1) : Xr(null, !0, !0));
+	function Qr(e, t, n, r, i, a, o) {
+		P._lock || zn && e != null && e.movementX == 0 && e.movementY == 0 || (ti(e, t, n, r, i, a, o, !1, e != null), e == null ? Jr(t, !0, !1) : Jr(null, !0, !0));
 	}
-	function ui(e, t, n, i, a, o, c, l, u) {
-		if ($r ?? ii(!1), We(e), e != null) n = e.clientX - $r.left, i = e.clientY - $r.top;
+	function ti(e, t, n, i, a, o, c, l, u) {
+		if (Yr ?? Zr(!1), Ue(e), e != null) n = e.clientX - Yr.left, i = e.clientY - Yr.top;
 		else {
 			if (n < 0 || i < 0) {
-				H = -10, U = -10;
+				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? z : B, _ = D.ori == 1 ? z : B, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Mn) && ((n <= 1 || n >= R - 1) && (n = Jr(n, R)), (i <= 1 || i >= z - 1) && (i = Jr(i, z))), l ? (en = n, tn = i, [nn, An] = N.move(r, n, i)) : (H = n, U = i);
+		u && (t == null || t.cursor.event.type == Nn) && ((n <= 1 || n >= z - 1) && (n = Xr(n, z)), (i <= 1 || i >= B - 1) && (i = Xr(i, B))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
 	}
-	let pi = {
+	let oi = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function mi() {
-		nr(pi, !1);
+	function di() {
+		Zn(oi, !1);
 	}
-	let hi, gi, _i, yi;
-	function bi(e, t, n, i, a, o, s) {
-		Wn = !0, Kn = Zn = Gn._x = Gn._y = !1, ui(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Pn, Hn, xi, !1), Mi(Nn, r, nn, An, R, z, null));
-		let { left: c, top: l, width: u, height: d } = K;
-		hi = c, gi = l, _i = u, yi = d;
+	let fi, hi, gi, _i;
+	function vi(e, t, n, i, a, o, s) {
+		zn = !0, G = Gn = Bn._x = Bn._y = !1, ti(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Fn, Un, yi, !1), ji(Pn, r, tn, nn, z, B, null));
+		let { left: c, top: l, width: u, height: d } = q;
+		fi = c, hi = l, gi = u, _i = d;
 	}
-	function xi(e, t, n, i, a, o, s) {
-		Wn = Gn._x = Gn._y = !1, ui(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = hi != c || gi != l || _i != u || yi != d;
-		if (f && p && nr(K), Gn.setScale && f && p) {
+	function yi(e, t, n, i, a, o, s) {
+		zn = Bn._x = Bn._y = !1, ti(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = q, f = u > 0 || d > 0, p = fi != c || hi != l || gi != u || _i != d;
+		if (f && p && Zn(q), Bn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), Kn && sr(S, J(e, S), J(e + t, S)), Zn) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), G && tr(S, Cr(e, S), Cr(e + t, S)), Gn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != Y && sr(e, J(n + r, e), J(n, e));
+				e != S && t.from == null && t.min != X && tr(e, Cr(n + r, e), Cr(n, e));
 			}
-			mi();
-		} else N.lock && (N._lock = !N._lock, Xr(t, !0, e != null));
-		e != null && (be(Pn, Hn), Mi(Pn, r, H, U, R, z, null));
+			di();
+		} else P.lock && (P._lock = !P._lock, Jr(t, !0, e != null));
+		e != null && (ye(Fn, Un), ji(Fn, r, U, W, z, B, null));
 	}
-	function Si(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		We(e);
-		let s = Wn;
-		if (Wn) {
+	function xi(e, t, n, r, i, a, o) {
+		if (P._lock) return;
+		Ue(e);
+		let s = zn;
+		if (zn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = Kn, r = Zn) : (n = Zn, r = Kn), n && r && (e = H <= 10 || H >= R - 10, t = U <= 10 || U >= z - 10), n && e && (H = H < nn ? 0 : R), r && t && (U = U < An ? 0 : z), Xr(null, !0, !0), Wn = !1;
+			D.ori == 0 ? (n = G, r = Gn) : (n = Gn, r = G), n && r && (e = U <= 10 || U >= z - 10, t = W <= 10 || W >= B - 10), n && e && (U = U < tn ? 0 : z), r && t && (W = W < nn ? 0 : B), Jr(null, !0, !0), zn = !1;
 		}
-		H = -10, U = -10, ae.fill(null), Xr(null, !0, !0), s && (Wn = s);
+		U = -10, W = -10, ie.fill(null), Jr(null, !0, !0), s && (zn = s);
 	}
-	function Ci(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ft(), mi(), e != null && Mi(Ln, r, H, U, R, z, null));
+	function Si(e, t, n, i, a, o, s) {
+		P._lock || (Ue(e), dt(), di(), e != null && ji(Rn, r, U, W, z, B, null));
 	}
-	function wi() {
-		y.forEach(Xo), Re(r.width, r.height, !0);
+	function Ci() {
+		y.forEach($o), Le(r.width, r.height, !0);
 	}
-	ir(Bn, Un, wi);
-	let Ti = {};
-	Ti.mousedown = bi, Ti.mousemove = li, Ti.mouseup = xi, Ti.dblclick = Ci, Ti.setSeries = (e, t, n, i) => {
+	ar(Vn, Wn, Ci);
+	let wi = {};
+	wi.mousedown = vi, wi.mousemove = Qr, wi.mouseup = yi, wi.dblclick = Si, wi.setSeries = (e, t, n, i) => {
 		let a = Oi.match[2];
-		n = a(r, t, n), n != -1 && cr(n, i, !0, !1);
-	}, oe && (ye(Nn, m, bi), ye(Mn, m, li), ye(Fn, m, (e) => {
-		We(e), ii(!1);
-	}), ye(In, m, Si), ye(Ln, m, Ci), Po.add(r), r.syncRect = ii);
-	let Ei = r.hooks = e.hooks || {};
-	function Q(e, t, n) {
-		Ut ? Wt.push([
+		n = a(r, t, n), n != -1 && rr(n, i, !0, !1);
+	}, ae && (ve(Pn, m, vi), ve(Nn, m, Qr), ve(In, m, (e) => {
+		Ue(e), Zr(!1);
+	}), ve(Ln, m, xi), ve(Rn, m, Si), Lo.add(r), r.syncRect = Zr);
+	let Ti = r.hooks = e.hooks || {};
+	function Ei(e, t, n) {
+		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in Ei && Ei[e].forEach((e) => {
+		]) : e in Ti && Ti[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Ei[t] = (Ei[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Ti[t] = (Ti[t] || []).concat(e.hooks[t]);
 	});
-	let Di = (e, t, n) => n, Oi = fi({
+	let Di = (e, t, n) => n, Oi = mi({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Wr,
-			sub: Wr
+			pub: Kr,
+			sub: Kr
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Gr,
-			Gr,
+			qr,
+			qr,
 			Di
 		],
 		values: [null, null]
-	}, N.sync);
-	Oi.match.length == 2 && Oi.match.push(Di), N.sync = Oi;
-	let Ai = Oi.key, ji = eo(Ai);
-	function Mi(e, t, n, r, i, a, o) {
-		Oi.filters.pub(e, t, n, r, i, a, o) && ji.pub(e, t, n, r, i, a, o);
+	}, P.sync);
+	Oi.match.length == 2 && Oi.match.push(Di), P.sync = Oi;
+	let ki = Oi.key, Ai = ro(ki);
+	function ji(e, t, n, r, i, a, o) {
+		Oi.filters.pub(e, t, n, r, i, a, o) && Ai.pub(e, t, n, r, i, a, o);
 	}
-	ji.sub(r);
+	Ai.sub(r);
 	function Ni(e, t, n, r, i, a, o) {
-		Oi.filters.sub(e, t, n, r, i, a, o) && Ti[e](null, t, n, r, i, a, o);
+		Oi.filters.sub(e, t, n, r, i, a, o) && wi[e](null, t, n, r, i, a, o);
 	}
 	r.pub = Ni;
 	function Pi() {
-		ji.unsub(r), Po.delete(r), ve.clear(), ar(Bn, Un, wi), l.remove(), I?.remove(), Q("destroy");
+		Ai.unsub(r), Lo.delete(r), _e.clear(), or(Vn, Wn, Ci), l.remove(), L?.remove(), Ei("destroy");
 	}
 	r.destroy = Pi;
 	function Fi() {
-		Q("init", e, t), dt(t || e.data, !1), A[S] ? Yt(S, A[S]) : ft(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
+		Ei("init", e, t), ut(t || e.data, !1), j[S] ? Jt(S, j[S]) : dt(), Fe = q.show && (q.width > 0 || q.height > 0), Pe = Ie = !0, Le(e.width, e.height);
 	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Fi()) : n(r, Fi) : Fi(), r;
+	return v.forEach(Ze), y.forEach(tt), n ? n instanceof HTMLElement ? (n.appendChild(l), Fi()) : n(r, Fi) : Fi(), r;
 }
-Zo.assign = fi, Zo.fmtNum = Cr, Zo.rangeNum = yr, Zo.rangeLog = pr, Zo.rangeAsinh = mr, Zo.orient = ro, Zo.pxRatio = W, Zo.join = _i, Zo.fmtDate = ki, Zo.tzDate = ji, Zo.sync = eo;
+es.assign = mi, es.fmtNum = wr, es.rangeNum = br, es.rangeLog = mr, es.rangeAsinh = hr, es.orient = oo, es.pxRatio = K, es.join = yi, es.fmtDate = Mi, es.tzDate = Pi, es.sync = ro;
 {
-	Zo.addGap = co, Zo.clipGaps = so;
-	let e = Zo.paths = { points: Co };
-	e.linear = Do, e.stepped = Oo, e.bars = Ao, e.spline = Mo;
+	es.addGap = fo, es.clipGaps = uo;
+	let e = es.paths = { points: Eo };
+	e.linear = Ao, e.stepped = jo, e.bars = No, e.spline = Fo;
 }
 // src/plots.tsx
-var Qo = [
+var ts = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5302,8 +5359,8 @@ var Qo = [
 	"--c5",
 	"--c6"
 ];
-function $o({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = ft(null), l = t.run, [u, d] = t.span;
+function ns({ store: e, state: t }) {
+	let [n, r] = lt(null), [i, a] = lt(!1), [o, s] = lt(800), c = ft(null), l = t.run, [u, d] = t.span;
 	dt(() => {
 		let e = c.current;
 		if (!e) return;
@@ -5338,29 +5395,29 @@ function $o({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ L(es, {
+	]), t.running && t.soFar) return /* @__PURE__ */ R(rs, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(ts, {
+					/* @__PURE__ */ R(is, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
-						/* @__PURE__ */ L("input", {
+					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
+						/* @__PURE__ */ R("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5369,15 +5426,15 @@ function $o({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ L("button", {
+					!m && /* @__PURE__ */ R("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ L("label", {
+					/* @__PURE__ */ R("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ L("span", { children: "t" }),
-							/* @__PURE__ */ L("input", {
+							/* @__PURE__ */ R("span", { children: "t" }),
+							/* @__PURE__ */ R("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -5388,19 +5445,19 @@ function $o({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ L("output", { children: p === null ? "" : Ve(p, "s") })
+							/* @__PURE__ */ R("output", { children: p === null ? "" : Ve(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(ns, {
+			t.plotted.map((r, i) => /* @__PURE__ */ R(as, {
 				name: r,
-				ink: Qo[i % Qo.length],
+				ink: ts[i % ts.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -5412,7 +5469,7 @@ function $o({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			/* @__PURE__ */ L(os, {
+			/* @__PURE__ */ R(ls, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -5421,14 +5478,14 @@ function $o({ store: e, state: t }) {
 		]
 	});
 }
-function es({ state: e, soFar: t }) {
+function rs({ state: e, soFar: t }) {
 	let n = ft(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ L(ns, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ R(as, {
 			name: i.name,
-			ink: Qo[a % Qo.length],
+			ink: ts[a % ts.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -5437,7 +5494,7 @@ function es({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ L(os, {
+		}, i.name)), /* @__PURE__ */ R(ls, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -5445,18 +5502,18 @@ function es({ state: e, soFar: t }) {
 		})]
 	});
 }
-function ts({ store: e, state: t, run: n }) {
+function is({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+			t.plotted.map((n) => /* @__PURE__ */ R("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -5466,15 +5523,15 @@ function ts({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ L("datalist", {
+			/* @__PURE__ */ R("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
 			})
 		]
 	});
 }
-var ns = class extends x {
-	box = y();
+var as = class extends S {
+	box = b();
 	plot = null;
 	componentDidMount() {
 		this.draw();
@@ -5492,8 +5549,8 @@ var ns = class extends x {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Qo[(t + 3) % Qo.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Zo.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Zo({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : ts[(t + 3) % ts.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : es.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new es({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -5515,7 +5572,7 @@ var ns = class extends x {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => rs(t, n, m.length > 0) }
+				y: { range: (e, t, n) => os(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -5526,7 +5583,7 @@ var ns = class extends x {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => is(t, "s")
+				values: (e, t) => ss(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -5539,7 +5596,7 @@ var ns = class extends x {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => is(t, p)
+				values: (e, t) => ss(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -5585,10 +5642,10 @@ var ns = class extends x {
 	}
 	render({ name: e, curves: t }) {
 		let n = t.find((e) => e.error);
-		return /* @__PURE__ */ L("figure", {
+		return /* @__PURE__ */ R("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
-			children: [/* @__PURE__ */ L("div", { ref: this.box }), n && /* @__PURE__ */ L("p", {
+			children: [/* @__PURE__ */ R("div", { ref: this.box }), n && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: [
 					n.error.code,
@@ -5599,13 +5656,13 @@ var ns = class extends x {
 		});
 	}
 };
-function rs(e, t, n) {
+function os(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function is(e, t) {
+function ss(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -5626,7 +5683,7 @@ function is(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var as = [
+var cs = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -5636,21 +5693,21 @@ var as = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function os({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function ls({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ L("span", {
+				children: e.map((e) => /* @__PURE__ */ R("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ R("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -5660,24 +5717,24 @@ function os({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: as[o % as.length],
-						children: /* @__PURE__ */ L("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						fill: cs[o % cs.length],
+						children: /* @__PURE__ */ R("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: as[t % as.length],
+						fill: cs[t % cs.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -5685,10 +5742,10 @@ function os({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -5700,7 +5757,7 @@ function os({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/app.tsx
-var ss = [
+var us = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -5708,7 +5765,7 @@ var ss = [
 	["table", "Table"],
 	["text", "Text"],
 	["equations", "Equations"]
-], cs = class extends x {
+], ds = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -5751,81 +5808,81 @@ var ss = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ L("div", {
+		if (!n) return /* @__PURE__ */ R("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ L("main", {
+		return /* @__PURE__ */ R("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			children: [
-				/* @__PURE__ */ L(us, {
+				/* @__PURE__ */ R(ps, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ R("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(en, {
+						/* @__PURE__ */ R(nn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L(He, {
+						/* @__PURE__ */ R(He, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L("aside", {
+						/* @__PURE__ */ R("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ L("div", {
+							children: [/* @__PURE__ */ R("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: ss.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: us.map(([r, a]) => /* @__PURE__ */ R("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ L("div", {
+							}), /* @__PURE__ */ R("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(jt, {
+									t.tab === "item" && /* @__PURE__ */ R(Pt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(Ht, {
+									t.tab === "machines" && /* @__PURE__ */ R(Gt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(Gt, {
+									t.tab === "model" && /* @__PURE__ */ R(Jt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(Yt, {
+									t.tab === "problems" && /* @__PURE__ */ R(Qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(Xt, {
+									t.tab === "table" && /* @__PURE__ */ R($t, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(Zt, {
+									t.tab === "text" && /* @__PURE__ */ R(en, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(Qt, {
+									t.tab === "equations" && /* @__PURE__ */ R(Ot, {
 										store: e,
 										state: t
 									})
@@ -5834,28 +5891,28 @@ var ss = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ L("div", {
+				t.bottom && /* @__PURE__ */ R("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ L($o, {
+					children: [/* @__PURE__ */ R(ns, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ L(Ct, {
+					}), /* @__PURE__ */ R(Ct, {
 						store: e,
 						state: t
 					})]
 				}),
-				/* @__PURE__ */ L("footer", { children: [
-					/* @__PURE__ */ L("span", {
+				/* @__PURE__ */ R("footer", { children: [
+					/* @__PURE__ */ R("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(ls, {
+					/* @__PURE__ */ R(fs, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -5863,34 +5920,34 @@ var ss = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(tn, {
+				t.adding && n.view.editable && /* @__PURE__ */ R(rn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ L("div", {
+				t.notice && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						/* @__PURE__ */ R("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ L("button", {
+						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ R("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ L("div", {
+				!t.connected && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -5899,94 +5956,94 @@ var ss = [
 		});
 	}
 };
-function ls({ store: e, state: t }) {
+function fs({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ L("span", {
+	return n.length ? /* @__PURE__ */ R("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ L("b", { children: [
+			t.cursor && /* @__PURE__ */ R("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function us({ store: e, state: t, errors: n }) {
+function ps({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(ds, {
+	return /* @__PURE__ */ R("header", { children: [
+		/* @__PURE__ */ R(ms, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ L("h1", {
+		/* @__PURE__ */ R("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ L("span", {
+		/* @__PURE__ */ R("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ L("span", { class: "spring" }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("span", { class: "spring" }),
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		i ? /* @__PURE__ */ L(b, { children: [/* @__PURE__ */ L("progress", {
+		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ L("button", {
+		}), /* @__PURE__ */ R("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ L("button", {
+		})] }) : /* @__PURE__ */ R("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -5994,7 +6051,7 @@ function us({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function ds({ store: e, state: t }) {
+function ms({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6024,75 +6081,75 @@ function ds({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ L("details", {
+	return /* @__PURE__ */ R("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ L("summary", {
+		children: [/* @__PURE__ */ R("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ R("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ R("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ L("button", {
+				].map((e) => /* @__PURE__ */ R("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ L("hr", {}),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ R("hr", {}),
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function fs({ model: e, el: t }) {
+function hs({ model: e, el: t }) {
 	let n = new Ie(), r = new Re(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ L(cs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), F(null, t);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(ds, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), L(null, t);
 	};
 }
-var ps = { render: fs };
-export { ps as default, fs as render };
+var gs = { render: hs };
+export { gs as default, hs as render };

@@ -1,0 +1,128 @@
+"""What a page asks about runs: begin, cancel, plots, events, values at a time."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from hybond.errors import HybondError, UsageError
+from hybond.result import Side
+from hybond.studio.curves import at_cursor, curve, numbers, strip, units_of
+from hybond.studio.instants import events
+from hybond.studio.phase import phase
+from hybond.studio.strokes import Meaning, mode_of, strokes
+
+if TYPE_CHECKING:
+    from hybond.studio.session import Session
+
+Message = dict[str, Any]
+
+
+def begin(session: Session, message: Mapping[str, Any]) -> Message:
+    """Begin a run of the model as it is."""
+    model = session.meaning().model
+    known = session.meaning()
+    if known.error is not None or model is None:
+        raise known.error or UsageError("there is no model", code="HB-W103", where="run")
+    until = message.get("until") or None
+    options = message.get("options") or {}
+    running = session.runs.start(
+        model,
+        until=until,
+        options=options,
+        revision=session.document.revision,
+        wanted=[str(n) for n in message.get("names") or ()],
+        wide=int(message.get("width") or 800),
+    )
+    return {"run": running.number}
+
+
+def cancel(session: Session, message: Mapping[str, Any]) -> Message:
+    """Stop what runs."""
+    session.runs.cancel()
+    return {}
+
+
+def summaries(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return the runs that are kept."""
+    return {"runs": [r.summary() for r in session.runs.kept.values()]}
+
+
+def curves_of(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return signals and lanes of a run between two times."""
+    run = session.runs.result(message.get("run"))
+    t0, t1 = float(message.get("t0", 0.0)), float(message.get("t1", run.t_end))
+    width = int(message.get("width", 800))
+    found = []
+    for name in [str(n) for n in message.get("names", ())][:32]:
+        try:
+            found.append(curve(run, name, t0, t1, width))
+        except HybondError as error:
+            found.append({"name": name, "error": error.to_dict()})
+    return {"curves": found, "strip": strip(run, t0, t1, width) if message.get("strip") else []}
+
+
+def phase_of(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return one signal of a run over another."""
+    run = session.runs.result(message.get("run"))
+    x, y = (str(n) for n in message["names"])
+    return phase(run, x, y, float(message["t0"]), float(message["t1"]))
+
+
+def events_of(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return some events of a run."""
+    run = session.runs.result(message.get("run"))
+    first = int(message.get("first", 0))
+    return {
+        "events": events(run, first, int(message.get("count", 100))),
+        "total": len(run.events),
+    }
+
+
+def cursor(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return values on the bonds of a level at a time, and its strokes in the mode there.
+
+    With ``mode`` the strokes are those of that mode, one of the modes of an instant.
+    """
+    run = session.runs.result(message.get("run"))
+    known, path = session.meaning(), str(message.get("level") or "")
+    bonds = numbers_of(known, path)
+    if known.graph is None or not known.whole or len(known.graph.bonds) != len(run.graph.bonds):
+        bonds = {}
+    side: Side = "left" if message.get("side") == "left" else "right"
+    found = at_cursor(run, float(message["t"]), side, list(bonds.values()))
+    units = units_of(run, list(bonds.values()))
+    values = {
+        key: {
+            "e": found["values"][str(b)][0],
+            "f": found["values"][str(b)][1],
+            "units": units[str(b)],
+        }
+        for key, b in bonds.items()
+    }
+    states = message.get("mode") if isinstance(message.get("mode"), dict) else found["mode"]
+    drawn = strokes(known, mode_of(known, states), path)
+    signals = {}
+    for name in [str(n) for n in message.get("names") or ()][:32]:
+        with contextlib.suppress(HybondError):
+            (signals[name],) = numbers([float(run[name].at(found["t"], side=side))])
+    return {
+        "t": found["t"],
+        "mode": states,
+        "values": values,
+        "signals": signals,
+        "strokes": drawn,
+    }
+
+
+def numbers_of(known: Meaning, path: str) -> dict[str, int]:
+    """Return the numbers of the bonds of a level in the graph, by what the page calls them."""
+    prefix = f"{path}.graph.bonds[" if path else "graph.bonds["
+    found, last, arrow = {}, "", 0
+    for k, written in enumerate(known.bonds):
+        arrow = arrow + 1 if written.where == last else 0
+        last = written.where
+        if written.where.startswith(prefix):
+            found[f"{written.where[len(prefix) : -1]}.{arrow}"] = k
+    return found
