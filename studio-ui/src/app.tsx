@@ -8,7 +8,10 @@ import { Machines } from "./machines";
 import { ModelPanel, Problems, TableView, TextPanel } from "./panels";
 import { Palette, QuickAdd } from "./palette";
 import { Plots } from "./plots";
+import { Power } from "./power";
+import { Splitter } from "./splitter";
 import type { State, Store, Tab } from "./store";
+import { SweepView } from "./sweeps";
 
 const TABS: [Tab, string][] = [
   ["item", "Properties"],
@@ -18,6 +21,7 @@ const TABS: [Tab, string][] = [
   ["table", "Table"],
   ["text", "Text"],
   ["equations", "Equations"],
+  ["power", "Power"],
 ];
 
 export class App extends Component<{ store: Store; root?: HTMLElement }, State> {
@@ -90,11 +94,12 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
     const hints = look.problems.length - errors;
     const one = [...state.nodes, ...[...state.bonds].map((k) => look.view.bonds.find((b) => b.key === k)?.text)].join(", ");
     return (
-      <main class={"studio" + theme + (state.bottom ? " withbottom" : "")}>
+      <main class={"studio" + theme + (state.bottom ? " withbottom" : "")} style={`--side: ${state.room.side}px; --low: ${state.room.low ? `${state.room.low}px` : "44%"}`}>
         <Header store={store} state={state} errors={errors} />
         <div class="middle">
           <Palette store={store} state={state} />
           <Canvas store={store} state={state} />
+          <Splitter upright label="Width of the panels" value={state.room.side} least={220} most={900} sign={-1} onChange={(side) => store.set({ room: { ...state.room, side } })} />
           <aside class={"side" + (state.panel === "side" ? " open" : "")} aria-label="Panels">
             <div class="tabs" role="tablist" aria-label="Panels">
               {TABS.map(([tab, word]) => (
@@ -112,12 +117,14 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
               {state.tab === "table" && <TableView store={store} state={state} />}
               {state.tab === "text" && <TextPanel store={store} state={state} />}
               {state.tab === "equations" && <Equations store={store} state={state} />}
+              {state.tab === "power" && <Power store={store} state={state} />}
             </div>
           </aside>
         </div>
         {state.bottom && (
           <div class="bottom">
-            <Plots store={store} state={state} />
+            <Splitter upright={false} label="Height of the plots" value={state.room.low || 320} least={120} most={900} sign={-1} onChange={(low) => store.set({ room: { ...state.room, low } })} />
+            {state.sweep ? <SweepView store={store} state={state} /> : <Plots store={store} state={state} />}
             <Events store={store} state={state} />
           </div>
         )}

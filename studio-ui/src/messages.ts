@@ -196,7 +196,10 @@ export interface Lane {
 export interface Cursor {
   t: number;
   mode: Record<string, string>;
-  values: Record<string, { e: number | null; f: number | null; units: [string, string] }>;
+  /** By bond; `power` is false where effort times flow is none, as in thermal pseudo bonds. */
+  values: Record<string, { e: number | null; f: number | null; units: [string, string]; power?: boolean }>;
+  /** What is plotted, there. */
+  signals: Record<string, number | null>;
   strokes: Strokes;
 }
 
@@ -211,6 +214,33 @@ export interface SoFar {
 
 /** A tag of MathML, its attributes, then texts and tags. */
 export type Formula = [string, Record<string, string>, ...(Formula | string)[]];
+
+export interface Member {
+  member: number;
+  value: string;
+  status: string;
+  events?: number;
+  curves?: Curve[];
+  modes?: number[];
+  /** All modes that were met so far, by their numbers. */
+  named?: string[];
+  until?: number;
+  error?: Problem;
+}
+
+export interface Swept {
+  sweep: number;
+  path: string;
+  values: string[];
+  members: Member[];
+  done: boolean;
+}
+
+export interface Phase {
+  pieces: [number[], number[]][];
+  units: [string, string];
+  box: [number, number, number, number];
+}
 
 export interface Written {
   text: string;

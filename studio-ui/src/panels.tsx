@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Field, valueOf } from "./fields";
 import { free, text, words } from "./item";
 import type { State, Store } from "./store";
+import { SweepFields } from "./sweeps";
 
 interface Props {
   store: Store;
@@ -73,6 +74,9 @@ function Entry({ store, state, section, name, value }: Props & { section: string
   const plain = typeof value !== "object";
   const found = section === "parameters" ? QUANTITY.exec(text(value)) : null;
   const [base] = useState(() => (found ? Number(found[1]) || 1 : 1));
+  const [ranging, setRanging] = useState(false);
+  const path = state.level ? `${state.level}.${name}` : name;
+  const scaled = (by: number) => `${+((Number(found?.[1]) || 1) * by).toPrecision(6)}${found?.[2] ?? ""}`;
   return (
     <div class="entry" data-entry={name}>
       <label>
@@ -82,12 +86,18 @@ function Entry({ store, state, section, name, value }: Props & { section: string
         ) : (
           <Structured store={store} path={[section, name]} value={value as Record<string, unknown>} off={off} />
         )}
+        {found && (
+          <button class="small" aria-label={`Sweep ${name}`} title="Run over a range" aria-pressed={ranging} onClick={() => setRanging(!ranging)}>
+            ⋯
+          </button>
+        )}
         {!off && (
           <button class="small" aria-label={`Delete ${name}`} onClick={() => void store.edit({ do: "set", path: [section, name], value: null })}>
             ✕
           </button>
         )}
       </label>
+      {ranging && found && <SweepFields store={store} path={path} low={scaled(0.5)} high={scaled(2)} onDone={() => setRanging(false)} />}
       {found && !off && (
         <input
           type="range"

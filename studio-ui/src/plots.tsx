@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Curve, Lane, RunSummary, SoFar } from "./messages";
+import { PhasePlane } from "./phase";
 import { quantity, type State, type Store } from "./store";
 
 const INKS = ["--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
@@ -88,7 +89,10 @@ export function Plots({ store, state }: Props) {
           <output>{cursor === null ? "" : quantity(cursor, "s")}</output>
         </label>
         <label>
-          <input type="checkbox" checked={state.flowing} onChange={(e) => store.set({ flowing: e.currentTarget.checked })} /> power
+          <input type="checkbox" checked={state.phase} onChange={(e) => store.set({ phase: e.currentTarget.checked })} /> phase plane
+        </label>
+        <label>
+          <input type="checkbox" checked={state.flowing} onChange={(e) => store.set({ flowing: e.currentTarget.checked })} /> power along bonds
         </label>
       </div>
       {state.plotted.map((name, k) => (
@@ -99,6 +103,7 @@ export function Plots({ store, state }: Props) {
           curves={(shown?.runs ?? []).flatMap((r) => r.curves.filter((c) => c.name === name))}
           span={state.span}
           cursor={cursor}
+          value={state.cursor?.signals[name] ?? null}
           wide={wide}
           dark={state.dark}
           last={k === state.plotted.length - 1}
@@ -109,6 +114,7 @@ export function Plots({ store, state }: Props) {
           }}
         />
       ))}
+      {state.phase && <PhasePlane store={store} state={state} />}
       <Strip lanes={shown?.strip ?? []} span={state.span} cursor={cursor} onTime={(t) => void store.moveCursor(t)} />
     </div>
   );
@@ -128,6 +134,7 @@ function Growing({ state, soFar }: { state: State; soFar: SoFar }) {
           curves={[curve]}
           span={span}
           cursor={null}
+          value={null}
           wide={(box.current?.clientWidth ?? 800) - 18}
           dark={state.dark}
           last={k === soFar.curves.length - 1}
@@ -178,6 +185,8 @@ interface TraceProps {
   curves: Curve[];
   span: [number, number];
   cursor: number | null;
+  /** The value at the cursor. */
+  value: number | null;
   wide: number;
   dark: boolean | null;
   last: boolean;
@@ -315,11 +324,12 @@ class Trace extends Component<TraceProps> {
     u.ctx.restore();
   }
 
-  render({ name, curves }: TraceProps) {
+  render({ name, curves, value, cursor }: TraceProps) {
     const failed = curves.find((c) => c.error);
     return (
       <figure class="trace" aria-label={`Plot of ${name}`}>
         <div ref={this.box} />
+        {cursor !== null && <output class="reading">{quantity(value, curves.find((c) => !c.error)?.unit ?? "")}</output>}
         {failed && <p class="hint">{failed.error!.code} {failed.error!.why}</p>}
       </figure>
     );

@@ -1,9 +1,9 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Cursor, Instant, Look, Place, Problem, RunSummary, SoFar, Stock } from "./messages";
+import type { Cursor, Instant, Look, Place, Problem, RunSummary, Member, SoFar, Stock, Swept } from "./messages";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
-export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations";
+export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations" | "power";
 
 export interface State {
   connected: boolean;
@@ -21,6 +21,7 @@ export interface State {
   run: RunSummary | null;
   runs: RunSummary[];
   running: { run: number; t: number; events: number } | null;
+  sweep: Swept | null;
   /** The plots of a run that goes on. */
   soFar: SoFar | null;
   cursor: Cursor | null;
@@ -32,6 +33,10 @@ export interface State {
   panel: "" | "palette" | "side";
   dark: boolean | null;
   flowing: boolean;
+  /** Whether the second plotted signal is drawn over the first, too. */
+  phase: boolean;
+  /** Width of the panels and height of the plots, pixels. */
+  room: { side: number; low: number };
 }
 
 const BEGIN: State = {
@@ -50,6 +55,7 @@ const BEGIN: State = {
   runs: [],
   running: null,
   soFar: null,
+  sweep: null,
   cursor: null,
   instant: null,
   plotted: [],
@@ -59,6 +65,8 @@ const BEGIN: State = {
   panel: "",
   dark: null,
   flowing: false,
+  phase: false,
+  room: { side: 340, low: 0 },
 };
 
 export class Store {
@@ -137,6 +145,14 @@ export class Store {
       if (!mine && message.revision !== this.state.look?.revision) void this.look();
     } else if (message.tell === "progress") {
       this.set({ running: message as never });
+    } else if (message.tell === "sweeping") {
+      this.set({ sweep: { ...(message as unknown as Swept), members: [], done: false }, bottom: true });
+    } else if (message.tell === "member" || message.tell === "swept") {
+      const { sweep } = this.state;
+      if (sweep?.sweep !== message.sweep || !sweep) return;
+      const members = [...sweep.members];
+      if (message.tell === "member") members[message.member as number] = message as unknown as Member;
+      this.set({ sweep: { ...sweep, members, done: message.tell === "swept" } });
     } else if (message.tell === "partial") {
       this.set({ soFar: message as never });
     } else if (message.tell === "finished") {
@@ -274,9 +290,20 @@ export class Store {
         names: this.state.plotted,
       });
       if (!this.state.runs.some((r) => r.run === run))
-        this.set({ running: { run, t: 0, events: 0 }, soFar: null, bottom: true });
+        this.set({ running: { run, t: 0, events: 0 }, soFar: null, sweep: null, bottom: true });
     } catch (error) {
       this.refused(error);
+    }
+  }
+
+  /** Run the model with a parameter over a range; whether that began. */
+  async sweep(range: { path: string; from: string; to: string; count: string; log: boolean }): Promise<boolean> {
+    try {
+      await this.transport.ask("sweep", { ...range, names: this.state.plotted });
+      return true;
+    } catch (error) {
+      this.refused(error);
+      return false;
     }
   }
 
@@ -295,6 +322,7 @@ export class Store {
         side,
         mode: mode ?? null,
         level: this.state.level,
+        names: this.state.plotted,
       });
       const strokes = shared(this.state.cursor?.strokes ?? this.state.look?.strokes, cursor.strokes);
       if (count === this.cursorCount) this.set({ cursor: { ...cursor, strokes } });

@@ -305,6 +305,28 @@ def test_the_rod_falls_through_its_two_mythical_modes(
         page.until(lambda n=k: page.one(f'[data-step="{n}"][aria-pressed="true"]'), f"step {k}")
         seen.append(page.one(".instant b").text)
     assert seen == kinds[event]
+    # who gives power and who takes it there; equations as formulas
+    page.click("#tab-power")
+    page.until(lambda: page.one(".power-panel h2"), "power at the instant")
+    page.click("#tab-equations")
+    page.until(lambda: page.one(".formula math mtr"), "equations are set as formulas")
+    # one signal over another
+    next(e for e in page.all(".plotbar label") if "phase" in e.text).click()
+    page.until(lambda: page.one(".phase .way"), "the phase plane")
+    # friction over a range: below some value the rod slides, beyond it sticks
+    page.click("#tab-model")
+    page.click('button[aria-label="Sweep mu"]')
+    for label, value in (("from", "0.2"), ("to", "0.3"), ("runs", "7")):
+        field = page.one(f'input[aria-label="Sweep mu {label}"]')
+        field.clear()
+        field.send_keys(value)
+    page.click(".sweepfields button")
+    page.until(lambda: "7 runs" in page.one(".sweep [role=status]").text, "the sweep ends")
+    modes = [w.text.strip() for w in page.all(".modemap figcaption span")]
+    assert sorted(modes) == ["free", "left", "right", "stuck"]
+    assert len(page.all(".modemap g")) == 7
+    page.all(".modemap g")[3].click()
+    page.until(lambda: page.one(".family .way.chosen"), "one member is chosen")
     assert not page.complaints()
 
 

@@ -38,9 +38,19 @@ def begin(session: Session, message: Mapping[str, Any]) -> Message:
     return {"run": running.number}
 
 
+def sweep(session: Session, message: Mapping[str, Any]) -> Message:
+    """Begin runs of the model with a parameter over a range."""
+    session.whole("sweep")
+    model = session.meaning().model
+    assert model is not None
+    begun = session.sweeps.start(model, message)
+    return {"sweep": begun.number, "values": begun.values}
+
+
 def cancel(session: Session, message: Mapping[str, Any]) -> Message:
     """Stop what runs."""
     session.runs.cancel()
+    session.sweeps.cancel()
     return {}
 
 
@@ -98,6 +108,7 @@ def cursor(session: Session, message: Mapping[str, Any]) -> Message:
             "e": found["values"][str(b)][0],
             "f": found["values"][str(b)][1],
             "units": units[str(b)],
+            "power": not run.graph.bonds[b].domain.pseudo,
         }
         for key, b in bonds.items()
     }

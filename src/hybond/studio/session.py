@@ -24,6 +24,7 @@ from hybond.studio.levels import level_of, table
 from hybond.studio.problems import problem_of, problems
 from hybond.studio.runs import Runs
 from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
+from hybond.studio.sweeps import Sweeps
 from hybond.studio.view import view
 
 Message = dict[str, Any]
@@ -70,6 +71,7 @@ class Session:
         self._known: tuple[int, Meaning] | None = None
         self.lock: Lock | None = None
         self.runs = Runs(self.tell)
+        self.sweeps = Sweeps(self.tell)
         self.document = self._open(file, text)
 
     # -- who listens
@@ -119,6 +121,7 @@ class Session:
     def close(self) -> None:
         """Write what is left, stop what runs, let another write."""
         self.runs.cancel()
+        self.sweeps.cancel()
         with self._busy:
             self.document.close()
             if self.lock is not None:
@@ -415,6 +418,7 @@ ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "picture": of_models.picture,
     "run": of_runs.begin,
     "cancel": of_runs.cancel,
+    "sweep": of_runs.sweep,
     "runs": of_runs.summaries,
     "curves": of_runs.curves_of,
     "phase": of_runs.phase_of,

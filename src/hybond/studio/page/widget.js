@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,7 +61,7 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
@@ -74,7 +74,7 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
 	return r;
 }
 function A(e, t, n, r) {
@@ -97,18 +97,18 @@ function j(e, t, n, r) {
 	}
 	return -1;
 }
-function M(e, t, n) {
+function ee(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function ee(e, t, n, r, i) {
+function te(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function ee(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function te(t) {
+function ne(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,15 +129,15 @@ function te(t) {
 		}
 	};
 }
-function ne(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
+function re(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof L == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,41 +146,41 @@ function ne(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
+			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++M < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && ae(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+			while (8 & y.__g && ++ee < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && oe(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
-						for (; N < o.length; N++) if (F = o[N]) {
-							if (o[N] = null, te) {
-								if (F == ne) break;
+						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
+						for (; M < o.length; M++) if (P = o[M]) {
+							if (o[M] = null, ne) {
+								if (P == re) break;
 							} else {
-								if (F.nodeType != 8) break;
-								F.data.startsWith("$s") && (ne = re(te = F));
+								if (P.nodeType != 8) break;
+								P.data.startsWith("$s") && (re = ie(ne = P));
 							}
 						}
 					}
-					if (!te) {
+					if (!ne) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						te = c;
+						ne = c;
 					}
-					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function re(e, t) {
+function ie(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function re(e, t) {
 		t && t.push(e);
 	}
 }
-function ie(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
+function ae(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
 }
-function N(t, n, r) {
-	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
+function M(t, n, r) {
+	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function N(t, n, r) {
 		}
 	});
 }
-function P(t, n, r, i, a, o, s, c, l, u) {
+function N(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function P(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function F(t, n, r, i) {
+function P(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function ae(t, n, r) {
+function oe(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function ae(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function I(e, t, n) {
+function F(e, t, n) {
 	return this.constructor(e, n);
 }
-function L(t, n) {
+function I(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var oe = 5.5, se = 35 * Math.PI / 180;
-function ce(e, t) {
+var se = 5.5, ce = 35 * Math.PI / 180;
+function le(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function ce(e, t) {
 		y1: e.y1 + t
 	};
 }
-function le(e, [t, n]) {
+function ue(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function le(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function ue(e, t) {
+function de(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function de(e, t, n, r, i = 0) {
+function fe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = ue(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = le(ce(e, oe), [u, d]), p = le(ce(t, oe), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(se), S = b * Math.sin(se);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function fe(e, t) {
+function pe(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = ue(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var pe = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), me = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function he(e, t, n = !1) {
+var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function ge(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) pe.has(t) ? r += .42 : me.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ge = .73;
-function _e(e, t, [n, r]) {
-	let i = Math.max(he(e, 19, !0) / 2, 6);
+var _e = .73;
+function ve(e, t, [n, r]) {
+	let i = Math.max(ge(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ge * 19 / 2 - 1,
+		y0: r - _e * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ge * 19 / 2 + (t ? 3 : 1)
+		y1: r + _e * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ce(a, 2) : a;
+	return t ? le(a, 2) : a;
 }
-function ve(e, t) {
+function ye(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,9 +354,9 @@ function ve(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var ye = Symbol.for("pv"), be = 0;
+var be = Symbol.for("pv"), xe = 0;
 Array.isArray;
-function R(t, n, r, i, a, o) {
+function L(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +370,27 @@ function R(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: ye,
-		__v: --be,
+		constructor: be,
+		__v: --xe,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var z = [100, 84];
-function B(e, t) {
-	return [e * z[0], t * z[1]];
+var R = [100, 84];
+function z(e, t) {
+	return [e * R[0], t * R[1]];
 }
-var xe = 18;
-function Se(e, t) {
+var Se = 18;
+function Ce(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Ce(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => he(e, 9))), a = (e) => r(e).reduce((e, t) => e + he(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, he(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * xe / 2 : 0, l = o ? c - 15 : 4;
+function we(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Se / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +399,8 @@ function Ce(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function we(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Ce(e, t), o = /* @__PURE__ */ new Map(), s = {
+function Te(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = we(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +408,16 @@ function we(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * xe]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Se]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Te(e, t, n, r = "") {
+function Ee(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Ce(e, r);
+		let { half: t, top: i, bottom: a } = we(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -425,11 +425,11 @@ function Te(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return _e(e.letters, t, n);
+	return ve(e.letters, t, n);
 }
-function Ee(e, t, n, r, i = "") {
+function De(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), a = we(e, i).get(n);
+		let n = t.slice(e.name.length + 1), a = Te(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +440,15 @@ function Ee(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Te(e, n, r, i)];
+	return [r, Ee(e, n, r, i)];
 }
-var De = ([[e, t], [n, r]]) => ({
+var Oe = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Oe(e, t) {
+function ke(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +460,66 @@ function Oe(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function ke(e, t) {
+function Ae(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Ae = class extends S {
+var je = class extends S {
 	shouldComponentUpdate(e) {
-		return ke(e, this.props);
+		return Ae(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Ee(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ee(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = de(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ R("g", {
+		let [t, n] = De(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = De(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ L("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "reach",
-					...De([a.tail, a.head])
+					...Oe([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ R("line", {
+				e.flow !== 0 && /* @__PURE__ */ L("line", {
 					class: "power",
-					...De(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Oe(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line",
-					...De([a.tail, a.head])
+					...Oe([a.tail, a.head])
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line barb",
-					...De(a.barb)
+					...Oe(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...De(fe(a, e))
+					...Oe(pe(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...De(fe(a, e))
+					...Oe(pe(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ R("path", {
+				o?.conflict && /* @__PURE__ */ L("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
+				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
 					class: "value",
-					...Oe(a, 1),
+					...ke(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ R("text", {
+				}), /* @__PURE__ */ L("text", {
 					class: "value",
-					...Oe(a, -1),
+					...ke(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function je(e, t, n) {
+function Me(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +534,7 @@ function je(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Me(e, t, n) {
+function Ne(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +566,12 @@ function Me(e, t, n) {
 		anchor: "start"
 	};
 }
-var Ne = class extends S {
+var Pe = class extends S {
 	shouldComponentUpdate(e) {
-		return ke(e, this.props);
+		return Ae(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Te(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ee(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +592,14 @@ var Ne = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Me(e, i, s.length), l = ge * 19 / 2, u = Ce(t, e.ports);
-		return /* @__PURE__ */ R("g", {
+		], c = Ne(e, i, s.length), l = _e * 19 / 2, u = we(t, e.ports);
+		return /* @__PURE__ */ L("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Ne = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ L("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...we(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
+					[...Te(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ L("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ L("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ R("text", {
-								...je(e.ports[a], r, i),
+							/* @__PURE__ */ L("text", {
+								...Me(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				] }) : /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ R("rect", {
+					r && /* @__PURE__ */ L("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Ne = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ L("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ R("text", {
+					r && /* @__PURE__ */ L("text", {
 						class: "subscript",
-						x: he(t.letters, 19, !0) / 2 - 3.5,
+						x: ge(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ R("text", {
+				s.map((e, t) => /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ R("g", {
+				e.selected && /* @__PURE__ */ L("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ L("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ L("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -694,22 +694,22 @@ var Ne = class extends S {
 	}
 };
 // src/sharing.ts
-function Pe(e, t) {
+function Fe(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Pe(n[e], r[e]);
+		let t = Fe(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/transport.ts
-var Fe = class extends Error {
+var Ie = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Ie = class {
+}, Le = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +745,10 @@ var Fe = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Fe(e.error)) : t.done(e);
+			e.error ? t.failed(new Ie(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, Le = {
+}, Re = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -764,6 +764,7 @@ var Fe = class extends Error {
 	runs: [],
 	running: null,
 	soFar: null,
+	sweep: null,
 	cursor: null,
 	instant: null,
 	plotted: [],
@@ -772,10 +773,15 @@ var Fe = class extends Error {
 	bottom: !1,
 	panel: "",
 	dark: null,
-	flowing: !1
-}, Re = class {
+	flowing: !1,
+	phase: !1,
+	room: {
+		side: 340,
+		low: 0
+	}
+}, ze = class {
 	transport;
-	state = Le;
+	state = Re;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -816,7 +822,7 @@ var Fe = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Fe ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Ie ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -824,7 +830,7 @@ var Fe = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Pe(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Fe(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -836,7 +842,24 @@ var Fe = class extends Error {
 	told(e) {
 		if (e.tell === "changed") e.by !== this.transport.client && e.revision !== this.state.look?.revision && this.look();
 		else if (e.tell === "progress") this.set({ running: e });
-		else if (e.tell === "partial") this.set({ soFar: e });
+		else if (e.tell === "sweeping") this.set({
+			sweep: {
+				...e,
+				members: [],
+				done: !1
+			},
+			bottom: !0
+		});
+		else if (e.tell === "member" || e.tell === "swept") {
+			let { sweep: t } = this.state;
+			if (t?.sweep !== e.sweep || !t) return;
+			let n = [...t.members];
+			e.tell === "member" && (n[e.member] = e), this.set({ sweep: {
+				...t,
+				members: n,
+				done: e.tell === "swept"
+			} });
+		} else if (e.tell === "partial") this.set({ soFar: e });
 		else if (e.tell === "finished") {
 			let t = e;
 			this.set({
@@ -997,10 +1020,21 @@ var Fe = class extends Error {
 					events: 0
 				},
 				soFar: null,
+				sweep: null,
 				bottom: !0
 			});
 		} catch (e) {
 			this.refused(e);
+		}
+	}
+	async sweep(e) {
+		try {
+			return await this.transport.ask("sweep", {
+				...e,
+				names: this.state.plotted
+			}), !0;
+		} catch (e) {
+			return this.refused(e), !1;
 		}
 	}
 	cancel = () => void this.transport.ask("cancel").catch(() => {});
@@ -1015,8 +1049,9 @@ var Fe = class extends Error {
 				t: e,
 				side: t,
 				mode: n ?? null,
-				level: this.state.level
-			}), o = Pe(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+				level: this.state.level,
+				names: this.state.plotted
+			}), o = Fe(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1032,13 +1067,13 @@ var Fe = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function ze(e, t = 4) {
+function Be(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Be = [
+var Ve = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1048,10 +1083,10 @@ var Be = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function Ve(e, t) {
+function B(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${ze(e)} ${t}`.trim();
-	let [n, r] = Be.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Be[Be.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Be(e)} ${t}`.trim();
+	let [n, r] = Ve.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ve[Ve.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/canvas.tsx
@@ -1112,12 +1147,12 @@ var He = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = B(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = z(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = B(i[0].x, i[0].y);
+				let [e, t] = z(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1144,7 +1179,7 @@ var He = class extends S {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1343,7 +1378,7 @@ var He = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
+						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1352,7 +1387,7 @@ var He = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = B(t.x, t.y);
+						let [r, i] = z(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
@@ -1387,7 +1422,7 @@ var He = class extends S {
 	}
 	centreOf(e, t, n, r) {
 		let i = e.split(".")[0];
-		return Ee(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		return De(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
@@ -1446,14 +1481,14 @@ var He = class extends S {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = B(e.x, e.y);
+			let [t, n] = z(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1476,14 +1511,14 @@ var He = class extends S {
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Se(e, p));
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Ce(e, p));
 		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ R("div", {
+		return /* @__PURE__ */ L("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ R("svg", {
+				/* @__PURE__ */ L("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1496,19 +1531,19 @@ var He = class extends S {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
+						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
 							id: "dots",
-							width: z[0] / 4,
-							height: z[1] / 4,
+							width: R[0] / 4,
+							height: R[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ R("circle", {
+							children: /* @__PURE__ */ L("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ R("marker", {
+						}), /* @__PURE__ */ L("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1516,25 +1551,25 @@ var He = class extends S {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ R("path", {
+							children: /* @__PURE__ */ L("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ R("rect", {
+						n.k > .45 && /* @__PURE__ */ L("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ R("g", {
+						/* @__PURE__ */ L("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = de(Te(t, u(t), r, h(t.name)), Te(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ R("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(Ee(t, u(t), r, h(t.name)), Ee(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ L("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1543,9 +1578,9 @@ var He = class extends S {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
+								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
 									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ R(Ae, {
+									return /* @__PURE__ */ L(je, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1560,12 +1595,12 @@ var He = class extends S {
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? Ve(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? Ve(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Ne, {
+								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Pe, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1573,13 +1608,13 @@ var He = class extends S {
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...ve(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ R(Ue, {
+								r?.kind === "wire" && /* @__PURE__ */ L(Ue, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ R("rect", {
+								r?.kind === "box" && /* @__PURE__ */ L("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1590,7 +1625,7 @@ var He = class extends S {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ R("div", {
+				r?.kind === "wire" && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1601,11 +1636,11 @@ var He = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ R(We, {
+				e.instant && /* @__PURE__ */ L(We, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ R("div", {
+				e.bondFrom && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1617,22 +1652,22 @@ var He = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ R("div", {
+				/* @__PURE__ */ L("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1640,23 +1675,23 @@ var He = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ R(Je, {
+				/* @__PURE__ */ L(Je, {
 					state: e,
 					sight: n
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ R("span", { children: [
+						!a.view.editable && /* @__PURE__ */ L("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1668,7 +1703,7 @@ var He = class extends S {
 	}
 };
 function Ue({ from: e, to: t }) {
-	return /* @__PURE__ */ R("line", {
+	return /* @__PURE__ */ L("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1678,31 +1713,31 @@ function Ue({ from: e, to: t }) {
 }
 function We({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			Ve(n.t, "s"),
+			B(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ R("b", { children: i.kind }),
+			/* @__PURE__ */ L("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ R("small", { children: [
+			/* @__PURE__ */ L("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1731,22 +1766,22 @@ function Je({ state: e, sight: t }) {
 	let n = e.look.view.nodes;
 	if (n.length < 25) return null;
 	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / z[0],
-		y: -t.y / t.k / z[1]
+		x: -t.x / t.k / R[0],
+		y: -t.y / t.k / R[1]
 	};
-	return /* @__PURE__ */ R("svg", {
+	return /* @__PURE__ */ L("svg", {
 		class: "minimap",
 		viewBox: `${a} ${o} ${s} ${c}`,
 		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ R("circle", {
+		children: [n.map((e) => /* @__PURE__ */ L("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: s / 90
-		})), /* @__PURE__ */ R("rect", {
+		})), /* @__PURE__ */ L("rect", {
 			x: l.x,
 			y: l.y,
-			width: 900 / t.k / z[0],
-			height: 500 / t.k / z[1]
+			width: 900 / t.k / R[0],
+			height: 500 / t.k / R[1]
 		})]
 	});
 }
@@ -1760,12 +1795,12 @@ function ct(e, t) {
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function lt(e) {
-	return $e = 1, ut(xt, e);
+function U(e) {
+	return $e = 1, lt(bt, e);
 }
-function ut(e, t, n) {
+function lt(e, t, n) {
 	var r = ct(Ye++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : bt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
 		Qe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
 	}], r.__c = V, !V.__f)) {
@@ -1786,31 +1821,31 @@ function ut(e, t, n) {
 	}
 	return r.__;
 }
-function dt(e, t) {
+function ut(e, t) {
 	var n = ct(Ye++, 3);
-	!H.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, V.__H.__h.push(n));
+	!H.__s && yt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, V.__H.__h.push(n));
 }
-function ft(e) {
-	return $e = 5, pt(function() {
+function dt(e) {
+	return $e = 5, ft(function() {
 		return { current: e };
 	}, []);
 }
-function pt(e, t) {
+function ft(e, t) {
 	var n = ct(Ye++, 7);
-	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+	return yt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function mt() {
+function pt() {
 	var e;
 	do {
 		for (; e = tt.shift();) try {
-			vt(e);
+			_t(e);
 		} catch (t) {
 			H.__e(t, { __: (e = e.__P) && e.__v });
 		}
 		for (; e = et.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(vt), t.__h.some(yt), t.__h = [];
+				t.__h.some(_t), t.__h.some(vt), t.__h = [];
 			} catch (n) {
 				t.__h = [], H.__e(n, e.__v);
 			}
@@ -1824,20 +1859,20 @@ H.__b = function(e) {
 }, H.__r = function(e) {
 	rt && rt(e), Ye = 0;
 	var t = (V = e.__c).__H;
-	t && (Xe == V ? V.__h = [] : (t.__h.some(vt), t.__h.some(yt), Ye = 0), t.__h = [], t.__.some(function(e) {
+	t && (Xe == V ? V.__h = [] : (t.__h.some(_t), t.__h.some(vt), Ye = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
 	})), Xe = V;
 }, H.diffed = function(e) {
 	it && it(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && _t(et.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && gt(et.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
 	})), Xe = V = null;
 }, H.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
-				return !e.__ || yt(e);
+			e.__h.some(_t), e.__h = e.__h.filter(function(e) {
+				return !e.__ || vt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
@@ -1855,50 +1890,50 @@ H.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, _t(tt.push(r));
-			} else vt(r);
+				r.__P = n, gt(tt.push(r));
+			} else _t(r);
 		} catch (e) {
 			t = e;
 		}
 	}), r.__H = void 0, t && H.__e(t, r.__v));
 };
-var ht = typeof requestAnimationFrame == "function";
-function gt(e) {
+var mt = typeof requestAnimationFrame == "function";
+function ht(e) {
 	var t, n = function() {
-		clearTimeout(r), ht && cancelAnimationFrame(t), setTimeout(e);
+		clearTimeout(r), mt && cancelAnimationFrame(t), setTimeout(e);
 	}, r = setTimeout(n, 35);
-	ht && (t = requestAnimationFrame(n));
+	mt && (t = requestAnimationFrame(n));
+}
+function gt(e) {
+	e != 1 && Ze == H.requestAnimationFrame || ((Ze = H.requestAnimationFrame) || ht)(pt);
 }
 function _t(e) {
-	e != 1 && Ze == H.requestAnimationFrame || ((Ze = H.requestAnimationFrame) || gt)(mt);
-}
-function vt(e) {
 	var t = V, n = e.__c;
 	typeof n == "function" && (e.__c = void 0, n()), V = t;
 }
-function yt(e) {
+function vt(e) {
 	var t = V;
 	e.__c = e.__(), V = t;
 }
-function bt(e, t) {
+function yt(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
 		return !Qe(t, e[n]);
 	});
 }
-function xt(e, t) {
+function bt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var St = 100;
-function Ct({ store: e, state: t }) {
-	let [n, r] = lt([]), [i, a] = lt(0), [o, s] = lt(0), c = t.run;
-	dt(() => s(0), [c?.run]), dt(() => {
+var xt = 100;
+function St({ store: e, state: t }) {
+	let [n, r] = U([]), [i, a] = U(0), [o, s] = U(0), c = t.run;
+	ut(() => s(0), [c?.run]), ut(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: St
+			count: xt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1906,60 +1941,60 @@ function Ct({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					Ve(c.took, "s"),
+					B(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
 				class: "warning",
 				children: e
 			})),
-			i > St && /* @__PURE__ */ R("p", { children: [
-				/* @__PURE__ */ R("button", {
+			i > xt && /* @__PURE__ */ L("p", { children: [
+				/* @__PURE__ */ L("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - St)),
+					onClick: () => s(Math.max(0, o - xt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + St, i),
+				Math.min(o + xt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ R("button", {
-					disabled: o + St >= i,
-					onClick: () => s(o + St),
+				/* @__PURE__ */ L("button", {
+					disabled: o + xt >= i,
+					onClick: () => s(o + xt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
+			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ R("b", { children: Ve(n.t, "s") }),
+						/* @__PURE__ */ L("b", { children: B(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ R("i", { children: n.cause }),
+						/* @__PURE__ */ L("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", wt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Ct(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ R(Tt, {
+				}), n.event === l && /* @__PURE__ */ L(wt, {
 					store: e,
 					state: t,
 					event: n
@@ -1968,18 +2003,18 @@ function Ct({ store: e, state: t }) {
 		]
 	});
 }
-function wt(e) {
+function Ct(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Tt({ store: e, state: t, event: n }) {
+function wt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1991,32 +2026,32 @@ function Tt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ R("p", { children: [
+			/* @__PURE__ */ L("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ R("p", {
+			i.fired.map((e) => /* @__PURE__ */ L("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ R("b", { children: e.machine }),
+					/* @__PURE__ */ L("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ R("code", { children: e.why })
+					/* @__PURE__ */ L("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${ze(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Be(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ R("p", { children: [
+			i.energy && /* @__PURE__ */ L("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2026,23 +2061,23 @@ function Tt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/formulas.tsx
-var Et = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Dt(e) {
+var Tt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Et(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Et.has(t) ? t : "mrow", {
+	return v(Tt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Dt));
+	}, ...r.map(Et));
 }
-function Ot({ store: e, state: t }) {
-	let [n, r] = lt("all"), [i, a] = lt(!1), [o, s] = lt(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return dt(() => {
+function Dt({ store: e, state: t }) {
+	let [n, r] = U("all"), [i, a] = U(!1), [o, s] = U(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return ut(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -2054,41 +2089,41 @@ function Ot({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ R("section", {
+	]), /* @__PURE__ */ L("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ R("button", {
+				].map(([e, t]) => /* @__PURE__ */ L("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ R("p", {
+			!o && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ R("div", {
+			o?.formula && !i ? /* @__PURE__ */ L("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Dt(o.formula)
-			}) : o && /* @__PURE__ */ R("pre", {
+				children: Et(o.formula)
+			}) : o && /* @__PURE__ */ L("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2096,12 +2131,12 @@ function Ot({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var kt = 0;
-function At(e) {
-	let [t, n] = lt(e.value), [r] = lt(() => `list${++kt}`), i = ft(!1);
-	return dt(() => {
+var Ot = 0;
+function kt(e) {
+	let [t, n] = U(e.value), [r] = U(() => `list${++Ot}`), i = dt(!1);
+	return ut(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
+	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2118,20 +2153,20 @@ function At(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ R("datalist", {
+	}), e.list && /* @__PURE__ */ L("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
 	})] });
 }
-function jt(e) {
+function At(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Mt = {
+var jt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Nt = {
+}, Mt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2142,76 +2177,76 @@ var Mt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Pt({ store: e, state: t }) {
+function Nt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ R(Rt, {
+	if (r.length === 1) return /* @__PURE__ */ L(Lt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ R("section", { children: [
-			/* @__PURE__ */ R("h2", { children: "Bond" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(At, {
+		return /* @__PURE__ */ L("section", { children: [
+			/* @__PURE__ */ L("h2", { children: "Bond" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(kt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Ft(e, t, r.key, n)
+				onWrite: (n) => void Pt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ R("p", { children: [
+			a && /* @__PURE__ */ L("p", { children: [
 				"effort ",
-				Ve(a.e, a.units[0]),
+				B(a.e, a.units[0]),
 				", flow ",
-				Ve(a.f, a.units[1]),
+				B(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : Ve(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ R("div", {
+	] }), /* @__PURE__ */ L("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ R("button", {
-				onClick: () => It(e, r, "y"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Ft(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ R("button", {
-				onClick: () => It(e, r, "x"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Ft(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ R(Lt, {
+	})] }) : /* @__PURE__ */ L(It, {
 		store: e,
 		state: t
 	});
 }
-async function Ft(e, t, n, r) {
+async function Pt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2226,33 +2261,33 @@ async function Ft(e, t, n, r) {
 		text: r
 	}));
 }
-function It(e, t, n) {
+function Ft(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Lt({ store: e, state: t }) {
+function It({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Model" }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(At, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Model" }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(kt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ R("option", {
+			children: r.map((e) => /* @__PURE__ */ L("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2261,21 +2296,21 @@ function Lt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ R("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ R("kbd", { children: "a" }),
+				/* @__PURE__ */ L("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ R("kbd", { children: "b" }),
+				/* @__PURE__ */ L("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function Rt({ store: e, state: t, node: n }) {
+function Lt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2289,66 +2324,66 @@ function Rt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(At, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(kt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ R(zt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ L(Rt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Mt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(At, {
+		jt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(kt, {
 			label: `Start value ${e}`,
-			value: Ht(i[e]),
+			value: Vt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], jt(t))
+			onWrite: (t) => a([e], At(t))
 		})] })),
-		s && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
+		s && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ R("option", {
+				}), /* @__PURE__ */ L("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
 				disabled: r,
-				value: Ht(i.law),
+				value: Vt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Nt[Ht(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(At, {
+			(Mt[Vt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(kt, {
 				label: e,
-				value: Ht(i[e]),
+				value: Vt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], jt(t))
+				onWrite: (t) => a([e], At(t))
 			})] })),
-			/* @__PURE__ */ R(Bt, {
+			/* @__PURE__ */ L(zt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
-			c && /* @__PURE__ */ R("p", {
+		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
+			c && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2357,41 +2392,41 @@ function Rt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(At, {
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(kt, {
 					label: e,
-					value: Ht(t),
+					value: Vt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], jt(t))
+					onWrite: (t) => a(["parameters", e], At(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(At, {
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(kt, {
 				label: `Input ${e}`,
-				value: Ht(i.inputs?.[e]),
+				value: Vt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Ut(t),
-				onWrite: (t) => a(["inputs", e], jt(t))
+				list: Ht(t),
+				onWrite: (t) => a(["inputs", e], At(t))
 			})] })),
-			n.known && /* @__PURE__ */ R("button", {
+			n.known && /* @__PURE__ */ L("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ R("div", {
+		/* @__PURE__ */ L("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2400,11 +2435,11 @@ function Rt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function zt({ node: e, off: t, set: n }) {
+function Rt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(At, {
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(kt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2412,31 +2447,31 @@ function zt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(At, {
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(kt, {
 		label: "Value",
 		first: !0,
-		value: Ht(r),
+		value: Vt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : jt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : At(t) ?? 1);
 		}
 	})] });
 }
-function Bt({ store: e, state: t, node: n }) {
+function zt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
+	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Vt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Bt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2449,14 +2484,14 @@ function Bt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Vt(e, t) {
+function Bt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Ht(e) {
+function Vt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Ut(e) {
+function Ht(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2464,7 +2499,7 @@ function Ut(e) {
 	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
 }
 // src/machines.tsx
-function Wt(e) {
+function Ut(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2472,19 +2507,19 @@ function Wt(e) {
 		guard: t[3]
 	} : null;
 }
-function Gt({ store: e, state: t }) {
+function Wt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ R(Kt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ L(Gt, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ R("button", {
+		n.view.editable && /* @__PURE__ */ L("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Vt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Bt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2500,23 +2535,23 @@ function Gt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ R("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ R("code", { children: "pre(x)" }),
+				/* @__PURE__ */ L("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ R("b", { children: "x⁻" }),
+				/* @__PURE__ */ L("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ R("code", { children: "x" }),
+				/* @__PURE__ */ L("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ R("b", { children: "x⁺" }),
+				/* @__PURE__ */ L("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Kt({ store: e, state: t, name: n, machine: r }) {
+function Gt({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2525,13 +2560,13 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 		...r,
 		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
 	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R(At, {
+				children: [/* @__PURE__ */ L(kt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2540,7 +2575,7 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ R("button", {
+				}), !a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2551,15 +2586,15 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ R(qt, {
+			/* @__PURE__ */ L(Kt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ R("div", {
+			c.map((e) => /* @__PURE__ */ L("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2571,7 +2606,7 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ R(At, {
+					/* @__PURE__ */ L(kt, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2589,17 +2624,17 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Wt(t);
+									let r = Ut(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ R("span", {
+					/* @__PURE__ */ L("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ R(At, {
+					/* @__PURE__ */ L(kt, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2616,43 +2651,43 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Wt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ R("div", {
+				let i = Ut(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ L("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ R(x, { children: [
-						/* @__PURE__ */ R("select", {
+					children: [i ? /* @__PURE__ */ L(x, { children: [
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ R("select", {
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
-						/* @__PURE__ */ R(At, {
+						/* @__PURE__ */ L(kt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							list: Ut(t),
+							list: Ht(t),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ R("span", {
+						/* @__PURE__ */ L("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ R(At, {
+					] }) : /* @__PURE__ */ L(kt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ R("button", {
+					}), !a && /* @__PURE__ */ L("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2660,21 +2695,21 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ R("div", {
+			!a && /* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Vt(c, "state")]: []
+							[Bt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Wt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Ut(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2686,18 +2721,18 @@ function Kt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function qt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Wt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ R("div", {
+function Kt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Ut).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ L("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ R("svg", {
+		children: /* @__PURE__ */ L("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
+				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2705,26 +2740,26 @@ function qt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ R("path", {
+					children: /* @__PURE__ */ L("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
+						children: /* @__PURE__ */ L("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
+					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
-					}), /* @__PURE__ */ R("text", {
+						children: /* @__PURE__ */ L("title", { children: e.guard })
+					}), /* @__PURE__ */ L("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2732,7 +2767,7 @@ function qt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ R("g", {
+				r.map((r) => /* @__PURE__ */ L("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2741,20 +2776,20 @@ function qt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ R("rect", {
+						/* @__PURE__ */ L("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ R("text", {
+						/* @__PURE__ */ L("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ R("circle", {
+						r === e.start && /* @__PURE__ */ L("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2765,24 +2800,295 @@ function qt({ machine: e, now: t, onState: n }) {
 		})
 	});
 }
+// src/sweeps.tsx
+var [qt, Jt] = [720, 190], Yt = 74, [Xt, Zt] = [8, 20], Qt = [
+	"var(--s0)",
+	"var(--s1)",
+	"var(--s2)",
+	"var(--s3)",
+	"var(--s4)",
+	"var(--s5)",
+	"var(--s6)",
+	"var(--s7)"
+];
+function $t(e) {
+	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
+}
+function en({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = U(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ L("div", {
+		class: "plots sweep",
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ L("b", { children: n.path }),
+					" from ",
+					n.values[0],
+					" to ",
+					n.values[n.values.length - 1],
+					/* @__PURE__ */ L("span", {
+						class: "scale",
+						"aria-hidden": "true"
+					}),
+					/* @__PURE__ */ L("span", {
+						role: "status",
+						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
+					}),
+					!n.done && /* @__PURE__ */ L("button", {
+						onClick: e.cancel,
+						children: "Cancel"
+					}),
+					/* @__PURE__ */ L("input", {
+						type: "range",
+						"aria-label": `Run of the sweep over ${n.path}`,
+						min: 0,
+						max: n.values.length - 1,
+						step: 1,
+						value: r ?? 0,
+						onInput: (e) => i(Number(e.currentTarget.value))
+					}),
+					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
+						n.path,
+						" = ",
+						n.values[r]
+					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
+						onClick: () => {
+							let t = n.values[r];
+							n.path.split(".").length === 1 && e.edit({
+								do: "set",
+								path: ["parameters", n.path],
+								value: t,
+								level: ""
+							}).then(() => e.start());
+						},
+						children: "Take this value"
+					})] }),
+					/* @__PURE__ */ L("button", {
+						onClick: () => e.set({ sweep: null }),
+						children: "Close"
+					})
+				]
+			}),
+			o.map((e, t) => /* @__PURE__ */ L(tn, {
+				name: e,
+				curves: n.members.map((e) => e?.curves?.[t]),
+				end: c,
+				chosen: r,
+				choose: i
+			}, e)),
+			/* @__PURE__ */ L(nn, {
+				sweep: n,
+				end: c,
+				chosen: r,
+				choose: i
+			})
+		]
+	});
+}
+function tn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
+	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
+	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: [
+			e,
+			": ",
+			t.find((e) => e?.error)?.error?.why ?? "no values yet"
+		]
+	});
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => Yt + e / n * (qt - Yt - 8), d = (e) => Jt - Zt - (e - o) / l * (Jt - Zt - Xt), f = (e) => {
+		let t = "", n = "M";
+		return e.t.forEach((r, i) => {
+			let a = e.y[i];
+			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
+		}), t;
+	}, p = t.map((e, t) => t).filter((e) => e !== r);
+	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
+		class: "family",
+		viewBox: `0 0 ${qt} ${Jt}`,
+		role: "img",
+		"aria-label": `${e} of ${a.length} runs, between ${Be(o)} and ${Be(s)} ${c}`,
+		children: [
+			/* @__PURE__ */ L("rect", {
+				class: "box",
+				x: Yt,
+				y: Xt,
+				width: qt - Yt - 8,
+				height: Jt - Zt - Xt
+			}),
+			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
+				class: "axis",
+				x1: Yt,
+				x2: qt - 8,
+				y1: d(0),
+				y2: d(0)
+			}),
+			p.map((e) => {
+				let n = t[e];
+				return !n || n.error ? null : /* @__PURE__ */ L("path", {
+					class: e === r ? "way chosen" : "way",
+					d: f(n),
+					style: `stroke: ${$t(e / Math.max(1, t.length - 1))}`,
+					onClick: () => i(e),
+					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
+				}, e);
+			}),
+			/* @__PURE__ */ L("text", {
+				x: 69,
+				y: Xt + 9,
+				"text-anchor": "end",
+				children: B(s, c)
+			}),
+			/* @__PURE__ */ L("text", {
+				x: 69,
+				y: Jt - Zt,
+				"text-anchor": "end",
+				children: B(o, c)
+			}),
+			/* @__PURE__ */ L("text", {
+				class: "what",
+				transform: `translate(12,${(Jt - Zt) / 2}) rotate(-90)`,
+				"text-anchor": "middle",
+				children: e
+			}),
+			/* @__PURE__ */ L("text", {
+				x: Yt,
+				y: Jt - 5,
+				children: "0 s"
+			}),
+			/* @__PURE__ */ L("text", {
+				x: qt - 8,
+				y: Jt - 5,
+				"text-anchor": "end",
+				children: B(n, "s")
+			})
+		]
+	});
+}
+function nn({ sweep: e, end: t, chosen: n, choose: r }) {
+	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
+	if (i.length < 2) return null;
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (qt - Yt - 8) / e.values.length, s = (e) => {
+		let t = [];
+		return e.forEach((e, n) => {
+			let r = t[t.length - 1];
+			r && r[2] === e ? r[1] = n + 1 : t.push([
+				n,
+				n + 1,
+				e
+			]);
+		}), t;
+	};
+	return /* @__PURE__ */ L("figure", {
+		class: "modemap",
+		children: [/* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${qt} 184`,
+			role: "img",
+			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
+			children: [
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
+					class: c === n ? "chosen" : "",
+					onClick: () => r(c),
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
+						x: Yt + c * o,
+						width: o + .4,
+						y: Xt + 150 * (1 - n / a),
+						height: 150 * (n - t) / a + .4,
+						fill: Qt[r % Qt.length],
+						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
+					}))
+				}) : null),
+				/* @__PURE__ */ L("text", {
+					x: 69,
+					y: Xt + 9,
+					"text-anchor": "end",
+					children: B(t, "s")
+				}),
+				/* @__PURE__ */ L("text", {
+					x: 69,
+					y: Xt + 150,
+					"text-anchor": "end",
+					children: "0 s"
+				}),
+				/* @__PURE__ */ L("text", {
+					x: Yt,
+					y: Xt + 150 + 14,
+					children: e.values[0]
+				}),
+				/* @__PURE__ */ L("text", {
+					x: qt - 8,
+					y: Xt + 150 + 14,
+					"text-anchor": "end",
+					children: e.values[e.values.length - 1]
+				}),
+				/* @__PURE__ */ L("text", {
+					class: "what",
+					x: (Yt + qt) / 2,
+					y: Xt + 150 + 18,
+					"text-anchor": "middle",
+					children: e.path
+				})
+			]
+		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
+			/* @__PURE__ */ L("i", { style: `background: ${Qt[t % Qt.length]}` }),
+			" ",
+			e
+		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
+	});
+}
+function rn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = U(n), [s, c] = U(r), [l, u] = U("15"), [d, f] = U(!1), p = (n) => {
+		n.preventDefault(), e.sweep({
+			path: t,
+			from: a,
+			to: s,
+			count: l,
+			log: d
+		}).then((e) => e && i());
+	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
+		"aria-label": `Sweep ${t} ${e}`,
+		value: n,
+		onInput: (e) => r(e.currentTarget.value),
+		onKeyDown: (e) => e.stopPropagation()
+	})] });
+	return /* @__PURE__ */ L("form", {
+		class: "sweepfields",
+		onSubmit: p,
+		children: [
+			m("from", a, o),
+			m("to", s, c),
+			m("runs", l, u),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+				type: "checkbox",
+				checked: d,
+				onChange: (e) => f(e.currentTarget.checked)
+			}), " by ratios"] }),
+			/* @__PURE__ */ L("button", {
+				type: "submit",
+				children: "Sweep"
+			})
+		]
+	});
+}
 // src/panels.tsx
-function Jt({ store: e, state: t }) {
+function W({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ R(Xt, {
+		return /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ L(an, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ R("button", {
+			!r && /* @__PURE__ */ L("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2793,120 +3099,138 @@ function Jt({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Vt(t, e)], s);
+					a([i, Bt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ R("section", { children: [
+	return /* @__PURE__ */ L("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: "Run" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(At, {
+		!t.level && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: "Run" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(kt, {
 				label: "Until",
-				value: Ht(i.until),
+				value: Vt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], jt(e))
+				onWrite: (e) => void a(["experiment", "until"], At(e))
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
-				value: Ht(i.solver),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
+				value: Vt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(At, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(kt, {
 				label: "Relative tolerance",
-				value: Ht(i.rtol),
+				value: Vt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], jt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], At(e))
 			})] })
 		] })
 	] });
 }
-var Yt = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function Xt({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Yt.exec(Ht(i)) : null, [c] = lt(() => s && Number(s[1]) || 1);
-	return /* @__PURE__ */ R("div", {
+var G = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function an({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? G.exec(Vt(i)) : null, [c] = U(() => s && Number(s[1]) || 1), [l, u] = U(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ L("div", {
 		class: "entry",
 		"data-entry": r,
-		children: [/* @__PURE__ */ R("label", { children: [
-			/* @__PURE__ */ R(At, {
-				label: `Name ${r}`,
-				value: r,
-				disabled: a,
-				onWrite: (t) => void e.edit({
-					do: "rename",
-					old: r,
-					new: t.trim()
-				})
-			}),
-			o ? /* @__PURE__ */ R(At, {
-				label: r,
-				value: Ht(i),
-				disabled: a,
-				list: n === "signals" ? Ut(t) : void 0,
-				onWrite: (t) => void e.edit({
-					do: "set",
-					path: [n, r],
-					value: jt(t)
-				})
-			}) : /* @__PURE__ */ R(Zt, {
-				store: e,
-				path: [n, r],
-				value: i,
-				off: a
-			}),
-			!a && /* @__PURE__ */ R("button", {
-				class: "small",
-				"aria-label": `Delete ${r}`,
-				onClick: () => void e.edit({
-					do: "set",
-					path: [n, r],
-					value: null
+		children: [
+			/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ L(kt, {
+					label: `Name ${r}`,
+					value: r,
+					disabled: a,
+					onWrite: (t) => void e.edit({
+						do: "rename",
+						old: r,
+						new: t.trim()
+					})
 				}),
-				children: "✕"
-			})
-		] }), s && !a && /* @__PURE__ */ R("input", {
-			type: "range",
-			"aria-label": `Slider ${r}`,
-			min: -1,
-			max: 1,
-			step: .02,
-			value: Math.log10(Math.abs(Number(s[1]) || 1) / Math.abs(c)),
-			onChange: (i) => {
-				let a = +(Math.sign(c) * Math.abs(c) * 10 ** Number(i.currentTarget.value)).toPrecision(4), o = s[2] ?? "";
-				e.edit({
-					do: "set",
+				o ? /* @__PURE__ */ L(kt, {
+					label: r,
+					value: Vt(i),
+					disabled: a,
+					list: n === "signals" ? Ht(t) : void 0,
+					onWrite: (t) => void e.edit({
+						do: "set",
+						path: [n, r],
+						value: At(t)
+					})
+				}) : /* @__PURE__ */ L(on, {
+					store: e,
 					path: [n, r],
-					value: o ? `${a}${o}` : a
-				}).then(() => t.run && e.start());
-			}
-		})]
+					value: i,
+					off: a
+				}),
+				s && /* @__PURE__ */ L("button", {
+					class: "small",
+					"aria-label": `Sweep ${r}`,
+					title: "Run over a range",
+					"aria-pressed": l,
+					onClick: () => u(!l),
+					children: "⋯"
+				}),
+				!a && /* @__PURE__ */ L("button", {
+					class: "small",
+					"aria-label": `Delete ${r}`,
+					onClick: () => void e.edit({
+						do: "set",
+						path: [n, r],
+						value: null
+					}),
+					children: "✕"
+				})
+			] }),
+			l && s && /* @__PURE__ */ L(rn, {
+				store: e,
+				path: d,
+				low: f(.5),
+				high: f(2),
+				onDone: () => u(!1)
+			}),
+			s && !a && /* @__PURE__ */ L("input", {
+				type: "range",
+				"aria-label": `Slider ${r}`,
+				min: -1,
+				max: 1,
+				step: .02,
+				value: Math.log10(Math.abs(Number(s[1]) || 1) / Math.abs(c)),
+				onChange: (i) => {
+					let a = +(Math.sign(c) * Math.abs(c) * 10 ** Number(i.currentTarget.value)).toPrecision(4), o = s[2] ?? "";
+					e.edit({
+						do: "set",
+						path: [n, r],
+						value: o ? `${a}${o}` : a
+					}).then(() => t.run && e.start());
+				}
+			})
+		]
 	});
 }
-function Zt({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ R("span", {
+function on({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ L("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(Zt, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(on, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(At, {
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(kt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Ht(i),
+			value: Vt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = jt(r);
+				let i = At(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -2919,58 +3243,58 @@ function Zt({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function Qt({ store: e, state: t }) {
+function sn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
-		/* @__PURE__ */ R("ul", {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
+		/* @__PURE__ */ L("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ R("li", {
+			children: n.map((t) => /* @__PURE__ */ L("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ R("button", {
+				children: /* @__PURE__ */ L("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ R("b", { children: t.code }),
+						/* @__PURE__ */ L("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ R("i", { children: t.where }),
-						/* @__PURE__ */ R("span", { children: t.why }),
-						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ L("i", { children: t.where }),
+						/* @__PURE__ */ L("span", { children: t.why }),
+						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function $t({ store: e, state: t }) {
+function cn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ R("h2", { children: "Elements" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
+			/* @__PURE__ */ L("h2", { children: "Elements" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ R("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -2978,9 +3302,9 @@ function $t({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ R("td", { children: [
+						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ L("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -2989,26 +3313,26 @@ function $t({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ R("h2", { children: "Bonds" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
+			/* @__PURE__ */ L("h2", { children: "Bonds" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ R("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3016,17 +3340,17 @@ function $t({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function en({ store: e, state: t }) {
-	let [n, r] = lt(null), [i, a] = lt(null), o = t.look.revision;
-	dt(() => {
+function K({ store: e, state: t }) {
+	let [n, r] = U(null), [i, a] = U(null), o = t.look.revision;
+	ut(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3035,15 +3359,15 @@ function en({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ R("h2", { children: [
+			/* @__PURE__ */ L("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ R("textarea", {
+			/* @__PURE__ */ L("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3052,13 +3376,13 @@ function en({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3068,7 +3392,7 @@ function en({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function tn(e) {
+function ln(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3091,20 +3415,20 @@ function tn(e) {
 		parts: r
 	};
 }
-function nn({ store: e, state: t }) {
-	let [n, r] = lt(""), { kinds: i, parts: a } = tn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function un({ store: e, state: t }) {
+	let [n, r] = U(""), { kinds: i, parts: a } = ln(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ R("aside", {
+	return /* @__PURE__ */ L("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ R("button", {
+				children: i.map((e) => /* @__PURE__ */ L("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3115,27 +3439,27 @@ function nn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ R("details", {
+					return n.length ? /* @__PURE__ */ L("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ R("summary", { children: [
+						children: [/* @__PURE__ */ L("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ R("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ R("button", {
+							/* @__PURE__ */ L("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ L("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3151,8 +3475,8 @@ function nn({ store: e, state: t }) {
 		]
 	});
 }
-function rn({ store: e, state: t }) {
-	let [n, r] = lt(""), { kinds: i, parts: a } = tn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function dn({ store: e, state: t }) {
+	let [n, r] = U(""), { kinds: i, parts: a } = ln(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3169,11 +3493,11 @@ function rn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ R("input", {
+		children: [/* @__PURE__ */ L("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3182,10 +3506,10 @@ function rn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
+		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ R("b", { children: e.letters }),
+				/* @__PURE__ */ L("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3193,65 +3517,65 @@ function rn({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var an = !0, on = "uplot", sn = "u-hz", cn = "u-vt", ln = "u-title", un = "u-wrap", dn = "u-under", fn = "u-over", pn = "u-axis", mn = "u-off", hn = "u-select", gn = "u-cursor-x", _n = "u-cursor-y", vn = "u-cursor-pt", yn = "u-legend", bn = "u-live", xn = "u-inline", Sn = "u-series", Cn = "u-marker", wn = "u-label", Tn = "u-value", En = "width", Dn = "height", On = "top", kn = "bottom", An = "left", jn = "right", U = "#000", Mn = "#0000", Nn = "mousemove", Pn = "mousedown", Fn = "mouseup", In = "mouseenter", Ln = "mouseleave", Rn = "dblclick", W = "resize", zn = "scroll", Bn = "change", Vn = "dppxchange", Hn = "--", G = typeof window < "u", Un = G ? document : null, Wn = G ? window : null, Gn = G ? navigator : null, K, q;
-function Kn() {
+var fn = !0, pn = "uplot", mn = "u-hz", hn = "u-vt", gn = "u-title", _n = "u-wrap", vn = "u-under", yn = "u-over", bn = "u-axis", xn = "u-off", Sn = "u-select", Cn = "u-cursor-x", wn = "u-cursor-y", Tn = "u-cursor-pt", En = "u-legend", Dn = "u-live", On = "u-inline", kn = "u-series", An = "u-marker", jn = "u-label", Mn = "u-value", Nn = "width", Pn = "height", Fn = "top", In = "bottom", Ln = "left", Rn = "right", zn = "#000", Bn = "#0000", Vn = "mousemove", Hn = "mousedown", Un = "mouseup", Wn = "mouseenter", Gn = "mouseleave", Kn = "dblclick", qn = "resize", Jn = "scroll", Yn = "change", Xn = "dppxchange", Zn = "--", Qn = typeof window < "u", $n = Qn ? document : null, er = Qn ? window : null, tr = Qn ? navigator : null, q, nr;
+function rr() {
 	let e = devicePixelRatio;
-	K != e && (K = e, q && or(Bn, q, Kn), q = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), ar(Bn, q, Kn), Wn.dispatchEvent(new CustomEvent(Vn)));
+	q != e && (q = e, nr && _r(Yn, nr, rr), nr = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), gr(Yn, nr, rr), er.dispatchEvent(new CustomEvent(Xn)));
 }
-function qn(e, t) {
+function ir(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function Jn(e, t) {
+function ar(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
 function J(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Yn(e, t, n, r) {
-	let i = Un.createElement(e);
-	return t != null && qn(i, t), n?.insertBefore(i, r), i;
+function or(e, t, n, r) {
+	let i = $n.createElement(e);
+	return t != null && ir(i, t), n?.insertBefore(i, r), i;
 }
-function Xn(e, t) {
-	return Yn("div", e, t);
+function sr(e, t) {
+	return or("div", e, t);
 }
-var Zn = /* @__PURE__ */ new WeakMap();
-function Qn(e, t, n, r, i) {
+var cr = /* @__PURE__ */ new WeakMap();
+function lr(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != Zn.get(e) && (e.style.transform = a, Zn.set(e, a), t < 0 || n < 0 || t > r || n > i ? qn(e, mn) : Jn(e, mn));
+	a != cr.get(e) && (e.style.transform = a, cr.set(e, a), t < 0 || n < 0 || t > r || n > i ? ir(e, xn) : ar(e, xn));
 }
-var $n = /* @__PURE__ */ new WeakMap();
-function er(e, t, n) {
+var ur = /* @__PURE__ */ new WeakMap();
+function dr(e, t, n) {
 	let r = t + n;
-	r != $n.get(e) && ($n.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != ur.get(e) && (ur.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var tr = /* @__PURE__ */ new WeakMap();
-function nr(e, t, n, r) {
+var fr = /* @__PURE__ */ new WeakMap();
+function pr(e, t, n, r) {
 	let i = t + "" + n;
-	i != tr.get(e) && (tr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != fr.get(e) && (fr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var rr = { passive: !0 }, ir = {
-	...rr,
+var mr = { passive: !0 }, hr = {
+	...mr,
 	capture: !0
 };
-function ar(e, t, n, r) {
-	t.addEventListener(e, n, r ? ir : rr);
+function gr(e, t, n, r) {
+	t.addEventListener(e, n, r ? hr : mr);
 }
-function or(e, t, n, r) {
-	t.removeEventListener(e, n, rr);
+function _r(e, t, n, r) {
+	t.removeEventListener(e, n, mr);
 }
-G && Kn();
-function sr(e, t, n, r) {
+Qn && rr();
+function vr(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Or((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : zr((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function cr(e) {
+function yr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3265,9 +3589,9 @@ function cr(e) {
 		return [i, a];
 	};
 }
-var lr = (e) => e != null, ur = (e) => e != null && e > 0, dr = cr(lr), fr = cr(ur);
-function pr(e, t, n, r = 0, i = !1) {
-	let a = i ? fr : dr, o = i ? ur : lr;
+var br = (e) => e != null, xr = (e) => e != null && e > 0, Sr = yr(br), Cr = yr(xr);
+function wr(e, t, n, r = 0, i = !1) {
+	let a = i ? Cr : Sr, o = i ? xr : br;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3278,106 +3602,106 @@ function pr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? X, c ?? -X];
+	return [s ?? Xr, c ?? -Xr];
 }
-function mr(e, t, n, r) {
-	let i = Pr(e), a = Pr(t);
+function Tr(e, t, n, r) {
+	let i = Gr(e), a = Gr(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Fr : Ir, s = i == 1 ? Or : Ar, c = a == 1 ? Ar : Or, l = s(o(Dr(e))), u = c(o(Dr(t))), d = Nr(n, l), f = Nr(n, u);
-	return n == 10 && (l < 0 && (d = Q(d, -l)), u < 0 && (f = Q(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Qr(e, d), t = Zr(t, f)), [e, t];
+	let o = n == 10 ? Kr : qr, s = i == 1 ? zr : Vr, c = a == 1 ? Vr : zr, l = s(o(Rr(e))), u = c(o(Rr(t))), d = Wr(n, l), f = Wr(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ui(e, d), t = li(t, f)), [e, t];
 }
-function hr(e, t, n, r) {
-	let i = mr(e, t, n, r);
+function Er(e, t, n, r) {
+	let i = Tr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var gr = .1, _r = {
+var Dr = .1, Or = {
 	mode: 3,
-	pad: gr
-}, vr = {
+	pad: Dr
+}, kr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, yr = {
-	min: vr,
-	max: vr
+}, Ar = {
+	min: kr,
+	max: kr
 };
-function br(e, t, n, r) {
-	return li(n) ? Sr(e, t, n) : (vr.pad = n, vr.soft = r ? 0 : null, vr.mode = r ? 3 : 0, Sr(e, t, yr));
+function jr(e, t, n, r) {
+	return xi(n) ? Nr(e, t, n) : (kr.pad = n, kr.soft = r ? 0 : null, kr.mode = r ? 3 : 0, Nr(e, t, Ar));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function xr(e, t, n) {
+function Mr(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Sr(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -X), c = Y(i.hard, X), l = Y(r.soft, X), u = Y(i.soft, -X), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Fr(p), h = Mr(Dr(e), Dr(t)), g = Dr(Fr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != X && (a = 0), f == 2 && u != -X && (o = 0)));
-	let _ = p || h || 1e3, v = Nr(10, Or(Fr(_))), y = Q(Qr(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : X, x = Mr(s, y < b && e >= b ? b : jr(b, y)), S = Q(Zr(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -X, w = jr(c, S > C && t <= C ? C : Mr(C, S));
+function Nr(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Xr), c = Y(i.hard, Xr), l = Y(r.soft, Xr), u = Y(i.soft, -Xr), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Kr(p), h = Ur(Rr(e), Rr(t)), g = Rr(Kr(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Xr && (a = 0), f == 2 && u != -Xr && (o = 0)));
+	let _ = p || h || 1e3, v = Wr(10, zr(Kr(_))), y = Z(ui(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Xr, x = Ur(s, y < b && e >= b ? b : Hr(b, y)), S = Z(li(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Xr, w = Hr(c, S > C && t <= C ? C : Ur(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Cr = new Intl.NumberFormat(G ? Gn.language : "en-US"), wr = (e) => Cr.format(e), Tr = Math, Er = Tr.PI, Dr = Tr.abs, Or = Tr.floor, kr = Tr.round, Ar = Tr.ceil, jr = Tr.min, Mr = Tr.max, Nr = Tr.pow, Pr = Tr.sign, Fr = Tr.log10, Ir = Tr.log2, Lr = (e, t = 1) => Tr.sinh(e) * t, Rr = (e, t = 1) => Tr.asinh(e / t), X = Infinity;
-function zr(e) {
-	return (Fr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Pr = new Intl.NumberFormat(Qn ? tr.language : "en-US"), Fr = (e) => Pr.format(e), Ir = Math, Lr = Ir.PI, Rr = Ir.abs, zr = Ir.floor, Br = Ir.round, Vr = Ir.ceil, Hr = Ir.min, Ur = Ir.max, Wr = Ir.pow, Gr = Ir.sign, Kr = Ir.log10, qr = Ir.log2, Jr = (e, t = 1) => Ir.sinh(e) * t, Yr = (e, t = 1) => Ir.asinh(e / t), Xr = Infinity;
+function Zr(e) {
+	return (Kr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function Br(e, t, n) {
-	return jr(Mr(e, t), n);
+function Qr(e, t, n) {
+	return Hr(Ur(e, t), n);
 }
-function Vr(e) {
+function $r(e) {
 	return typeof e == "function";
 }
-function Z(e) {
-	return Vr(e) ? e : () => e;
+function X(e) {
+	return $r(e) ? e : () => e;
 }
-var Hr = () => {}, Ur = (e) => e, Wr = (e, t) => t, Gr = (e) => null, Kr = (e) => !0, qr = (e, t) => e == t, Jr = /\.\d*?(?=9{6,}|0{6,})/gm, Yr = (e) => {
-	if (oi(e) || $r.has(e)) return e;
-	let t = `${e}`, n = t.match(Jr);
+var ei = () => {}, ti = (e) => e, ni = (e, t) => t, ri = (e) => null, ii = (e) => !0, ai = (e, t) => e == t, oi = /\.\d*?(?=9{6,}|0{6,})/gm, si = (e) => {
+	if (vi(e) || di.has(e)) return e;
+	let t = `${e}`, n = t.match(oi);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Yr(e)}e${n}`;
+		return +`${si(e)}e${n}`;
 	}
-	return Q(e, r);
+	return Z(e, r);
 };
-function Xr(e, t) {
-	return Yr(Q(Yr(e / t)) * t);
+function ci(e, t) {
+	return si(Z(si(e / t)) * t);
 }
-function Zr(e, t) {
-	return Yr(Ar(Yr(e / t)) * t);
+function li(e, t) {
+	return si(Vr(si(e / t)) * t);
 }
-function Qr(e, t) {
-	return Yr(Or(Yr(e / t)) * t);
+function ui(e, t) {
+	return si(zr(si(e / t)) * t);
 }
-function Q(e, t = 0) {
-	if (oi(e)) return e;
+function Z(e, t = 0) {
+	if (vi(e)) return e;
 	let n = 10 ** t;
-	return kr(e * n * (1 + 2 ** -52)) / n;
+	return Br(e * n * (1 + 2 ** -52)) / n;
 }
-var $r = /* @__PURE__ */ new Map();
-function ei(e) {
+var di = /* @__PURE__ */ new Map();
+function fi(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function ti(e, t, n, r) {
-	let i = [], a = r.map(ei);
+function pi(e, t, n, r) {
+	let i = [], a = r.map(fi);
 	for (let o = t; o < n; o++) {
-		let t = Dr(o), n = Q(Nr(e, o), t);
+		let t = Rr(o), n = Z(Wr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Q(c, l);
-			i.push(u), $r.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), di.set(u, l);
 		}
 	}
 	return i;
 }
-var ni = {}, ri = [], ii = [null, null], ai = Array.isArray, oi = Number.isInteger, si = (e) => e === void 0;
-function ci(e) {
+var mi = {}, hi = [], gi = [null, null], _i = Array.isArray, vi = Number.isInteger, yi = (e) => e === void 0;
+function bi(e) {
 	return typeof e == "string";
 }
-function li(e) {
+function xi(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3385,35 +3709,35 @@ function li(e) {
 	}
 	return t;
 }
-function ui(e) {
+function Si(e) {
 	return typeof e == "object" && !!e;
 }
-var di = Object.getPrototypeOf(Uint8Array), fi = "__proto__";
-function pi(e, t = li) {
+var Ci = Object.getPrototypeOf(Uint8Array), wi = "__proto__";
+function Ti(e, t = xi) {
 	let n;
-	if (ai(e)) {
+	if (_i(e)) {
 		let r = e.find((e) => e != null);
-		if (ai(r) || t(r)) {
+		if (_i(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = pi(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ti(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof di) n = e.slice();
+	} else if (e instanceof Ci) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != fi && (n[r] = pi(e[r], t));
+		for (let r in e) r != wi && (n[r] = Ti(e[r], t));
 	} else n = e;
 	return n;
 }
-function mi(e) {
+function Ei(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != fi && (li(e[t]) ? mi(e[t], pi(r[t])) : e[t] = pi(r[t]));
+		for (let t in r) t != wi && (xi(e[t]) ? Ei(e[t], Ti(r[t])) : e[t] = Ti(r[t]));
 	}
 	return e;
 }
-var hi = 0, gi = 1, _i = 2;
-function vi(e, t, n) {
+var Di = 0, Oi = 1, ki = 2;
+function Ai(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3422,11 +3746,11 @@ function vi(e, t, n) {
 		}
 	}
 }
-function yi(e, t) {
-	if (Si(e)) {
+function ji(e, t) {
+	if (Pi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Ci(t[0]) || (t = xi(t)), t;
+		return Fi(t[0]) || (t = Ni(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3438,18 +3762,18 @@ function yi(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : gi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Oi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != hi && (l[n] = t, u == _i && d.push(n)) : l[n] = t;
+				t === null ? u != Di && (l[n] = t, u == ki && d.push(n)) : l[n] = t;
 			}
-			vi(l, d, i), r.push(l);
+			Ai(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var bi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function xi(e) {
+var Mi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ni(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3461,7 +3785,7 @@ function xi(e) {
 	}
 	return i;
 }
-function Si(e) {
+function Pi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3472,14 +3796,14 @@ function Si(e) {
 	}
 	return !0;
 }
-function Ci(e, t = 100) {
+function Fi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Mr(1, Or((i - r + 1) / t));
+	let a = Ur(1, zr((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3489,7 +3813,7 @@ function Ci(e, t = 100) {
 	}
 	return !0;
 }
-var wi = [
+var Ii = [
 	"January",
 	"February",
 	"March",
@@ -3502,7 +3826,7 @@ var wi = [
 	"October",
 	"November",
 	"December"
-], Ti = [
+], Li = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3511,33 +3835,33 @@ var wi = [
 	"Friday",
 	"Saturday"
 ];
-function Ei(e) {
+function Ri(e) {
 	return e.slice(0, 3);
 }
-var Di = Ti.map(Ei), Oi = {
-	MMMM: wi,
-	MMM: wi.map(Ei),
-	WWWW: Ti,
-	WWW: Di
+var zi = Li.map(Ri), Bi = {
+	MMMM: Ii,
+	MMM: Ii.map(Ri),
+	WWWW: Li,
+	WWW: zi
 };
-function ki(e) {
+function Vi(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Ai(e) {
+function Hi(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var ji = {
+var Ui = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => ki(e.getMonth() + 1),
+	MM: (e) => Vi(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => ki(e.getDate()),
+	DD: (e) => Vi(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => ki(e.getHours()),
+	HH: (e) => Vi(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3546,35 +3870,35 @@ var ji = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => ki(e.getMinutes()),
+	mm: (e) => Vi(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => ki(e.getSeconds()),
+	ss: (e) => Vi(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Ai(e.getMilliseconds())
+	fff: (e) => Hi(e.getMilliseconds())
 };
-function Mi(e, t) {
-	t ||= Oi;
+function Wi(e, t) {
+	t ||= Bi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ji[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ui[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Ni = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Pi(e, t) {
+var Gi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Ki(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ni ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Gi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Fi = (e) => e % 1 == 0, Ii = [
+var qi = (e) => e % 1 == 0, Ji = [
 	1,
 	2,
 	2.5,
 	5
-], Li = ti(10, -32, 0, Ii), Ri = ti(10, 0, 32, Ii), zi = Ri.filter(Fi), Bi = Li.concat(Ri), Vi = "\n", Hi = "{YYYY}", Ui = Vi + Hi, Wi = "{M}/{D}", Gi = Vi + Wi, Ki = Gi + "/{YY}", qi = "{aa}", Ji = "{h}:{mm}" + qi, Yi = Vi + Ji, Xi = ":{ss}", $ = null;
-function Zi(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ti(10, 0, 3, Ii).filter(Fi) : ti(10, -3, 0, Ii)).concat([
+], Yi = pi(10, -32, 0, Ji), Xi = pi(10, 0, 32, Ji), Zi = Xi.filter(qi), Qi = Yi.concat(Xi), $i = "\n", ea = "{YYYY}", ta = $i + ea, na = "{M}/{D}", ra = $i + na, ia = ra + "/{YY}", aa = "{aa}", oa = "{h}:{mm}" + aa, sa = $i + oa, ca = ":{ss}", Q = null;
+function la(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? pi(10, 0, 3, Ji).filter(qi) : pi(10, -3, 0, Ji)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -3618,100 +3942,100 @@ function Zi(e) {
 	]), c = [
 		[
 			o,
-			Hi,
-			$,
-			$,
-			$,
-			$,
-			$,
-			$,
+			ea,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			i * 28,
 			"{MMM}",
-			Ui,
-			$,
-			$,
-			$,
-			$,
-			$,
+			ta,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			i,
-			Wi,
-			Ui,
-			$,
-			$,
-			$,
-			$,
-			$,
+			na,
+			ta,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			r,
-			"{h}" + qi,
-			Ki,
-			$,
-			Gi,
-			$,
-			$,
-			$,
+			"{h}" + aa,
+			ia,
+			Q,
+			ra,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			n,
-			Ji,
-			Ki,
-			$,
-			Gi,
-			$,
-			$,
-			$,
+			oa,
+			ia,
+			Q,
+			ra,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			t,
-			Xi,
-			Ki + " " + Ji,
-			$,
-			Gi + " " + Ji,
-			$,
-			Yi,
-			$,
+			ca,
+			ia + " " + oa,
+			Q,
+			ra + " " + oa,
+			Q,
+			sa,
+			Q,
 			1
 		],
 		[
 			e,
-			Xi + ".{fff}",
-			Ki + " " + Ji,
-			$,
-			Gi + " " + Ji,
-			$,
-			Yi,
-			$,
+			ca + ".{fff}",
+			ia + " " + oa,
+			Q,
+			ra + " " + oa,
+			Q,
+			sa,
+			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Q(g * e, 3), v = sa(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Q(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ya(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Q(sa(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(kr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ya(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Br(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = sa(c + r * a, l + n * a, 1), s = o - t(Q(o * e, 3));
-					i = Q((+o + s) * e, 3), i <= u && p.push(i);
+					let o = ya(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Or(l) - Or(_)) + Zr(_ - y, a);
+				let a = d >= i ? i : d, o = y + (zr(l) - zr(_)) + li(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Q(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Or(Q(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = zr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Q((o - i) / d, 3) * v >= .7 && p.push(o);
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -3723,12 +4047,12 @@ function Zi(e) {
 		l
 	];
 }
-var [Qi, $i, ea] = Zi(1), [ta, na, ra] = Zi(.001);
-ti(2, -53, 53, [1]);
-function ia(e, t) {
+var [ua, da, fa] = la(1), [pa, ma, ha] = la(.001);
+pi(2, -53, 53, [1]);
+function ga(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function aa(e, t) {
+function _a(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -3737,98 +4061,98 @@ function aa(e, t) {
 		});
 	};
 }
-function oa(e, t) {
-	let n = Mi(t);
+function va(e, t) {
+	let n = Wi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function sa(e, t, n) {
+function ya(e, t, n) {
 	return new Date(e, t, n);
 }
-function ca(e, t) {
+function ba(e, t) {
 	return t(e);
 }
-var la = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function ua(e, t) {
-	return (n, r, i, a) => a == null ? Hn : t(e(r));
+var xa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Sa(e, t) {
+	return (n, r, i, a) => a == null ? Zn : t(e(r));
 }
-function da(e, t) {
+function Ca(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function fa(e, t) {
+function wa(e, t) {
 	return e.series[t].fill(e, t);
 }
-var pa = {
+var Ta = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: Hr,
+	mount: ei,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: da,
-		fill: fa,
+		stroke: Ca,
+		fill: wa,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function ma(e, t) {
-	let n = e.cursor.points, r = Xn(), i = n.size(e, t);
-	J(r, En, i), J(r, Dn, i);
+function Ea(e, t) {
+	let n = e.cursor.points, r = sr(), i = n.size(e, t);
+	J(r, Nn, i), J(r, Pn, i);
 	let a = i / -2;
 	J(r, "marginLeft", a), J(r, "marginTop", a);
 	let o = n.width(e, t, i);
 	return o && J(r, "borderWidth", o), r;
 }
-function ha(e, t) {
+function Da(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function ga(e, t) {
+function Oa(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function _a(e, t) {
+function ka(e, t) {
 	return e.series[t].points.size;
 }
-var va = [0, 0];
-function ya(e, t, n) {
-	return va[0] = t, va[1] = n, va;
+var Aa = [0, 0];
+function ja(e, t, n) {
+	return Aa[0] = t, Aa[1] = n, Aa;
 }
-function ba(e, t, n, r = !0) {
+function Ma(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function xa(e, t, n, r = !0) {
+function Na(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Sa = {
+var Pa = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: ya,
+	move: ja,
 	points: {
 		one: !1,
-		show: ma,
-		size: _a,
+		show: Ea,
+		size: ka,
 		width: 0,
-		stroke: ga,
-		fill: ha
+		stroke: Oa,
+		fill: Da
 	},
 	bind: {
-		mousedown: ba,
-		mouseup: ba,
-		click: ba,
-		dblclick: ba,
-		mousemove: xa,
-		mouseleave: xa,
-		mouseenter: xa
+		mousedown: Ma,
+		mouseup: Ma,
+		click: Ma,
+		dblclick: Ma,
+		mousemove: Na,
+		mouseleave: Na,
+		mouseenter: Na
 	},
 	drag: {
 		setScale: !0,
@@ -3858,139 +4182,139 @@ var Sa = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Ca = {
+}, Fa = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, wa = mi({}, Ca, { filter: Wr }), Ta = mi({}, wa, { size: 10 }), Ea = mi({}, Ca, { show: !1 }), Da = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Oa = "bold " + Da, ka = 1.5, Aa = {
+}, Ia = Ei({}, Fa, { filter: ni }), La = Ei({}, Ia, { size: 10 }), Ra = Ei({}, Fa, { show: !1 }), za = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ba = "bold " + za, Va = 1.5, Ha = {
 	show: !0,
 	scale: "x",
-	stroke: U,
+	stroke: zn,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Oa,
+	labelFont: Ba,
 	side: 2,
-	grid: wa,
-	ticks: Ta,
-	border: Ea,
-	font: Da,
-	lineGap: ka,
+	grid: Ia,
+	ticks: La,
+	border: Ra,
+	font: za,
+	lineGap: Va,
 	rotate: 0
-}, ja = "Value", Ma = "Time", Na = {
+}, Ua = "Value", Wa = "Time", Ga = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: X,
+	min: Xr,
 	max: -Infinity,
 	idxs: []
 };
-function Pa(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : wr(e));
+function Ka(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Fr(e));
 }
-function Fa(e, t, n, r, i, a, o) {
-	let s = [], c = $r.get(i) || 0;
-	n = o ? n : Q(Zr(n, i), c);
-	for (let e = n; e <= r; e = Q(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function qa(e, t, n, r, i, a, o) {
+	let s = [], c = di.get(i) || 0;
+	n = o ? n : Z(li(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function Ia(e, t, n, r, i, a, o) {
+function Ja(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Nr(c, Or((c == 10 ? Fr : Ir)(n))), c == 10 && (i = Bi[sr(i, Bi)]);
+	i = Wr(c, zr((c == 10 ? Kr : qr)(n))), c == 10 && (i = Qi[vr(i, Qi)]);
 	let l = n, u = i * c;
-	c == 10 && (u = Bi[sr(u, Bi)]);
+	c == 10 && (u = Qi[vr(u, Qi)]);
 	do
-		s.push(l), l += i, c == 10 && !$r.has(l) && (l = Q(l, $r.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Bi[sr(u, Bi)]));
+		s.push(l), l += i, c == 10 && !di.has(l) && (l = Z(l, di.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Qi[vr(u, Qi)]));
 	while (l <= r);
 	return s;
 }
-function La(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ia(e, t, Mr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? Ia(e, t, Mr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function Ya(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ja(e, t, Ur(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? Ja(e, t, Ur(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var Ra = /./, za = /[12357]/, Ba = /[125]/, Va = /1/, Ha = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Ua(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Ra : c(7, o) - u >= l ? za : c(5, o) - u >= l ? Ba : Va;
-	if (d == Va) {
-		let e = Dr(c(1, o) - u);
-		if (e < l) return Ha(t.slice().reverse(), s.distr, d, Ar(l / e)).reverse();
+var Xa = /./, Za = /[12357]/, Qa = /[125]/, $a = /1/, eo = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function to(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Xa : c(7, o) - u >= l ? Za : c(5, o) - u >= l ? Qa : $a;
+	if (d == $a) {
+		let e = Rr(c(1, o) - u);
+		if (e < l) return eo(t.slice().reverse(), s.distr, d, Vr(l / e)).reverse();
 	}
-	return Ha(t, s.distr, d, 1);
+	return eo(t, s.distr, d, 1);
 }
-function Wa(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Dr(c(1, o) - c(2, o));
-	return l < s ? Ha(t.slice().reverse(), 3, Ra, Ar(s / l)).reverse() : t;
+function no(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Rr(c(1, o) - c(2, o));
+	return l < s ? eo(t.slice().reverse(), 3, Xa, Vr(s / l)).reverse() : t;
 }
-function Ga(e, t, n, r) {
-	return r == null ? Hn : t == null ? "" : wr(t);
+function ro(e, t, n, r) {
+	return r == null ? Zn : t == null ? "" : Fr(t);
 }
-var Ka = {
+var io = {
 	show: !0,
 	scale: "y",
-	stroke: U,
+	stroke: zn,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Oa,
+	labelFont: Ba,
 	side: 3,
-	grid: wa,
-	ticks: Ta,
-	border: Ea,
-	font: Da,
-	lineGap: ka,
+	grid: Ia,
+	ticks: La,
+	border: Ra,
+	font: za,
+	lineGap: Va,
 	rotate: 0
 };
-function qa(e, t) {
-	return Q((3 + (e || 1) * 2) * t, 3);
+function ao(e, t) {
+	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function Ja(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Dr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
+function oo(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Rr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
 	return r[1] - r[0] <= o;
 }
-var Ya = {
+var so = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: X,
+	min: Xr,
 	max: -Infinity
-}, Xa = (e, t, n, r, i) => i, Za = {
+}, co = (e, t, n, r, i) => i, lo = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: Xa,
+	gaps: co,
 	alpha: 1,
-	facets: [mi({}, Ya, { scale: "x" }), mi({}, Ya, { scale: "y" })]
-}, Qa = {
+	facets: [Ei({}, so, { scale: "x" }), Ei({}, so, { scale: "y" })]
+}, uo = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: Xa,
+	gaps: co,
 	alpha: 1,
 	points: {
-		show: Ja,
+		show: oo,
 		filter: null
 	},
 	values: null,
-	min: X,
+	min: Xr,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function $a(e, t, n, r, i) {
+function fo(e, t, n, r, i) {
 	return n / 10;
 }
-var eo = {
-	time: an,
+var po = {
+	time: fn,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -3999,12 +4323,12 @@ var eo = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, to = mi({}, eo, {
+}, mo = Ei({}, po, {
 	time: !1,
 	ori: 1
-}), no = {};
-function ro(e, t) {
-	let n = no[e];
+}), ho = {};
+function go(e, t) {
+	let n = ho[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4017,38 +4341,38 @@ function ro(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (no[e] = n)), n;
+	}, e != null && (ho[e] = n)), n;
 }
-var io = 1, ao = 2;
-function oo(e, t, n) {
+var _o = 1, vo = 2;
+function yo(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, go, vo, bo, So, wo) : n(i, c, l, u, d, _, g, p, f, h, m, _o, yo, xo, Co, To);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Oo, Ao, Mo, Po, Io) : n(i, c, l, u, d, _, g, p, f, h, m, ko, jo, No, Fo, Lo);
 }
-function so(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, ri);
+function bo(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, hi);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function co(e, t, n, r, i) {
+function xo(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function lo(e, t, n, r, i, a) {
-	return oo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? vo : yo, v, y;
+function So(e, t, n, r, i, a) {
+	return yo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ao : jo, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function uo(e, t, n, r, i, a) {
+function Co(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? bo : xo, c = n;
+		let s = t == 0 ? Mo : No, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4061,11 +4385,11 @@ function uo(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function fo(e, t, n) {
+function wo(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function po(e, t, n, r, i, a, o) {
+function To(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4078,11 +4402,11 @@ function po(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function mo(e) {
-	return e == 0 ? Ur : e == 1 ? kr : (t) => Xr(t, e);
+function Eo(e) {
+	return e == 0 ? ti : e == 1 ? Br : (t) => ci(t, e);
 }
-function ho(e) {
-	let t = e == 0 ? go : _o, n = e == 0 ? (e, t, n, r, i, a) => {
+function Do(e) {
+	let t = e == 0 ? Oo : ko, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4092,36 +4416,36 @@ function ho(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = jr(c, o / 2, s / 2), l = jr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Hr(c, o / 2, s / 2), l = Hr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var go = (e, t, n) => {
+var Oo = (e, t, n) => {
 	e.moveTo(t, n);
-}, _o = (e, t, n) => {
+}, ko = (e, t, n) => {
 	e.moveTo(n, t);
-}, vo = (e, t, n) => {
+}, Ao = (e, t, n) => {
 	e.lineTo(t, n);
-}, yo = (e, t, n) => {
+}, jo = (e, t, n) => {
 	e.lineTo(n, t);
-}, bo = ho(0), xo = ho(1), So = (e, t, n, r, i, a) => {
+}, Mo = Do(0), No = Do(1), Po = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Co = (e, t, n, r, i, a) => {
+}, Fo = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, wo = (e, t, n, r, i, a, o) => {
+}, Io = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, To = (e, t, n, r, i, a, o) => {
+}, Lo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Eo(e) {
-	return (e, t, n, r, i) => oo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Ro(e) {
+	return (e, t, n, r, i) => yo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = go, v = So) : (_ = _o, v = Co);
-		let y = Q(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Q(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		bo(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Oo, v = Po) : (_ = ko, v = Fo);
+		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Mo(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Er * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Lr * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4134,25 +4458,25 @@ function Eo(e) {
 		};
 	});
 }
-function Do(e) {
+function zo(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Oo = Do(vo), ko = Do(yo);
-function Ao(e) {
+var Bo = zo(Ao), Vo = zo(jo);
+function Ho(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => oo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = dr(s, r, i);
+	return (e, n, r, i) => yo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Sr(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = vo, b = Oo) : (y = yo, b = ko);
+		c.ori == 0 ? (y = Ao, b = Bo) : (y = jo, b = Vo);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: io
+			flags: _o
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4165,29 +4489,29 @@ function Ao(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = so(e, n);
+		let [T, E] = bo(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...po(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = uo(l, c.ori, f, p, m, h);
+			w && l.push(...To(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Co(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [lo(e, n, r, i, C, -1), lo(e, n, r, i, C, 1)] : lo(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [So(e, n, r, i, C, -1), So(e, n, r, i, C, 1)] : So(e, n, r, i, C, E)), S;
 	});
 }
-function jo(e) {
+function Uo(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => oo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = dr(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? vo : yo, T = {
+	return (e, a, o, s) => yo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Sr(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ao : jo, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: io
+			flags: _o
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -4196,103 +4520,103 @@ function jo(e) {
 			let r = S(l[e]), i = C(n);
 			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let M = A;
-		i && t == 1 && (M = b + x, w(E, M, O));
-		let [ee, te] = so(e, a);
-		if (c.fill != null || ee != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
-			w(t, M, n), w(t, j, n);
+		let ee = A;
+		i && t == 1 && (ee = b + x, w(E, ee, O));
+		let [te, ne] = bo(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...po(l, u, o, s, D, S, r));
-			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...To(l, u, o, s, D, S, r));
+			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = uo(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Co(i, d.ori, h, g, _, v);
 		}
-		return te != 0 && (T.band = te == 2 ? [lo(e, a, o, s, E, -1), lo(e, a, o, s, E, 1)] : lo(e, a, o, s, E, te)), T;
+		return ne != 0 && (T.band = ne == 2 ? [So(e, a, o, s, E, -1), So(e, a, o, s, E, 1)] : So(e, a, o, s, E, ne)), T;
 	});
 }
-function Mo(e, t, n, r, i, a, o = X) {
+function Wo(e, t, n, r, i, a, o = Xr) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Dr(e[c] - e[s]);
-				t < l && (l = t, o = Dr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Rr(e[c] - e[s]);
+				t < l && (l = t, o = Rr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function No(e) {
-	e ||= ni;
+function Go(e) {
+	e ||= mi;
 	let t = Y(e.size, [
 		.6,
-		X,
+		Xr,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Z(i), o = 1 - t[0], s = Y(t[1], X), c = Y(t[2], 1), l = Y(e.disp, ni), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => oo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], Xr), c = Y(t[2], 1), l = Y(e.disp, mi), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => yo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? bo : xo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Mo : No, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, ne = Y(e.bands, ri).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
-		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
-			e != null && ce.set(e, new Path2D());
-		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
-			e != null && ue.set(e, new Path2D());
+		}, re = Y(e.bands, hi).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: de, size: fe } = l;
-		if (de != null && fe != null) {
-			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = fe.values(e, t, i, p);
-			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Mo(h, g, y, _, C, x, I), ae = I - F + D;
-		} else I = Mo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
-		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = Ur);
-		let pe = ae > 0, me = I - ae - (pe ? L : 0);
-		F = T(Br(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
-		let he = {
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Wo(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Wo(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ti);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(Qr(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, ge = oe ? null : new Path2D(), _e = null;
-		if (ne != null) _e = e.data[ne.series[1]];
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
 		}
-		let ve = A * F, ye = j * F;
-		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
+		let ye = A * P, be = j * P;
+		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (_e != null) {
-				let e = _e[n] ?? 0;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
 				if (r - e == 0) continue;
-				N = b(e, v, w, S);
+				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ie), v, w, S), o = T(i - P), s = T(Mr(a, N)), c = T(jr(a, N)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Ur(a, M)), c = T(Hr(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
-				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + Or(L / 2), F, Mr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + Or(L / 2), F, Mr(0, u - L), i, a)) : ee(ge, o, c + Or(L / 2), F, Mr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + zr(I / 2), P, Ur(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + zr(I / 2), P, Ur(0, u - I), i, a)) : te(_e, o, c + zr(I / 2), P, Ur(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
-		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function Po(e, t) {
+function Ko(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => oo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = dr(c, i, a);
+	return (t, r, i, a) => yo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Sr(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = go, S = vo, x = wo) : (b = _o, S = yo, x = To);
+		l.ori == 0 ? (b = Oo, S = Ao, x = Io) : (b = ko, S = jo, x = Lo);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4304,23 +4628,23 @@ function Po(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: io
-		}, k = O.stroke, [A, j] = so(t, r);
+			flags: _o
+		}, k = O.stroke, [A, j] = bo(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...po(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = uo(e, l.ori, p, m, h, g);
+			e.push(...To(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Co(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [lo(t, r, i, a, k, -1), lo(t, r, i, a, k, 1)] : lo(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [So(t, r, i, a, k, -1), So(t, r, i, a, k, 1)] : So(t, r, i, a, k, j)), O;
 	});
 }
-function Fo(e) {
-	return Po(Io, e);
+function qo(e) {
+	return Ko(Jo, e);
 }
-function Io(e, t, n, r, i, a) {
+function Jo(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4335,61 +4659,61 @@ function Io(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var Lo = /* @__PURE__ */ new Set();
-function Ro() {
-	for (let e of Lo) e.syncRect(!0);
+var Yo = /* @__PURE__ */ new Set();
+function Xo() {
+	for (let e of Yo) e.syncRect(!0);
 }
-G && (ar(W, Wn, Ro), ar(zn, Wn, Ro, !0), ar(Vn, Wn, () => {
-	es.pxRatio = K;
+Qn && (gr(qn, er, Xo), gr(Jn, er, Xo, !0), gr(Xn, er, () => {
+	fs.pxRatio = q;
 }));
-var zo = Ao(), Bo = Eo();
-function Vo(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Uo(e, r, t, n));
+var Zo = Ho(), Qo = Ro();
+function $o(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ts(e, r, t, n));
 }
-function Ho(e, t) {
-	return e.map((e, n) => n == 0 ? {} : mi({}, t, e));
+function es(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ei({}, t, e));
 }
-function Uo(e, t, n, r) {
-	return mi({}, t == 0 ? n : r, e);
+function ts(e, t, n, r) {
+	return Ei({}, t == 0 ? n : r, e);
 }
-function Wo(e, t, n) {
-	return t == null ? ii : [t, n];
+function ns(e, t, n) {
+	return t == null ? gi : [t, n];
 }
-var Go = Wo;
-function Ko(e, t, n) {
-	return t == null ? ii : br(t, n, gr, !0);
+var rs = ns;
+function is(e, t, n) {
+	return t == null ? gi : jr(t, n, Dr, !0);
 }
-function qo(e, t, n, r) {
-	return t == null ? ii : mr(t, n, e.scales[r].log, !1);
+function as(e, t, n, r) {
+	return t == null ? gi : Tr(t, n, e.scales[r].log, !1);
 }
-var Jo = qo;
-function Yo(e, t, n, r) {
-	return t == null ? ii : hr(t, n, e.scales[r].log, !1);
+var os = as;
+function ss(e, t, n, r) {
+	return t == null ? gi : Er(t, n, e.scales[r].log, !1);
 }
-var Xo = Yo;
-function Zo(e, t, n, r, i) {
-	let a = Mr(zr(e), zr(t)), o = t - e, s = sr(i / r * o, n);
+var cs = ss;
+function ls(e, t, n, r, i) {
+	let a = Ur(Zr(e), Zr(t)), o = t - e, s = vr(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? $r.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? di.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Qo(e) {
+function us(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = kr((n = +r) * K)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Br((n = +r) * q)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function $o(e) {
+function ds(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Q(e[2] * K, 1);
+		let t = Z(e[2] * q, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function es(e, t, n) {
+function fs(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -4405,33 +4729,33 @@ function es(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Xn(on);
-	if (e.id != null && (l.id = e.id), qn(l, e.class), e.title) {
-		let t = Xn(ln, l);
+	let l = r.root = sr(pn);
+	if (e.id != null && (l.id = e.id), ir(l, e.class), e.title) {
+		let t = sr(gn, l);
 		t.textContent = e.title;
 	}
-	let u = Yn("canvas"), d = r.ctx = u.getContext("2d"), f = Xn(un, l);
-	ar("click", f, (e) => {
-		e.target === m && (U != tn || W != nn) && Bn.click(r, e);
+	let u = or("canvas"), d = r.ctx = u.getContext("2d"), f = sr(_n, l);
+	gr("click", f, (e) => {
+		e.target === m && (W != en || G != tn) && on.click(r, e);
 	}, !0);
-	let p = r.under = Xn(dn, f);
+	let p = r.under = sr(vn, f);
 	f.appendChild(u);
-	let m = r.over = Xn(fn, f);
-	e = pi(e);
-	let h = +Y(e.pxAlign, 1), g = mo(h);
+	let m = r.over = sr(yn, f);
+	e = Ti(e);
+	let h = +Y(e.pxAlign, 1), g = Eo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? Vo(e.series || [], Na, Qa, !1) : Ho(e.series || [null], Za), y = r.axes = Vo(e.axes || [], Aa, Ka, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? $o(e.series || [], Ga, uo, !1) : es(e.series || [null], lo), y = r.axes = $o(e.axes || [], Ha, io, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1);
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: zt,
-		series: Ot
+		axes: Rt,
+		series: Dt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Fr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Rr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Kr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Yr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4440,30 +4764,30 @@ function es(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || ni)[t] || ni;
+			let r = (e.scales || mi)[t] || mi;
 			if (r.from != null) {
 				E(r.from);
-				let e = mi({}, b[r.from], r, { key: t });
+				let e = Ei({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = mi({}, t == S ? eo : to, r), n.key = t;
-				let e = n.time, a = n.range, o = ai(a);
+				n = b[t] = Ei({}, t == S ? po : mo, r), n.key = t;
+				let e = n.time, a = n.range, o = _i(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? _r : {
+					min: a[0] == null ? Or : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? _r : {
+					max: a[1] == null ? Or : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && li(a))) {
+				}, o = !1), !o && xi(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? ii : br(n, r, e);
+					a = (t, n, r) => n == null ? gi : jr(n, r, e);
 				}
-				n.range = Z(a || (e ? Go : t == S ? n.distr == 3 ? Jo : n.distr == 4 ? Xo : Wo : n.distr == 3 ? qo : n.distr == 4 ? Yo : Ko)), n.auto = Z(!o && n.auto), n.clamp = Z(n.clamp || $a), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? rs : t == S ? n.distr == 3 ? os : n.distr == 4 ? cs : ns : n.distr == 3 ? as : n.distr == 4 ? ss : is)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || fo), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4474,7 +4798,7 @@ function es(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (qn(l, sn), k = a, A = o) : (qn(l, cn), k = o, A = a);
+	D.ori == 0 ? (ir(l, mn), k = a, A = o) : (ir(l, hn), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -4483,97 +4807,97 @@ function es(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let M = e.tzDate || ((e) => new Date(kr(e / _))), ee = e.fmtDate || Mi, te = _ == 1 ? ea(M) : ra(M), ne = aa(M, ia(_ == 1 ? $i : na, ee)), re = ua(M, ca(la, ee)), ie = [], N = r.legend = mi({}, pa, e.legend), P = r.cursor = mi({}, Sa, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
-	N.idxs = ie, I.width = Z(I.width), I.dash = Z(I.dash), I.stroke = Z(I.stroke), I.fill = Z(I.fill);
-	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
-	if (N.live) {
+	let ee = e.tzDate || ((e) => new Date(Br(e / _))), te = e.fmtDate || Wi, ne = _ == 1 ? fa(ee) : ha(ee), re = _a(ee, ga(_ == 1 ? da : ma, te)), ie = Sa(ee, ba(xa, te)), ae = [], M = r.legend = Ei({}, Ta, e.legend), N = r.cursor = Ei({}, Pa, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
-		for (let e in ue) fe[e] = Hn;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = Zn;
 	}
-	if (F) {
-		if (L = Yn("table", yn, l), se = Yn("tbody", null, L), N.mount(r, L), de) {
-			oe = Yn("thead", null, L, se);
-			let e = Yn("tr", null, oe);
-			for (var pe in Yn("th", null, e), ue) Yn("th", wn, e).textContent = pe;
-		} else qn(L, xn), N.live && qn(L, bn);
+	if (P) {
+		if (I = or("table", En, l), ce = or("tbody", null, I), M.mount(r, I), fe) {
+			se = or("thead", null, I, ce);
+			let e = or("tr", null, se);
+			for (var me in or("th", null, e), de) or("th", jn, e).textContent = me;
+		} else ir(I, On), M.live && ir(I, Dn);
 	}
-	let me = { show: !0 }, he = { show: !1 };
-	function ge(e, t) {
-		if (t == 0 && (de || !N.live || i == 2)) return ii;
-		let n = [], a = Yn("tr", Sn, se, se.childNodes[t]);
-		qn(a, e.class), e.show || qn(a, mn);
-		let o = Yn("th", null, a);
-		if (I.show) {
-			let e = Xn(Cn, o);
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return gi;
+		let n = [], a = or("tr", kn, ce, ce.childNodes[t]);
+		ir(a, e.class), e.show || ir(a, xn);
+		let o = or("th", null, a);
+		if (F.show) {
+			let e = sr(An, o);
 			if (t > 0) {
-				let n = I.width(r, t);
-				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = Xn(wn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
-			if (P._lock) return;
+		let s = sr(jn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
 			Ue(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != N.isolate) {
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && rr(r, e ? r == n ? me : he : me, !0, Oi.setSeries);
+					r > 0 && zn(r, e ? r == n ? he : ge : he, !0, Oi.setSeries);
 				});
-			} else rr(n, { show: !e.show }, !0, Oi.setSeries);
-		}, !1), Ke && ve(In, o, (t) => {
-			P._lock || (Ue(t), rr(v.indexOf(e), yr, !0, Oi.setSeries));
-		}, !1)), ue) {
-			let e = Yn("td", Tn, a);
+			} else zn(n, { show: !e.show }, !0, Oi.setSeries);
+		}, !1), Ke && ye(Wn, o, (t) => {
+			N._lock || (Ue(t), zn(v.indexOf(e), cr, !0, Oi.setSeries));
+		}, !1)), de) {
+			let e = or("td", Mn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let _e = /* @__PURE__ */ new Map();
-	function ve(e, t, n, i = !0) {
-		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
-		o && (ar(e, t, a[e] = o), _e.set(t, a));
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (gr(e, t, a[e] = o), ve.set(t, a));
 	}
-	function ye(e, t, n) {
-		let r = _e.get(t) || {};
-		for (let n in r) (e == null || n == e) && (or(n, t, r[n]), delete r[n]);
-		e ?? _e.delete(t);
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (_r(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
 	}
-	let be = 0, R = 0, z = 0, B = 0, xe = 0, Se = 0, Ce = xe, we = Se, Te = z, Ee = B, De = 0, Oe = 0, ke = 0, Ae = 0;
+	let xe = 0, L = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1;
-	function Le(e, t, n) {
-		(n || e != r.width || t != r.height) && Re(e, t), Bt(!1), Ne = !0, Me = !0, Gt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), zt(!1), Pe = !0, Ne = !0, Wt();
 	}
-	function Re(e, t) {
-		r.width = be = z = e, r.height = R = B = t, xe = Se = 0, Ve(), He();
+	function ze(e, t) {
+		r.width = xe = R = e, r.height = L = z = t, Se = Ce = 0, B(), He();
 		let n = r.bbox;
-		De = n.left = Xr(xe * K, .5), Oe = n.top = Xr(Se * K, .5), ke = n.width = Xr(z * K, .5), Ae = n.height = Xr(B * K, .5);
+		Oe = n.left = ci(Se * q, .5), ke = n.top = ci(Ce * q, .5), Ae = n.width = ci(R * q, .5), je = n.height = ci(z * q, .5);
 	}
-	function ze() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (Re(r.width, r.height), Me = !0);
+			let n = It(t), i = Lt(t);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
-	function Be({ width: e, height: t }) {
-		Le(e, t);
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
 	}
-	r.setSize = Be;
-	function Ve() {
+	r.setSize = Ve;
+	function B() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (z -= c, a == 3 ? (xe += c, r = !0) : n = !0) : (B -= c, a == 0 ? (Se += c, e = !0) : t = !0));
+				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
 			}
-		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, z -= rt[1] + rt[3], xe += rt[3], B -= rt[2] + rt[0], Se += rt[0];
+		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, R -= rt[1] + rt[3], Se += rt[3], z -= rt[2] + rt[0], Ce += rt[0];
 	}
 	function He() {
-		let e = xe + z, t = Se + B, n = xe, r = Se;
+		let e = Se + R, t = Ce + z, n = Se, r = Ce;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -4589,13 +4913,13 @@ function es(e, t, n) {
 			}
 		});
 	}
-	if (P.dataIdx == null) {
-		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = Z(e.prox), i = e.bias ??= 0;
-		P.dataIdx = (e, a, o, s) => {
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
+		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? X, u = l >= 0 && l < X, d = D.ori == 0 ? z : B, f = P.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? Xr, u = l >= 0 && l < Xr, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -4607,61 +4931,61 @@ function es(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Dr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Rr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
 	let Ue = (e) => {
-		P.event = e;
+		N.event = e;
 	};
-	P.idxs = ie, P._lock = !1;
-	let We = P.points;
-	We.show = Z(We.show), We.size = Z(We.size), We.stroke = Z(We.stroke), We.width = Z(We.width), We.fill = Z(We.fill);
-	let Ge = r.focus = mi({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], V = [];
+	N.idxs = ae, N._lock = !1;
+	let We = N.points;
+	We.show = X(We.show), We.size = X(We.size), We.stroke = X(We.stroke), We.width = X(We.width), We.fill = X(We.fill);
+	let Ge = r.focus = Ei({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], V = [];
 	function Xe(e, t) {
 		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return qn(n, vn), qn(n, e.class), Qn(n, -10, -10, z, B), m.insertBefore(n, Je[t]), n;
+		if (n instanceof HTMLElement) return ir(n, Tn), ir(n, e.class), lr(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
 	}
 	function Ze(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? ci(n) ? ua(M, ca(n, ee)) : n || re : n || Ga, e.label = e.label || (t ? Ma : ja);
+			e.value = t ? bi(n) ? Sa(ee, ba(n, te)) : n || ie : n || ro, e.label = e.label || (t ? Wa : Ua);
 		}
 		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || zo || Gr, e.fillTo = Z(e.fillTo || co), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = mo(e.pxAlign), e.stroke = Z(e.stroke || null), e.fill = Z(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = qa(Mr(1, e.width), 1), n = e.points = mi({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Zo || ri, e.fillTo = X(e.fillTo || xo), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Eo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = ao(Ur(1, e.width), 1), n = e.points = Ei({}, {
 				size: t,
-				width: Mr(1, t * .2),
+				width: Ur(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: Bo,
+				paths: Qo,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = Z(n.show), n.filter = Z(n.filter), n.fill = Z(n.fill), n.stroke = Z(n.stroke), n.paths = Z(n.paths), n.pxAlign = e.pxAlign;
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (F) {
-			let n = ge(e, t);
-			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
 		}
-		if (ae) {
-			ie.splice(t, 0, null);
+		if (oe) {
+			ae.splice(t, 0, null);
 			let n = null;
 			qe ? t == 0 && (n = Xe(e, t)) : t > 0 && (n = Xe(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), V.splice(t, 0, 0);
 		}
-		Ei("addSeries", t);
+		wi("addSeries", t);
 	}
 	function Qe(e, t) {
-		t ??= v.length, e = i == 1 ? Uo(e, t, Na, Qa) : Uo(e, t, {}, Za), v.splice(t, 0, e), Ze(v[t], t);
+		t ??= v.length, e = i == 1 ? ts(e, t, Ga, uo) : ts(e, t, {}, lo), v.splice(t, 0, e), Ze(v[t], t);
 	}
 	r.addSeries = Qe;
 	function $e(e) {
-		if (v.splice(e, 1), F) {
-			N.values.splice(e, 1), le.splice(e, 1);
-			let t = ce.splice(e, 1)[0];
-			ye(null, t.firstChild), t.remove();
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
 		}
-		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), V.splice(e, 1)), Ei("delSeries", e);
+		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), V.splice(e, 1)), wi("delSeries", e);
 	}
 	r.delSeries = $e;
 	let et = [
@@ -4675,24 +4999,24 @@ function es(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Z(e.size), e.space = Z(e.space), e.rotate = Z(e.rotate), ai(e.incrs) && e.incrs.forEach((e) => {
-				!$r.has(e) && $r.set(e, ei(e));
-			}), e.incrs = Z(e.incrs || (i.distr == 2 ? zi : a ? _ == 1 ? Qi : ta : Bi)), e.splits = Z(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? Ia : i.distr == 4 ? La : Fa)), e.stroke = Z(e.stroke), e.grid.stroke = Z(e.grid.stroke), e.ticks.stroke = Z(e.ticks.stroke), e.border.stroke = Z(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), _i(e.incrs) && e.incrs.forEach((e) => {
+				!di.has(e) && di.set(e, fi(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? Zi : a ? _ == 1 ? ua : pa : Qi)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Ja : i.distr == 4 ? Ya : qa)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = ai(o) && !ai(o[0]) ? Z(o) : a ? ai(o) ? aa(M, ia(o, ee)) : ci(o) ? oa(M, o) : o || ne : o || Pa, e.filter = Z(e.filter || (i.distr >= 3 && i.log == 10 ? Ua : i.distr == 3 && i.log == 2 ? Wa : Wr)), e.font = Qo(e.font), e.labelFont = Qo(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = Xn(pn, f));
+			e.values = _i(o) && !_i(o[0]) ? X(o) : a ? _i(o) ? _a(ee, ga(o, te)) : bi(o) ? va(ee, o) : o || re : o || Ka, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? to : i.distr == 3 && i.log == 2 ? no : ni)), e.font = us(e.font), e.labelFont = us(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = sr(bn, f));
 		}
 	}
 	function H(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? kr(Aa.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? kr(Ka.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Br(Ha.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Br(io.size / 2) : 0), l;
 	}
 	let nt = r.padding = (e.padding || [
 		H,
 		H,
 		H,
 		H
-	]).map((e) => Z(Y(e, H))), rt = r._padding = nt.map((e, t) => e(r, t, et, 0)), it, at = null, ot = null, st = i == 1 ? v[0].idxs : null, ct = null, lt = !1;
-	function ut(e, n) {
+	]).map((e) => X(Y(e, H))), rt = r._padding = nt.map((e, t) => e(r, t, et, 0)), it, at = null, ot = null, st = i == 1 ? v[0].idxs : null, ct = null, U = !1;
+	function lt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			it = 0;
 			for (let e = 1; e < v.length; e++) it += t[e][0].length;
@@ -4706,55 +5030,55 @@ function es(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), Ei("setData"), O == 2 && (Ne = !0), n !== !1) {
+		if (zt(!0), wi("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, lt) ? dt() : tr(S, e.min, e.max), Pe ||= P.left >= 0, Ie = !0, Gt();
+			e.auto(r, U) ? ut() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Wt();
 		}
 	}
-	r.setData = ut;
-	function dt() {
-		lt = !0;
+	r.setData = lt;
+	function ut() {
+		U = !0;
 		let e, n;
-		i == 1 && (it > 0 ? (at = st[0] = 0, ot = st[1] = it - 1, e = t[0][at], n = t[0][ot], O == 2 ? (e = at, n = ot) : e == n && (O == 3 ? [e, n] = mr(e, e, D.log, !1) : O == 4 ? [e, n] = hr(e, e, D.log, !1) : D.time ? n = e + kr(86400 / _) : [e, n] = br(e, n, gr, !0))) : (at = st[0] = e = null, ot = st[1] = n = null)), tr(S, e, n);
+		i == 1 && (it > 0 ? (at = st[0] = 0, ot = st[1] = it - 1, e = t[0][at], n = t[0][ot], O == 2 ? (e = at, n = ot) : e == n && (O == 3 ? [e, n] = Tr(e, e, D.log, !1) : O == 4 ? [e, n] = Er(e, e, D.log, !1) : D.time ? n = e + Br(86400 / _) : [e, n] = jr(e, n, Dr, !0))) : (at = st[0] = e = null, ot = st[1] = n = null)), fn(S, e, n);
 	}
-	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
-	function St(e, t, n, r, i, a) {
-		e ??= Mn, n ??= ri, r ??= "butt", i ??= Mn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+	let dt, ft, pt, mt, ht, gt, _t, vt, yt, bt;
+	function xt(e, t, n, r, i, a) {
+		e ??= Bn, n ??= hi, r ??= "butt", i ??= Bn, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
 	}
-	function Ct(e, t, n, r) {
-		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+	function St(e, t, n, r) {
+		t != ft && (d.fillStyle = ft = t), e != _t && (d.font = _t = e), n != vt && (d.textAlign = vt = n), r != yt && (d.textBaseline = yt = r);
 	}
-	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, lt) && (t == null || t.min == null)) {
-			let t = Y(at, 0), r = Y(ot, i.length - 1), o = n.min == null ? pr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = jr(e.min, n.min = o[0]), e.max = Mr(e.max, n.max = o[1]);
+	function Ct(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, U) && (t == null || t.min == null)) {
+			let t = Y(at, 0), r = Y(ot, i.length - 1), o = n.min == null ? wr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Hr(e.min, n.min = o[0]), e.max = Ur(e.max, n.max = o[1]);
 		}
 	}
-	let Tt = {
+	let wt = {
 		min: null,
 		max: null
 	};
-	function Et() {
+	function Tt() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, lt)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, U)) && (j[e] = wt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = wt);
 		}
-		j[S] != null && Bt(!0);
+		j[S] != null && zt(!0);
 		let e = {};
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = pi(b[t], ui);
-				if (n.min != null) mi(a, n);
+				let a = e[t] = Ti(b[t], Si);
+				if (n.min != null) Ei(a, n);
 				else if (t != S || i == 2) {
 					if (it == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = X, a.max = -Infinity;
+					} else a.min = Xr, a.max = -Infinity;
 				}
 			}
 		}
@@ -4766,18 +5090,18 @@ function es(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], at = sr(s.min, t[0]), ot = sr(s.max, t[0]), ot - at > 1 && (t[0][at] < s.min && at++, t[0][ot] > s.max && ot--), n.min = ct[at], n.max = ct[ot];
-					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+						s.min = e[0], s.max = e[1], at = vr(s.min, t[0]), ot = vr(s.max, t[0]), ot - at > 1 && (t[0][at] < s.min && at++, t[0][ot] > s.max && ot--), n.min = ct[at], n.max = ct[ot];
+					} else n.show && n.auto && Ct(s, o, n, t[a], n.sorted);
 					n.idxs[0] = at, n.idxs[1] = ot;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Ct(u, j[o], r, c, r.sorted), d != null && Ct(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == X ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == Xr ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -4799,150 +5123,150 @@ function es(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Fr(i.min) : e == 4 ? Rr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Fr(i.max) : e == 4 ? Rr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Kr(i.min) : e == 4 ? Yr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Kr(i.max) : e == 4 ? Yr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Ne = !0, Ei("setScale", e);
-			ae && P.left >= 0 && (Pe = Ie = !0);
+			for (let e in n) Pe = !0, wi("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
-	function Dt(e) {
-		let t = Br(at - 1, 0, it - 1), n = Br(ot + 1, 0, it - 1);
+	function Et(e) {
+		let t = Qr(at - 1, 0, it - 1), n = Qr(ot + 1, 0, it - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < it - 1;) n++;
 		return [t, n];
 	}
-	function Ot() {
+	function Dt() {
 		if (it > 0) {
-			let e = v.some((e) => e._focus) && xt != Ge.alpha;
-			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
-					let a = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
+			let e = v.some((e) => e._focus) && bt != Ge.alpha;
+			e && (d.globalAlpha = bt = Ge.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (Ot(n, !1), Ot(n, !0), e._paths == null)) {
+					let a = bt;
+					bt != e.alpha && (d.globalAlpha = bt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Et(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), bt != a && (d.globalAlpha = bt = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
+					let n = bt;
+					bt != e.alpha && (d.globalAlpha = bt = e.alpha), e._paths != null && kt(t, !1);
 					{
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, at, ot, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, at, ot, a), At(t, !0));
+						(i || a) && (e.points._paths = e.points.paths(r, t, at, ot, a), kt(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), Ei("drawSeries", t);
+					bt != n && (d.globalAlpha = bt = n), wi("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = xt = 1);
+			}), e && (d.globalAlpha = bt = 1);
 		}
 	}
-	function kt(e, t) {
+	function Ot(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function At(e, t) {
+	function kt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Q(l * K, 3);
+		l = Z(l * q, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = De - l / 2, t = Oe - l / 2, n = ke + l, r = Ae + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? jt(s, l, n.dash, n.cap, c, r, i, o, a) : At(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function jt(e, n, i, a, o, s, c, l, u, d, f) {
+	function At(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ni).band;
-				ai(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || mi).band;
+				_i(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && xr(g, at, ot) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Mr(g, at, ot) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
+		}), p || jt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & ao ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & io && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+	function jt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & vo ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & _o && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Nt(e, t, n) {
+	function Mt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ft = t, d.stroke(e);
+			d.strokeStyle = dt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Pt(e, t) {
+	function Nt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = pt = t, d.fill(e);
+			d.fillStyle = ft = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Ft(e, t, n, i) {
+	function Pt(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Zo(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = ls(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function It(e, t, n, r, i, a, o, s, c, l) {
+	function Ft(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), xt(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Lt(e) {
+	function It(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Bt(!1));
+				n._show && (t = !1, n._show = !1, zt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? z : B);
+			n._show || (t = !1, n._show = !0, zt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? R : z);
 			if (d == 0) return;
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ct[e]) : p, h = a.distr == 2 ? ct[p[1]] - ct[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Ar(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Vr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Rt(e) {
+	function Lt(e) {
 		let t = !0;
 		return nt.forEach((n, i) => {
 			let a = n(r, i, et, e);
 			a != rt[i] && (t = !1), rt[i] = a;
 		}), t;
 	}
-	function zt() {
+	function Rt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = kr((t._lpos + s) * K);
-				Ct(t.labelFont[0], c, "center", n == 2 ? On : kn), d.save(), i == 1 ? (a = o = 0, d.translate(p, kr(Oe + Ae / 2)), d.rotate((n == 3 ? -Er : Er) / 2)) : (a = kr(De + ke / 2), o = p);
-				let m = Vr(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Br((t._lpos + s) * q);
+				St(t.labelFont[0], c, "center", n == 2 ? Fn : In), d.save(), i == 1 ? (a = o = 0, d.translate(p, Br(ke + je / 2)), d.rotate((n == 3 ? -Lr : Lr) / 2)) : (a = Br(Oe + Ae / 2), o = p);
+				let m = $r(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ct[e]) : _, x = p.distr == 2 ? ct[_[1]] - ct[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = kr(w * K), E = kr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Er / 180, O = g(t._pos * K), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => ct[e]) : _, x = p.distr == 2 ? ct[_[1]] - ct[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Br(w * q), E = Br((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Lr / 180, O = g(t._pos * q), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? An : t.align == 2 ? jn : D > 0 ? An : D < 0 ? jn : i == 0 ? "center" : n == 3 ? jn : An, D || i == 1 ? "middle" : n == 2 ? On : kn);
-			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
-			for (let e = 0; e < ee.length; e++) {
-				let t = ee[e];
+			St(A, c, t.align == 1 ? Ln : t.align == 2 ? Rn : D > 0 ? Ln : D < 0 ? Rn : i == 0 ? "center" : n == 3 ? Rn : Ln, D || i == 1 ? "middle" : n == 2 ? Fn : In);
+			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
 				if (t != null) {
-					i == 0 ? a = M[e] : o = M[e], t = "" + t;
+					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
@@ -4950,65 +5274,65 @@ function es(e, t, n) {
 					}
 				}
 			}
-			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Q(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let te = t.grid;
-			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Q(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Q(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && Ft(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && Ft(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Ei("drawAxes");
+		wi("drawAxes");
 	}
-	function Bt(e) {
+	function zt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Vt = !1, Ht = !1, Ut = [];
+	let Bt = !1, Vt = !1, Ht = [];
+	function Ut() {
+		Vt = !1;
+		for (let e = 0; e < Ht.length; e++) wi(...Ht[e]);
+		Ht.length = 0;
+	}
 	function Wt() {
-		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) Ei(...Ut[e]);
-		Ut.length = 0;
+		Bt ||= (Mi(Kt), !0);
 	}
-	function Gt() {
-		Vt ||= (bi(qt), !0);
+	function Gt(e, t = !1) {
+		Bt = !0, Vt = t, e(r), Kt(), t && Ht.length > 0 && queueMicrotask(Ut);
 	}
-	function Kt(e, t = !1) {
-		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
-	}
-	r.batch = Kt;
-	function qt() {
-		if (je &&= (Et(), !1), Ne &&= (ze(), !1), Me) {
-			if (J(p, An, xe), J(p, On, Se), J(p, En, z), J(p, Dn, B), J(m, An, xe), J(m, On, Se), J(m, En, z), J(m, Dn, B), J(f, En, be), J(f, Dn, R), u.width = kr(be * K), u.height = kr(R * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	r.batch = Gt;
+	function Kt() {
+		if (Me &&= (Tt(), !1), Pe &&= (Be(), !1), Ne) {
+			if (J(p, Ln, Se), J(p, Fn, Ce), J(p, Nn, R), J(p, Pn, z), J(m, Ln, Se), J(m, Fn, Ce), J(m, Nn, R), J(m, Pn, z), J(f, Nn, xe), J(f, Pn, L), u.width = Br(xe * q), u.height = Br(L * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Se : xe), J(e, a ? "height" : "width", a ? B : z), Jn(e, mn);
-					} else qn(e, mn);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Ce : Se), J(e, a ? "height" : "width", a ? z : R), ar(e, xn);
+					} else ir(e, xn);
 				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Zr(!0), xe != Ce || Se != we || z != Te || B != Ee) {
-				Bt(!1);
-				let e = z / Te, t = B / Ee;
-				if (ae && !Pe && P.left >= 0) {
-					P.left *= e, P.top *= t, Zt && Qn(Zt, kr(P.left), 0, z, B), Qt && Qn(Qt, 0, kr(P.top), z, B);
+			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, Pr(!0), Se != we || Ce != Te || R != Ee || z != De) {
+				zt(!1);
+				let e = R / Ee, t = z / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Xt && lr(Xt, Br(N.left), 0, R, z), Zt && lr(Zt, 0, Br(N.top), R, z);
 					for (let n = 0; n < Je.length; n++) {
 						let r = Je[n];
-						r != null && (Ye[n] *= e, V[n] *= t, Qn(r, Ar(Ye[n]), Ar(V[n]), z, B));
+						r != null && (Ye[n] *= e, V[n] *= t, lr(r, Vr(Ye[n]), Vr(V[n]), R, z));
 					}
 				}
-				if (q.show && !Fe && q.left >= 0 && q.width > 0) {
-					q.left *= e, q.width *= e, q.top *= t, q.height *= t;
-					for (let e in oi) J(Kn, e, q[e]);
+				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
+					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
+					for (let e in zr) J(ln, e, K[e]);
 				}
-				Ce = xe, we = Se, Te = z, Ee = B;
+				we = Se, Te = Ce, Ee = R, De = z;
 			}
-			Ei("setSize"), Me = !1;
+			wi("setSize"), Ne = !1;
 		}
-		be > 0 && R > 0 && (d.clearRect(0, 0, u.width, u.height), Ei("drawClear"), w.forEach((e) => e()), Ei("draw")), q.show && Fe && (Zn(q), Fe = !1), ae && Pe && (Jr(null, !0, !1), Pe = !1), N.show && N.live && Ie && (Hr(), Ie = !1), c || (c = !0, r.status = 1, Ei("ready")), lt = !1, Vt = !1;
+		xe > 0 && L > 0 && (d.clearRect(0, 0, u.width, u.height), wi("drawClear"), w.forEach((e) => e()), wi("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Ar(null, !0, !1), Fe = !1), M.show && M.live && Le && (Cr(), Le = !1), c || (c = !0, r.status = 1, wi("ready")), U = !1, Bt = !1;
 	}
 	r.redraw = (e, t) => {
-		Ne = t || !1, e === !1 ? Gt() : tr(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Wt() : fn(S, D.min, D.max);
 	};
-	function Jt(e, n) {
+	function qt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
 			if (it == 0) {
@@ -5020,147 +5344,147 @@ function es(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (it > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && it > 0 && (n.min = sr(n.min, t[0]), n.max = sr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
+			e == S && i.distr == 2 && it > 0 && (n.min = vr(n.min, t[0]), n.max = vr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Wt();
 		}
 	}
-	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, zn = !1, Bn = P.drag, G = Bn.x, Gn = Bn.y;
-	ae && (P.x && (Yt = Xn(gn, m)), P.y && (Xt = Xn(_n, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
-	let q = r.select = mi({
+	r.setScale = qt;
+	let Jt, Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, W, G, an = !1, on = N.drag, sn = on.x, cn = on.y;
+	oe && (N.x && (Jt = sr(Cn, m)), N.y && (Yt = sr(wn, m)), D.ori == 0 ? (Xt = Jt, Zt = Yt) : (Xt = Yt, Zt = Jt), W = N.left, G = N.top);
+	let K = r.select = Ei({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), Kn = q.show ? Xn(hn, q.over ? m : p) : null;
-	function Zn(e, t) {
-		if (q.show) {
-			for (let t in e) q[t] = e[t], t in oi && J(Kn, t, e[t]);
-			t !== !1 && Ei("setSelect");
+	}, e.select), ln = K.show ? sr(Sn, K.over ? m : p) : null;
+	function un(e, t) {
+		if (K.show) {
+			for (let t in e) K[t] = e[t], t in zr && J(ln, t, e[t]);
+			t !== !1 && wi("setSelect");
 		}
 	}
-	r.setSelect = Zn;
-	function $n(e) {
-		if (v[e].show) F && Jn(ce[e], mn);
-		else if (F && qn(ce[e], mn), ae) {
+	r.setSelect = un;
+	function dn(e) {
+		if (v[e].show) P && ar(le[e], xn);
+		else if (P && ir(le[e], xn), oe) {
 			let t = qe ? Je[0] : Je[e];
-			t != null && Qn(t, -10, -10, z, B);
+			t != null && lr(t, -10, -10, R, z);
 		}
 	}
-	function tr(e, t, n) {
-		Jt(e, {
+	function fn(e, t, n) {
+		qt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function rr(e, t, n, a) {
-		t.focus != null && Sr(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, $n(r), i == 2 ? (tr(n.facets[0].scale, null, null), tr(n.facets[1].scale, null, null)) : tr(n.scale, null, null), Gt());
-		}), n !== !1 && Ei("setSeries", e, t), a && ji("setSeries", r, e, t);
+	function zn(e, t, n, a) {
+		t.focus != null && ur(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Wt());
+		}), n !== !1 && wi("setSeries", e, t), a && ji("setSeries", r, e, t);
 	}
-	r.setSeries = rr;
-	function ir(e, t) {
-		mi(x[e], t);
+	r.setSeries = zn;
+	function qn(e, t) {
+		Ei(x[e], t);
 	}
-	function cr(e, t) {
-		e.fill = Z(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	function Jn(e, t) {
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function lr(e) {
+	function Yn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = cr, r.setBand = ir, r.delBand = lr;
-	function ur(e, t) {
-		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
+	r.addBand = Jn, r.setBand = qn, r.delBand = Yn;
+	function Qn(e, t) {
+		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let dr, fr, vr, yr = { focus: !0 };
-	function Sr(e) {
-		if (e != vr) {
+	let tr, nr, rr, cr = { focus: !0 };
+	function ur(e) {
+		if (e != rr) {
 			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && ur(a, i ? 1 : Ge.alpha);
+					r._focus = t ? null : i, n && Qn(a, i ? 1 : Ge.alpha);
 				}
-			}), vr = e, n && Gt();
+			}), rr = e, n && Wt();
 		}
 	}
-	F && Ke && ve(Ln, L, (e) => {
-		P._lock || (Ue(e), vr != null && rr(null, yr, !0, Oi.setSeries));
+	P && Ke && ye(Gn, I, (e) => {
+		N._lock || (Ue(e), rr != null && zn(null, cr, !0, Oi.setSeries));
 	});
-	function Cr(e, t, n) {
+	function fr(e, t, n) {
 		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? Se : xe));
-		let i = z;
-		r.ori == 1 && (i = B, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / q - (r.ori == 1 ? Ce : Se));
+		let i = R;
+		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Nr(10, c) : l == 4 ? Lr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Wr(10, c) : l == 4 ? Jr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function wr(e, n) {
-		return sr(Cr(e, S, n), t[0], at, ot);
+	function mr(e, n) {
+		return vr(fr(e, S, n), t[0], at, ot);
 	}
-	r.valToIdx = (e) => sr(e, t[0]), r.posToIdx = wr, r.posToVal = Cr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : z, n ? De : 0) : o(e, b[t], n ? Ae : B, n ? Oe : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Jr(null, t, n);
+	r.valToIdx = (e) => vr(e, t[0]), r.posToIdx = mr, r.posToVal = fr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
+		W = e.left, G = e.top, Ar(null, t, n);
 	};
-	function Tr(e, t) {
-		J(Kn, An, q.left = e), J(Kn, En, q.width = t);
+	function hr(e, t) {
+		J(ln, Ln, K.left = e), J(ln, Nn, K.width = t);
 	}
-	function Or(e, t) {
-		J(Kn, On, q.top = e), J(Kn, Dn, q.height = t);
+	function yr(e, t) {
+		J(ln, Fn, K.top = e), J(ln, Pn, K.height = t);
 	}
-	let Pr = D.ori == 0 ? Tr : Or, Ir = D.ori == 1 ? Tr : Or;
-	function zr() {
-		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && de) continue;
-			let t = N.values[e], n = 0;
-			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
+	let br = D.ori == 0 ? hr : yr, xr = D.ori == 1 ? hr : yr;
+	function Sr() {
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function Hr(e, t) {
+	function Cr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ie[t] = e;
-		}) : si(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Ur(e, ie[e]);
-			zr();
+			ae[t] = e;
+		}) : yi(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && kr(e, ae[e]);
+			Sr();
 		}
-		Ie = !1, t !== !1 && Ei("setLegend");
+		Le = !1, t !== !1 && wi("setLegend");
 	}
-	r.setLegend = Hr;
-	function Ur(e, n) {
+	r.setLegend = Cr;
+	function kr(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? ct : t[e], o;
-		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Jr(e, n, a) {
-		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && Qn(Zt, kr(U), 0, z, B), Qt && Qn(Qt, 0, kr(W), z, B));
+	function Ar(e, n, a) {
+		nn = W, rn = G, [W, G] = N.move(r, W, G), N.left = W, N.top = G, oe && (Xt && lr(Xt, Br(W), 0, R, z), Zt && lr(Zt, 0, Br(G), R, z));
 		let o, s = at > ot;
-		dr = X, fr = null;
-		let c = D.ori == 0 ? z : B, l = D.ori == 1 ? z : B;
-		if (U < 0 || it == 0 || s) {
-			o = P.idx = null;
+		tr = Xr, nr = null;
+		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
+		if (W < 0 || it == 0 || s) {
+			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Je[e];
-				t != null && Qn(t, -10, -10, z, B);
+				t != null && lr(t, -10, -10, R, z);
 			}
-			Ke && rr(null, yr, !0, e == null && Oi.setSeries), N.live && (ie.fill(o), Ie = !0);
+			Ke && zn(null, cr, !0, e == null && Oi.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = Cr(e, S), o = P.idx = sr(n, t[0], at, ot), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? W : G, n = fr(e, S), o = N.idx = vr(n, t[0], at, ot), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Ie = Ie || S != y || x != _, ie[e] = x, e > 0 && g.show) {
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (Ke && S != null) {
-						let t = D.ori == 1 ? U : W, n = Dr(Ge.dist(r, e, x, _, t));
-						if (n < dr) {
+						let t = D.ori == 1 ? W : G, n = Rr(Ge.dist(r, e, x, _, t));
+						if (n < tr) {
 							let r = Ge.bias;
 							if (r != 0) {
-								let i = Cr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (dr = n, fr = e);
-							} else dr = n, fr = e;
+								let i = fr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (tr = n, nr = e);
+							} else tr = n, nr = e;
 						}
 					}
-					if (Ie || qe) {
+					if (Le || qe) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
 						let a, o, c, l, g, v, y = !0, b = We.bbox;
@@ -5169,189 +5493,312 @@ function es(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == fr && dr <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == nr && tr <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Je[e];
-							t != null && (Ye[e] = c, V[e] = l, nr(t, a, o, y), er(t, v, g), Qn(t, Ar(c), Ar(l), z, B));
+							t != null && (Ye[e] = c, V[e] = l, pr(t, a, o, y), dr(t, v, g), lr(t, Vr(c), Vr(l), R, z));
 						}
 					}
 				}
 			}
 			if (qe) {
 				let e = Ge.prox;
-				if (Ie || (vr == null ? dr <= e : dr > e || fr != vr)) {
+				if (Le || (rr == null ? tr <= e : tr > e || nr != rr)) {
 					let e = Je[0];
-					e != null && (Ye[0] = s, V[0] = u, nr(e, d, f, p), er(e, m, h), Qn(e, Ar(s), Ar(u), z, B));
+					e != null && (Ye[0] = s, V[0] = u, pr(e, d, f, p), dr(e, m, h), lr(e, Vr(s), Vr(u), R, z));
 				}
 			}
 		}
-		if (q.show && zn) {
+		if (K.show && an) {
 			if (e != null) {
 				let [t, n] = Oi.scales, [r, i] = Oi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (G = s._x, Gn = s._y, G || Gn) {
+				if (sn = s._x, cn = s._y, sn || cn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Pr(jr(v, y), Dr(y - v))) : Pr(0, c), S && Gn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Ir(jr(v, y), Dr(y - v))) : Ir(0, l);
-				} else di();
+					x && sn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), br(Hr(v, y), Rr(y - v))) : br(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), xr(Hr(v, y), Rr(y - v))) : xr(0, l);
+				} else Gr();
 			} else {
-				let e = Dr(rn - $t), t = Dr(an - en);
+				let e = Rr(nn - Qt), t = Rr(rn - $t);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				G = Bn.x && e >= Bn.dist, Gn = Bn.y && t >= Bn.dist;
-				let n = Bn.uni;
-				n == null ? Bn.x && Bn.y && (G || Gn) && (G = Gn = !0) : G && Gn && (G = e >= n, Gn = t >= n, !G && !Gn && (t > e ? Gn = !0 : G = !0));
+				sn = on.x && e >= on.dist, cn = on.y && t >= on.dist;
+				let n = on.uni;
+				n == null ? on.x && on.y && (sn || cn) && (sn = cn = !0) : sn && cn && (sn = e >= n, cn = t >= n, !sn && !cn && (t > e ? cn = !0 : sn = !0));
 				let r, i;
-				G && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Pr(jr(r, i), Dr(i - r)), Gn || Ir(0, l)), Gn && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), Ir(jr(r, i), Dr(i - r)), G || Pr(0, c)), !G && !Gn && (Pr(0, 0), Ir(0, 0));
+				sn && (D.ori == 0 ? (r = en, i = W) : (r = tn, i = G), br(Hr(r, i), Rr(i - r)), cn || xr(0, l)), cn && (D.ori == 1 ? (r = en, i = W) : (r = tn, i = G), xr(Hr(r, i), Rr(i - r)), sn || br(0, c)), !sn && !cn && (br(0, 0), xr(0, 0));
 			}
 		}
-		if (Bn._x = G, Bn._y = Gn, e == null) {
+		if (on._x = sn, on._y = cn, e == null) {
 			if (a) {
 				if (ki != null) {
 					let [e, t] = Oi.scales;
-					Oi.values[0] = e == null ? null : Cr(D.ori == 0 ? U : W, e), Oi.values[1] = t == null ? null : Cr(D.ori == 1 ? U : W, t);
+					Oi.values[0] = e == null ? null : fr(D.ori == 0 ? W : G, e), Oi.values[1] = t == null ? null : fr(D.ori == 1 ? W : G, t);
 				}
-				ji(Nn, r, U, W, z, B, o);
+				ji(Vn, r, W, G, R, z, o);
 			}
 			if (Ke) {
 				let e = a && Oi.setSeries, t = Ge.prox;
-				vr == null ? dr <= t && rr(fr, yr, !0, e) : dr > t ? rr(null, yr, !0, e) : fr != vr && rr(fr, yr, !0, e);
+				rr == null ? tr <= t && zn(nr, cr, !0, e) : tr > t ? zn(null, cr, !0, e) : nr != rr && zn(nr, cr, !0, e);
 			}
 		}
-		Ie && (N.idx = o, Hr()), n !== !1 && Ei("setCursor");
+		Le && (M.idx = o, Cr()), n !== !1 && wi("setCursor");
 	}
-	let Yr = null;
+	let Nr = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Yr ?? Zr(!1), Yr;
+		return Nr ?? Pr(!1), Nr;
 	} });
-	function Zr(e = !1) {
-		e ? Yr = null : (Yr = m.getBoundingClientRect(), Ei("syncRect", Yr));
+	function Pr(e = !1) {
+		e ? Nr = null : (Nr = m.getBoundingClientRect(), wi("syncRect", Nr));
 	}
-	function Qr(e, t, n, r, i, a, o) {
-		P._lock || zn && e != null && e.movementX == 0 && e.movementY == 0 || (ti(e, t, n, r, i, a, o, !1, e != null), e == null ? Jr(t, !0, !1) : Jr(null, !0, !0));
+	function Fr(e, t, n, r, i, a, o) {
+		N._lock || an && e != null && e.movementX == 0 && e.movementY == 0 || (Ir(e, t, n, r, i, a, o, !1, e != null), e == null ? Ar(t, !0, !1) : Ar(null, !0, !0));
 	}
-	function ti(e, t, n, i, a, o, c, l, u) {
-		if (Yr ?? Zr(!1), Ue(e), e != null) n = e.clientX - Yr.left, i = e.clientY - Yr.top;
+	function Ir(e, t, n, i, a, o, c, l, u) {
+		if (Nr ?? Pr(!1), Ue(e), e != null) n = e.clientX - Nr.left, i = e.clientY - Nr.top;
 		else {
 			if (n < 0 || i < 0) {
-				U = -10, W = -10;
+				W = -10, G = -10;
 				return;
 			}
-			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? z : B, _ = D.ori == 1 ? z : B, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Nn) && ((n <= 1 || n >= z - 1) && (n = Xr(n, z)), (i <= 1 || i >= B - 1) && (i = Xr(i, B))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Vn) && ((n <= 1 || n >= R - 1) && (n = ci(n, R)), (i <= 1 || i >= z - 1) && (i = ci(i, z))), l ? (Qt = n, $t = i, [en, tn] = N.move(r, n, i)) : (W = n, G = i);
 	}
-	let oi = {
+	let zr = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function di() {
-		Zn(oi, !1);
+	function Gr() {
+		un(zr, !1);
 	}
-	let fi, hi, gi, _i;
-	function vi(e, t, n, i, a, o, s) {
-		zn = !0, G = Gn = Bn._x = Bn._y = !1, ti(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Fn, Un, yi, !1), ji(Pn, r, tn, nn, z, B, null));
-		let { left: c, top: l, width: u, height: d } = q;
-		fi = c, hi = l, gi = u, _i = d;
+	let qr, Zr, ei, ti;
+	function oi(e, t, n, i, a, o, s) {
+		an = !0, sn = cn = on._x = on._y = !1, Ir(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Un, $n, si, !1), ji(Hn, r, en, tn, R, z, null));
+		let { left: c, top: l, width: u, height: d } = K;
+		qr = c, Zr = l, ei = u, ti = d;
 	}
-	function yi(e, t, n, i, a, o, s) {
-		zn = Bn._x = Bn._y = !1, ti(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = q, f = u > 0 || d > 0, p = fi != c || hi != l || gi != u || _i != d;
-		if (f && p && Zn(q), Bn.setScale && f && p) {
+	function si(e, t, n, i, a, o, s) {
+		an = on._x = on._y = !1, Ir(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = qr != c || Zr != l || ei != u || ti != d;
+		if (f && p && un(K), on.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), G && tr(S, Cr(e, S), Cr(e + t, S)), Gn) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), sn && fn(S, fr(e, S), fr(e + t, S)), cn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != X && tr(e, Cr(n + r, e), Cr(n, e));
+				e != S && t.from == null && t.min != Xr && fn(e, fr(n + r, e), fr(n, e));
 			}
-			di();
-		} else P.lock && (P._lock = !P._lock, Jr(t, !0, e != null));
-		e != null && (ye(Fn, Un), ji(Fn, r, U, W, z, B, null));
+			Gr();
+		} else N.lock && (N._lock = !N._lock, Ar(t, !0, e != null));
+		e != null && (be(Un, $n), ji(Un, r, W, G, R, z, null));
 	}
-	function xi(e, t, n, r, i, a, o) {
-		if (P._lock) return;
+	function li(e, t, n, r, i, a, o) {
+		if (N._lock) return;
 		Ue(e);
-		let s = zn;
-		if (zn) {
+		let s = an;
+		if (an) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = G, r = Gn) : (n = Gn, r = G), n && r && (e = U <= 10 || U >= z - 10, t = W <= 10 || W >= B - 10), n && e && (U = U < tn ? 0 : z), r && t && (W = W < nn ? 0 : B), Jr(null, !0, !0), zn = !1;
+			D.ori == 0 ? (n = sn, r = cn) : (n = cn, r = sn), n && r && (e = W <= 10 || W >= R - 10, t = G <= 10 || G >= z - 10), n && e && (W = W < en ? 0 : R), r && t && (G = G < tn ? 0 : z), Ar(null, !0, !0), an = !1;
 		}
-		U = -10, W = -10, ie.fill(null), Jr(null, !0, !0), s && (zn = s);
+		W = -10, G = -10, ae.fill(null), Ar(null, !0, !0), s && (an = s);
 	}
-	function Si(e, t, n, i, a, o, s) {
-		P._lock || (Ue(e), dt(), di(), e != null && ji(Rn, r, U, W, z, B, null));
+	function ui(e, t, n, i, a, o, s) {
+		N._lock || (Ue(e), ut(), Gr(), e != null && ji(Kn, r, W, G, R, z, null));
 	}
-	function Ci() {
-		y.forEach($o), Le(r.width, r.height, !0);
+	function pi() {
+		y.forEach(ds), Re(r.width, r.height, !0);
 	}
-	ar(Vn, Wn, Ci);
-	let wi = {};
-	wi.mousedown = vi, wi.mousemove = Qr, wi.mouseup = yi, wi.dblclick = Si, wi.setSeries = (e, t, n, i) => {
+	gr(Xn, er, pi);
+	let vi = {};
+	vi.mousedown = oi, vi.mousemove = Fr, vi.mouseup = si, vi.dblclick = ui, vi.setSeries = (e, t, n, i) => {
 		let a = Oi.match[2];
-		n = a(r, t, n), n != -1 && rr(n, i, !0, !1);
-	}, ae && (ve(Pn, m, vi), ve(Nn, m, Qr), ve(In, m, (e) => {
-		Ue(e), Zr(!1);
-	}), ve(Ln, m, xi), ve(Rn, m, Si), Lo.add(r), r.syncRect = Zr);
-	let Ti = r.hooks = e.hooks || {};
-	function Ei(e, t, n) {
-		Ht ? Ut.push([
+		n = a(r, t, n), n != -1 && zn(n, i, !0, !1);
+	}, oe && (ye(Hn, m, oi), ye(Vn, m, Fr), ye(Wn, m, (e) => {
+		Ue(e), Pr(!1);
+	}), ye(Gn, m, li), ye(Kn, m, ui), Yo.add(r), r.syncRect = Pr);
+	let Ci = r.hooks = e.hooks || {};
+	function wi(e, t, n) {
+		Vt ? Ht.push([
 			e,
 			t,
 			n
-		]) : e in Ti && Ti[e].forEach((e) => {
+		]) : e in Ci && Ci[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Ti[t] = (Ti[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Ci[t] = (Ci[t] || []).concat(e.hooks[t]);
 	});
-	let Di = (e, t, n) => n, Oi = mi({
+	let Di = (e, t, n) => n, Oi = Ei({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Kr,
-			sub: Kr
+			pub: ii,
+			sub: ii
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			qr,
-			qr,
+			ai,
+			ai,
 			Di
 		],
 		values: [null, null]
-	}, P.sync);
-	Oi.match.length == 2 && Oi.match.push(Di), P.sync = Oi;
-	let ki = Oi.key, Ai = ro(ki);
+	}, N.sync);
+	Oi.match.length == 2 && Oi.match.push(Di), N.sync = Oi;
+	let ki = Oi.key, Ai = go(ki);
 	function ji(e, t, n, r, i, a, o) {
 		Oi.filters.pub(e, t, n, r, i, a, o) && Ai.pub(e, t, n, r, i, a, o);
 	}
 	Ai.sub(r);
 	function Ni(e, t, n, r, i, a, o) {
-		Oi.filters.sub(e, t, n, r, i, a, o) && wi[e](null, t, n, r, i, a, o);
+		Oi.filters.sub(e, t, n, r, i, a, o) && vi[e](null, t, n, r, i, a, o);
 	}
 	r.pub = Ni;
 	function Pi() {
-		Ai.unsub(r), Lo.delete(r), _e.clear(), or(Vn, Wn, Ci), l.remove(), L?.remove(), Ei("destroy");
+		Ai.unsub(r), Yo.delete(r), ve.clear(), _r(Xn, er, pi), l.remove(), I?.remove(), wi("destroy");
 	}
 	r.destroy = Pi;
 	function Fi() {
-		Ei("init", e, t), ut(t || e.data, !1), j[S] ? Jt(S, j[S]) : dt(), Fe = q.show && (q.width > 0 || q.height > 0), Pe = Ie = !0, Le(e.width, e.height);
+		wi("init", e, t), lt(t || e.data, !1), j[S] ? qt(S, j[S]) : ut(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
 	return v.forEach(Ze), y.forEach(tt), n ? n instanceof HTMLElement ? (n.appendChild(l), Fi()) : n(r, Fi) : Fi(), r;
 }
-es.assign = mi, es.fmtNum = wr, es.rangeNum = br, es.rangeLog = mr, es.rangeAsinh = hr, es.orient = oo, es.pxRatio = K, es.join = yi, es.fmtDate = Mi, es.tzDate = Pi, es.sync = ro;
+fs.assign = Ei, fs.fmtNum = Fr, fs.rangeNum = jr, fs.rangeLog = Tr, fs.rangeAsinh = Er, fs.orient = yo, fs.pxRatio = q, fs.join = ji, fs.fmtDate = Wi, fs.tzDate = Ki, fs.sync = go;
 {
-	es.addGap = fo, es.clipGaps = uo;
-	let e = es.paths = { points: Eo };
-	e.linear = Ao, e.stepped = jo, e.bars = No, e.spline = Fo;
+	fs.addGap = wo, fs.clipGaps = Co;
+	let e = fs.paths = { points: Ro };
+	e.linear = Ho, e.stepped = Uo, e.bars = Go, e.spline = qo;
+}
+// src/phase.tsx
+var [ps, ms] = [420, 300], $ = {
+	left: 64,
+	right: 12,
+	top: 10,
+	bottom: 34
+};
+function hs({ store: e, state: t }) {
+	let [n, r] = U(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (ut(() => {
+		if (!i || !a) return;
+		let t = !1;
+		return e.transport.ask("phase", {
+			run: o.run,
+			names: [i, a],
+			t0: s,
+			t1: c
+		}).then((e) => !t && r(e)).catch((n) => !t && e.refused(n)), () => {
+			t = !0;
+		};
+	}, [
+		o.run,
+		i,
+		a,
+		s,
+		c
+	]), !i || !a) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "Plot two signals: the second is drawn over the first."
+	});
+	if (!n) return null;
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (ps - $.left - $.right), g = (e) => ms - $.bottom - (e - d) / m * (ms - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+		let [i, a] = n.pieces[r];
+		return {
+			x1: h(v(i)),
+			y1: g(v(a)),
+			x2: h(e[0]),
+			y2: g(t[0])
+		};
+	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
+	return /* @__PURE__ */ L("figure", {
+		class: "phase",
+		"aria-label": `${a} over ${i}`,
+		children: /* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${ps} ${ms}`,
+			role: "img",
+			"aria-label": `${a} over ${i}, from ${Be(l)} to ${Be(u)} ${n.units[0]} and from ${Be(d)} to ${Be(f)} ${n.units[1]}`,
+			children: [
+				/* @__PURE__ */ L("rect", {
+					class: "box",
+					x: $.left,
+					y: $.top,
+					width: ps - $.left - $.right,
+					height: ms - $.top - $.bottom
+				}),
+				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
+					class: "axis",
+					x1: h(0),
+					x2: h(0),
+					y1: $.top,
+					y2: ms - $.bottom
+				}),
+				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
+					class: "axis",
+					x1: $.left,
+					x2: ps - $.right,
+					y1: g(0),
+					y2: g(0)
+				}),
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
+					class: "jump",
+					...e
+				})),
+				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
+					class: "way",
+					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
+				})),
+				x && /* @__PURE__ */ L("circle", {
+					class: "now",
+					cx: x[0],
+					cy: x[1],
+					r: 4.5
+				}),
+				/* @__PURE__ */ L("text", {
+					x: $.left,
+					y: ms - $.bottom + 14,
+					children: B(l, n.units[0])
+				}),
+				/* @__PURE__ */ L("text", {
+					x: ps - $.right,
+					y: ms - $.bottom + 14,
+					"text-anchor": "end",
+					children: B(u, n.units[0])
+				}),
+				/* @__PURE__ */ L("text", {
+					x: (ps + $.left) / 2,
+					y: ms - 6,
+					"text-anchor": "middle",
+					class: "what",
+					children: i
+				}),
+				/* @__PURE__ */ L("text", {
+					x: $.left - 5,
+					y: ms - $.bottom,
+					"text-anchor": "end",
+					children: B(d, n.units[1])
+				}),
+				/* @__PURE__ */ L("text", {
+					x: $.left - 5,
+					y: $.top + 10,
+					"text-anchor": "end",
+					children: B(f, n.units[1])
+				}),
+				/* @__PURE__ */ L("text", {
+					transform: `translate(12,${(ms - $.bottom) / 2}) rotate(-90)`,
+					"text-anchor": "middle",
+					class: "what",
+					children: a
+				})
+			]
+		})
+	});
 }
 // src/plots.tsx
-var ts = [
+var gs = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5359,16 +5806,16 @@ var ts = [
 	"--c5",
 	"--c6"
 ];
-function ns({ store: e, state: t }) {
-	let [n, r] = lt(null), [i, a] = lt(!1), [o, s] = lt(800), c = ft(null), l = t.run, [u, d] = t.span;
-	dt(() => {
+function _s({ store: e, state: t }) {
+	let [n, r] = U(null), [i, a] = U(!1), [o, s] = U(800), c = dt(null), l = t.run, [u, d] = t.span;
+	ut(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (dt(() => {
+	if (ut(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5395,29 +5842,29 @@ function ns({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ R(rs, {
+	]), t.running && t.soFar) return /* @__PURE__ */ L(vs, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ R(is, {
+					/* @__PURE__ */ L(ys, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
-						/* @__PURE__ */ R("input", {
+					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
+						/* @__PURE__ */ L("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5426,15 +5873,15 @@ function ns({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ R("button", {
+					!m && /* @__PURE__ */ L("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ R("label", {
+					/* @__PURE__ */ L("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ R("span", { children: "t" }),
-							/* @__PURE__ */ R("input", {
+							/* @__PURE__ */ L("span", { children: "t" }),
+							/* @__PURE__ */ L("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -5445,22 +5892,28 @@ function ns({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ R("output", { children: p === null ? "" : Ve(p, "s") })
+							/* @__PURE__ */ L("output", { children: p === null ? "" : B(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+						type: "checkbox",
+						checked: t.phase,
+						onChange: (t) => e.set({ phase: t.currentTarget.checked })
+					}), " phase plane"] }),
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
-					}), " power"] })
+					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ R(as, {
+			t.plotted.map((r, i) => /* @__PURE__ */ L(bs, {
 				name: r,
-				ink: ts[i % ts.length],
+				ink: gs[i % gs.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
+				value: t.cursor?.signals[r] ?? null,
 				wide: o,
 				dark: t.dark,
 				last: i === t.plotted.length - 1,
@@ -5469,7 +5922,11 @@ function ns({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			/* @__PURE__ */ R(ls, {
+			t.phase && /* @__PURE__ */ L(hs, {
+				store: e,
+				state: t
+			}),
+			/* @__PURE__ */ L(ws, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -5478,23 +5935,24 @@ function ns({ store: e, state: t }) {
 		]
 	});
 }
-function rs({ state: e, soFar: t }) {
-	let n = ft(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ R("div", {
+function vs({ state: e, soFar: t }) {
+	let n = dt(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ R(as, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ L(bs, {
 			name: i.name,
-			ink: ts[a % ts.length],
+			ink: gs[a % gs.length],
 			curves: [i],
 			span: r,
 			cursor: null,
+			value: null,
 			wide: (n.current?.clientWidth ?? 800) - 18,
 			dark: e.dark,
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ R(ls, {
+		}, i.name)), /* @__PURE__ */ L(ws, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -5502,18 +5960,18 @@ function rs({ state: e, soFar: t }) {
 		})]
 	});
 }
-function is({ store: e, state: t, run: n }) {
+function ys({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ R("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ R("button", {
+			t.plotted.map((n) => /* @__PURE__ */ L("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -5523,14 +5981,14 @@ function is({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ R("datalist", {
+			/* @__PURE__ */ L("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
 			})
 		]
 	});
 }
-var as = class extends S {
+var bs = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -5549,8 +6007,8 @@ var as = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : ts[(t + 3) % ts.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : es.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new es({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : gs[(t + 3) % gs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : fs.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new fs({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -5572,7 +6030,7 @@ var as = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => os(t, n, m.length > 0) }
+				y: { range: (e, t, n) => xs(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -5583,7 +6041,7 @@ var as = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => ss(t, "s")
+				values: (e, t) => Ss(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -5596,7 +6054,7 @@ var as = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => ss(t, p)
+				values: (e, t) => Ss(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -5628,7 +6086,7 @@ var as = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${Ve(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -5640,29 +6098,36 @@ var as = class extends S {
 		let r = e.valToPos(n, "x", !0), { left: i, top: a, width: o, height: s } = e.bbox;
 		r < i || r > i + o || (e.ctx.save(), e.ctx.strokeStyle = t, e.ctx.setLineDash([4, 3]), e.ctx.beginPath(), e.ctx.moveTo(r, a), e.ctx.lineTo(r, a + s), e.ctx.stroke(), e.ctx.restore());
 	}
-	render({ name: e, curves: t }) {
-		let n = t.find((e) => e.error);
-		return /* @__PURE__ */ R("figure", {
+	render({ name: e, curves: t, value: n, cursor: r }) {
+		let i = t.find((e) => e.error);
+		return /* @__PURE__ */ L("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
-			children: [/* @__PURE__ */ R("div", { ref: this.box }), n && /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: [
-					n.error.code,
-					" ",
-					n.error.why
-				]
-			})]
+			children: [
+				/* @__PURE__ */ L("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ L("output", {
+					class: "reading",
+					children: B(n, t.find((e) => !e.error)?.unit ?? "")
+				}),
+				i && /* @__PURE__ */ L("p", {
+					class: "hint",
+					children: [
+						i.error.code,
+						" ",
+						i.error.why
+					]
+				})
+			]
 		});
 	}
 };
-function os(e, t, n) {
+function xs(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function ss(e, t) {
+function Ss(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -5683,7 +6148,7 @@ function ss(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var cs = [
+var Cs = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -5693,21 +6158,21 @@ var cs = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ls({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function ws({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ R("span", {
+				children: e.map((e) => /* @__PURE__ */ L("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ R("svg", {
+			/* @__PURE__ */ L("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -5717,24 +6182,24 @@ function ls({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: cs[o % cs.length],
-						children: /* @__PURE__ */ R("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
+						fill: Cs[o % Cs.length],
+						children: /* @__PURE__ */ L("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: cs[t % cs.length],
+						fill: Cs[t % Cs.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -5742,10 +6207,10 @@ function ls({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -5756,16 +6221,185 @@ function ls({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 		]
 	});
 }
+// src/power.tsx
+var Ts = {
+	C: ["gives back", "stores"],
+	I: ["gives back", "stores"],
+	R: ["gives", "dissipates"],
+	G: ["gives", "dissipates"],
+	Se: ["supplies", "absorbs"],
+	Sf: ["supplies", "absorbs"]
+}, [Es, Ds, Os, ks] = [
+	310,
+	17,
+	7,
+	10
+];
+function As(e) {
+	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
+	for (let e of r) {
+		let n = t[e.key];
+		if (!n || n.power === !1) continue;
+		let r = n.e === null || n.f === null ? null : n.e * n.f;
+		for (let [t, n] of [[e.tail, -1], [e.head, 1]]) {
+			let e = i.get(t) === void 0 ? 0 : i.get(t);
+			i.set(t, r === null || e === null ? null : e + n * r);
+		}
+	}
+	let a = n.filter((e) => e.kind !== "0" && e.kind !== "1" && e.kind !== "TF" && e.kind !== "GY" && i.has(e.name));
+	return {
+		found: a.filter((e) => i.get(e.name) !== null).map((e) => ({
+			node: e,
+			power: i.get(e.name)
+		})),
+		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
+	};
+}
+function js({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "Run the model and choose a time in its plots."
+	});
+	let { found: n, unknown: r } = As(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ds + Os) + 120, d = (u - Math.max(o.length, s.length) * Os - 8) / l, f = (t) => e.set({
+		nodes: /* @__PURE__ */ new Set([t.name]),
+		bonds: /* @__PURE__ */ new Set()
+	}), p = (e, t) => {
+		let n = 4, r = 4;
+		return e.map((e) => {
+			let i = Math.abs(e.power) * d, [a, o] = [n, r];
+			n += Math.max(i, 1) + Os, r += i;
+			let [s, c] = t ? [ks, Es / 2 - ks / 2] : [Es - ks, Es / 2 + ks / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ L("g", {
+				class: "flow " + (t ? "gives" : "takes"),
+				onClick: () => f(e.node),
+				children: [
+					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ L("rect", {
+						x: t ? 0 : Es - ks,
+						y: a,
+						width: ks,
+						height: Math.max(i, 1)
+					}),
+					/* @__PURE__ */ L("text", {
+						x: t ? ks + 4 : Es - ks - 4,
+						y: a + Math.max(i, 1) / 2 + 4,
+						"text-anchor": t ? "start" : "end",
+						children: e.node.name
+					})
+				]
+			});
+		});
+	};
+	return /* @__PURE__ */ L("section", {
+		class: "power-panel",
+		children: [
+			/* @__PURE__ */ L("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ L("svg", {
+				class: "sankey",
+				viewBox: `0 0 ${Es} ${u}`,
+				role: "img",
+				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
+				children: [
+					p(o, !0),
+					p(s, !1),
+					/* @__PURE__ */ L("rect", {
+						class: "middle-bar",
+						x: Es / 2 - ks / 2,
+						y: 4,
+						width: ks,
+						height: l * d
+					})
+				]
+			}) : /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: "No power flows."
+			}),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "element"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "does"
+				}),
+				/* @__PURE__ */ L("th", {
+					scope: "col",
+					children: "power"
+				})
+			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
+				class: t.nodes.has(e.node.name) ? "chosen" : "",
+				children: [
+					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						class: "link",
+						onClick: () => f(e.node),
+						children: e.node.name
+					}) }),
+					/* @__PURE__ */ L("td", { children: (Ts[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ L("td", {
+						class: "figure",
+						children: B(Math.abs(e.power), "W")
+					})
+				]
+			})) })] }),
+			r.length > 0 && /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: ["not determined: ", r.join(", ")]
+			}),
+			/* @__PURE__ */ L("p", {
+				class: "hint",
+				children: [
+					"supplied and given back ",
+					B(c(o), "W"),
+					", taken ",
+					B(c(s), "W")
+				]
+			})
+		]
+	});
+}
+// src/splitter.tsx
+function Ms(e) {
+	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
+	return /* @__PURE__ */ L("div", {
+		class: "splitter " + (e.upright ? "upright" : "level"),
+		role: "separator",
+		tabindex: 0,
+		"aria-label": e.label,
+		"aria-orientation": e.upright ? "vertical" : "horizontal",
+		"aria-valuenow": e.value,
+		"aria-valuemin": e.least,
+		"aria-valuemax": e.most,
+		onPointerDown: (n) => {
+			let r = n.currentTarget;
+			r.setPointerCapture(n.pointerId);
+			let i = e.upright ? n.clientX : n.clientY, a = (n) => t(e.value + e.sign * ((e.upright ? n.clientX : n.clientY) - i)), o = () => {
+				r.removeEventListener("pointermove", a), r.removeEventListener("pointerup", o);
+			};
+			r.addEventListener("pointermove", a), r.addEventListener("pointerup", o);
+		},
+		onKeyDown: (n) => {
+			let r = {
+				ArrowLeft: -1,
+				ArrowRight: 1,
+				ArrowUp: -1,
+				ArrowDown: 1
+			}[n.key];
+			r && /Left|Right/.test(n.key) === e.upright && (n.preventDefault(), n.stopPropagation(), t(e.value + 20 * r * e.sign));
+		}
+	});
+}
 // src/app.tsx
-var us = [
+var Ns = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
 	["problems", "Problems"],
 	["table", "Table"],
 	["text", "Text"],
-	["equations", "Equations"]
-], ds = class extends S {
+	["equations", "Equations"],
+	["power", "Power"]
+], Ps = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -5808,81 +6442,98 @@ var us = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ R("div", {
+		if (!n) return /* @__PURE__ */ L("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ R("main", {
+		return /* @__PURE__ */ L("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
+			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ R(ps, {
+				/* @__PURE__ */ L(Is, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ R("div", {
+				/* @__PURE__ */ L("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ R(nn, {
+						/* @__PURE__ */ L(un, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ R(He, {
+						/* @__PURE__ */ L(He, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ R("aside", {
+						/* @__PURE__ */ L(Ms, {
+							upright: !0,
+							label: "Width of the panels",
+							value: t.room.side,
+							least: 220,
+							most: 900,
+							sign: -1,
+							onChange: (n) => e.set({ room: {
+								...t.room,
+								side: n
+							} })
+						}),
+						/* @__PURE__ */ L("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ R("div", {
+							children: [/* @__PURE__ */ L("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: us.map(([r, a]) => /* @__PURE__ */ R("button", {
+								children: Ns.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ R("div", {
+							}), /* @__PURE__ */ L("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ R(Pt, {
+									t.tab === "item" && /* @__PURE__ */ L(Nt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ R(Gt, {
+									t.tab === "machines" && /* @__PURE__ */ L(Wt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ R(Jt, {
+									t.tab === "model" && /* @__PURE__ */ L(W, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ R(Qt, {
+									t.tab === "problems" && /* @__PURE__ */ L(sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ R($t, {
+									t.tab === "table" && /* @__PURE__ */ L(cn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ R(en, {
+									t.tab === "text" && /* @__PURE__ */ L(K, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ R(Ot, {
+									t.tab === "equations" && /* @__PURE__ */ L(Dt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "power" && /* @__PURE__ */ L(js, {
 										store: e,
 										state: t
 									})
@@ -5891,28 +6542,46 @@ var us = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ R("div", {
+				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ R(ns, {
-						store: e,
-						state: t
-					}), /* @__PURE__ */ R(Ct, {
-						store: e,
-						state: t
-					})]
+					children: [
+						/* @__PURE__ */ L(Ms, {
+							upright: !1,
+							label: "Height of the plots",
+							value: t.room.low || 320,
+							least: 120,
+							most: 900,
+							sign: -1,
+							onChange: (n) => e.set({ room: {
+								...t.room,
+								low: n
+							} })
+						}),
+						t.sweep ? /* @__PURE__ */ L(en, {
+							store: e,
+							state: t
+						}) : /* @__PURE__ */ L(_s, {
+							store: e,
+							state: t
+						}),
+						/* @__PURE__ */ L(St, {
+							store: e,
+							state: t
+						})
+					]
 				}),
-				/* @__PURE__ */ R("footer", { children: [
-					/* @__PURE__ */ R("span", {
+				/* @__PURE__ */ L("footer", { children: [
+					/* @__PURE__ */ L("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ R(fs, {
+					/* @__PURE__ */ L(Fs, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -5920,34 +6589,34 @@ var us = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ R(rn, {
+				t.adding && n.view.editable && /* @__PURE__ */ L(dn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ R("div", {
+				t.notice && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ R("b", { children: t.notice.code }),
+						/* @__PURE__ */ L("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ R("button", {
+						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ L("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ R("div", {
+				!t.connected && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -5956,94 +6625,94 @@ var us = [
 		});
 	}
 };
-function fs({ store: e, state: t }) {
+function Fs({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ R("span", {
+	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ R("b", { children: [
+			t.cursor && /* @__PURE__ */ L("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function ps({ store: e, state: t, errors: n }) {
+function Is({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ R("header", { children: [
-		/* @__PURE__ */ R(ms, {
+	return /* @__PURE__ */ L("header", { children: [
+		/* @__PURE__ */ L(Ls, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ R("h1", {
+		/* @__PURE__ */ L("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ R("span", {
+		/* @__PURE__ */ L("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ R("span", { class: "spring" }),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("span", { class: "spring" }),
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
+		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ R("button", {
+		}), /* @__PURE__ */ L("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ R("button", {
+		})] }) : /* @__PURE__ */ L("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6051,7 +6720,7 @@ function ps({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function ms({ store: e, state: t }) {
+function Ls({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6081,75 +6750,75 @@ function ms({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ R("details", {
+	return /* @__PURE__ */ L("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ R("summary", {
+		children: [/* @__PURE__ */ L("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ R("div", {
+		}), /* @__PURE__ */ L("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ R("hr", {}),
+				/* @__PURE__ */ L("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ R("button", {
+				].map((e) => /* @__PURE__ */ L("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ R("hr", {}),
-				/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ R("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ R("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ R("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ R("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function hs({ model: e, el: t }) {
-	let n = new Ie(), r = new Re(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(ds, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), L(null, t);
+function Rs({ model: e, el: t }) {
+	let n = new Le(), r = new ze(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Ps, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), I(null, t);
 	};
 }
-var gs = { render: hs };
-export { gs as default, hs as render };
+var zs = { render: Rs };
+export { zs as default, Rs as render };
