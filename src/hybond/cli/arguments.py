@@ -139,6 +139,7 @@ def parser_of_words() -> Parser:
         "hybond draw ball.toml",
         "hybond draw ball.toml --mode floor=touching",
         "hybond draw ball.toml --panels --out ball.tex",
+        "hybond draw boost.toml --schematic",
     )
     draw.add_argument("file", metavar="FILE", help="a model file")
     draw.add_argument(
@@ -162,6 +163,11 @@ def parser_of_words() -> Parser:
         "--panels",
         action="store_true",
         help="modes side by side: all, or those given by several --mode",
+    )
+    kinds.add_argument(
+        "--schematic",
+        action="store_true",
+        help="parts as symbols and wires between them",
     )
     draw.add_argument("--columns", metavar="N", type=int, help="panels in a row")
     draw.add_argument(

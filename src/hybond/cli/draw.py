@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hybond.cli.lists import mode_of
+from hybond.cli.netlists import read_model
 from hybond.cli.running import read_graph
 from hybond.cli.streams import say
 from hybond.cli.targets import check_target
@@ -29,10 +30,28 @@ def draw(given: Namespace) -> int:
     """
     name = given.out or Path(given.file).stem + ".svg"
     target = check_target(name, ENDINGS, "--out")
-    graph = read_graph(given.file, given.settings)
-    _picture(graph, given).save(target or name)
+    if given.schematic:
+        drawing = _schematic(given)
+    else:
+        drawing = _picture(read_graph(given.file, given.settings), given)
+    drawing.save(target or name)
     say(name)
     return 0
+
+
+def _schematic(given: Namespace) -> Drawing:
+    """Return the schematic of a model made of parts."""
+    from hybond.draw import draw_schematic
+
+    for option in ("mode", "columns", "numbers", "simplify"):
+        if getattr(given, option):
+            raise UsageError(
+                f"a schematic has no {option}",
+                code="HB-X101",
+                where=f"--{option}",
+                hint=f"leave out --{option} or --schematic",
+            )
+    return draw_schematic(read_model(given.file)[0])
 
 
 def _picture(graph: FlatGraph, given: Namespace) -> Drawing:

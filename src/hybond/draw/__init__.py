@@ -14,12 +14,22 @@ from hybond.draw.badges import Badge
 from hybond.draw.drawing import Drawing, draw, draw_mode
 from hybond.draw.hybrid import draw_hybrid, draw_modes
 from hybond.draw.layout import layout
+from hybond.draw.schematic import draw_schematic
 
 if TYPE_CHECKING:
     from hybond.model.builder import Model
     from hybond.model.graph import FlatGraph
 
-__all__ = ["Badge", "Drawing", "draw", "draw_hybrid", "draw_mode", "draw_modes", "layout"]
+__all__ = [
+    "Badge",
+    "Drawing",
+    "draw",
+    "draw_hybrid",
+    "draw_mode",
+    "draw_modes",
+    "draw_schematic",
+    "layout",
+]
 
 
 class _Room(ModuleType):

@@ -52,6 +52,8 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
             elif isinstance(mark, Line):
                 words = mark.role.split()
                 cap = "round" if {"bond", "barb", "cross"} & set(words) else "butt"
+                if "filled" in words:
+                    ax.fill(*zip(*mark.points), color=colour, linewidth=0.0, zorder=order)
                 ax.plot(
                     [p[0] for p in mark.points],
                     [p[1] for p in mark.points],

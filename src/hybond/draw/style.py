@@ -48,6 +48,9 @@ STYLES: dict[str, Style] = {
     "cross": Style(_INK, 1.9),
     "switch": Style(_SOFT, 1.2, (1.5, 2.5)),
     "panel": Style(("#d4d4d4", "#44444c"), 0.8),
+    "wire": Style(_INK, 1.4),
+    "symbol": Style(_INK, 1.4),
+    "filled": Style(_INK, 1.4, fill=_INK),
     # pale grounds
     "region": Style(("#dfebf7", "#243447")),
     "ground": Style(("#dfebf7", "#243447"), 0.5, fill=("#dfebf7", "#243447")),
@@ -62,6 +65,7 @@ STYLES: dict[str, Style] = {
     "parameter": Style(_SOFT, size=10.5),
     "machine": Style(_BLUE, size=10.0),
     "number": Style(_SOFT, size=9.0),
+    "word": Style(_INK, size=11.0),
     "title": Style(_INK, size=13.0, bold=True),
     "caption": Style(_SOFT, size=11.5),
     "legend": Style(_SOFT, size=10.5),

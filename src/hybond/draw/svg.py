@@ -7,6 +7,7 @@ reader's light or dark theme.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from html import escape
 
 from hybond.draw.scene import Band, Frame, Line, Mark, Scene, printable
@@ -23,13 +24,14 @@ def write_svg(scene: Scene) -> str:
     >>> "a &lt; b" in write_svg(Scene(50.0, 20.0, (Group("node", "n", "", (text,)),)))
     True
     """
+    words = {w for g in scene.groups for m in g.marks for w in m.role.split()}
     width, height = _number(scene.width), _number(scene.height)
     label = _text(scene.title or "bond graph")
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" class="hybond-graph" role="img" '
         f'width="{width}" height="{height}" viewBox="0 0 {width} {height}" aria-label="{label}">',
         f"<title>{label}</title>",
-        f"<style>{style_sheet()}</style>",
+        f"<style>{style_sheet(words)}</style>",
         f'<rect class="paper" width="{width}" height="{height}"/>',
     ]
     for group in scene.groups:
@@ -43,8 +45,8 @@ def write_svg(scene: Scene) -> str:
     return "\n".join(parts) + "\n"
 
 
-def style_sheet() -> str:
-    """Return the CSS of all roles, scoped to drawings of hybond."""
+def style_sheet(words: Collection[str]) -> str:
+    """Return the CSS of some words of roles, scoped to drawings of hybond."""
     rules = [
         # Within a medium, because simple converters take the height literally.
         "@media screen{.hybond-graph{max-width:100%;height:auto}}",
@@ -57,6 +59,8 @@ def style_sheet() -> str:
     ]
     dark = [f".hybond-graph .paper{{fill:{PAPER[1]}}}"]
     for word, style in STYLES.items():
+        if word not in words:
+            continue
         plain = _declarations(style)
         if plain:
             rules.append(f".hybond-graph .{word}{{{plain}}}")
@@ -69,7 +73,8 @@ def style_sheet() -> str:
                 sheet.append(f"{lines}{{stroke:{ink}}}")
             sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
         for sheet, fill in zip((rules, dark), style.fill or (), strict=False):
-            sheet.append(f".hybond-graph rect.{word}{{fill:{fill}}}")
+            shape = "path" if word == "filled" else "rect"
+            sheet.append(f".hybond-graph {shape}.{word}{{fill:{fill}}}")
     return "\n".join(rules) + "\n@media (prefers-color-scheme:dark){\n" + "\n".join(dark) + "\n}"
 
 

@@ -91,7 +91,8 @@ def _definition(mark: Mark) -> str:
     if isinstance(mark, Line):
         words = set(mark.role.split())
         cap = ", line cap=round" if {"bond", "barb", "cross"} & words else ""
-        return f"draw={ink}, {thick}{dash}{cap}"
+        fill = f", fill={_colour(style.fill[0])}" if "filled" in words and style.fill else ""
+        return f"draw={ink}{fill}, {thick}{dash}{cap}"
     shape = (r"\bfseries" if style.bold else "") + (r"\itshape" if style.italic else "")
     size, skip = font_size(_BP * (style.size or 11.0))
     font = rf"\fontsize{{{size}}}{{{skip}}}\sffamily{shape}\selectfont"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from hybond.blocks.fmu import fmu_block
@@ -14,6 +15,7 @@ from hybond.files.submodel_files import Reading, is_file
 from hybond.model.builder import Model
 from hybond.model.origin import Origin, snapshot
 from hybond.model.parts import InputPart, Integral, MachinePart, Sampled, SubmodelPart
+from hybond.model.symbol import LARGEST, MARKS, Symbol, points_of
 
 
 def read_file_data(data: dict[str, Any], place: Place, reading: Reading, name: str) -> Model:
@@ -95,6 +97,8 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
             model.models[key] = read_model(value, place / "models" / key, reading, key)
     model.experiment = dict(data.get("experiment", {}))
     model.origin = Origin(place.within, snapshot(model))
+    if "symbol" in data:
+        model.symbol = _symbol(data["symbol"], model.ports, place / "symbol")
     model.layout = {key: (x, y) for key, (x, y) in data.get("layout", {}).items()}
     for key, part in model.elements.items():
         if not (isinstance(part, SubmodelPart) and is_file(part.model)):
@@ -112,6 +116,36 @@ def _name(model: Model, name: str, place: Place) -> None:
         model._new_name(name)
     except ModelError as error:
         raise place.refuse(shortened(error.why, 120), code=error.code, hint=error.hint) from None
+
+
+def _symbol(data: dict[str, Any], ports: Mapping[str, str], place: Place) -> Symbol:
+    """Return a symbol; HB-F120 for one that cannot be drawn, or has a pin that is no port."""
+    found = Symbol(
+        {k: (float(x), float(y)) for k, (x, y) in data["pins"].items()},
+        tuple(data.get("lines", ())),
+        tuple(data.get("fills", ())),
+        tuple((float(x), float(y), float(r)) for x, y, r in data.get("circles", ())),
+        tuple((str(t), float(x), float(y)) for t, x, y in data.get("words", ())),
+        data.get("upright", False),
+    )
+    why = next((f"{k!r} is no port" for k in found.pins if k not in ports), "")
+    places = [*found.pins.values(), *(c[:2] for c in found.circles), *(w[1:] for w in found.words)]
+    if any(not abs(v) <= LARGEST for p in places for v in p):
+        why = why or f"it goes farther out than {LARGEST:g}"
+    if len(found.lines) + len(found.fills) + len(found.circles) + len(found.words) > MARKS:
+        why = why or f"it has more than {MARKS} lines, circles and words"
+    for text in (*found.lines, *found.fills):
+        try:
+            points_of(text)
+        except ValueError as error:
+            why = why or str(error)
+    if why:
+        raise place.refuse(
+            f"the symbol cannot be drawn: {why}",
+            code="HB-F120",
+            hint='pins = { plus = [-2, 0] } with names of ports, lines = ["-2,0 -0.5,0"]',
+        )
+    return found
 
 
 def _dynamic(data: dict[str, Any], place: Place) -> Integral | Sampled:

@@ -84,6 +84,7 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
             for key, inner in models.written.items()
         },
         "experiment": model.experiment,
+        "symbol": {} if model.symbol is None else model.symbol.to_data(),
         "layout": model.layout,
     }
     for key, section in sections.items():

@@ -244,6 +244,17 @@ class Block(Struct, forbid_unknown_fields=True):
     outputs: list[str] | UnsetType = UNSET
 
 
+class Drawn(Struct, forbid_unknown_fields=True):
+    """What a part looks like in schematics."""
+
+    pins: dict[str, tuple[Number, Number]]
+    lines: list[str] | UnsetType = UNSET
+    fills: list[str] | UnsetType = UNSET
+    circles: list[tuple[Number, Number, Number]] | UnsetType = UNSET
+    words: list[tuple[str, Number, Number]] | UnsetType = UNSET
+    upright: bool | UnsetType = UNSET
+
+
 class Submodel(Struct, forbid_unknown_fields=True):
     """A model inside a model: the sections of a file."""
 
@@ -263,6 +274,7 @@ class Submodel(Struct, forbid_unknown_fields=True):
     ports: dict[str, str] | UnsetType = UNSET
     models: dict[str, Submodel] | UnsetType = UNSET
     experiment: Experiment | UnsetType = UNSET
+    symbol: Drawn | UnsetType = UNSET
     layout: dict[str, tuple[Number, Number]] | UnsetType = UNSET
 
 

@@ -24,6 +24,7 @@ ORDER = (
     "ports",
     "models",
     "experiment",
+    "symbol",
     "layout",
 )
 """The order of the keys and sections of a model."""

@@ -128,11 +128,12 @@ def _unit(dimension: Dimension | None) -> str:
 def _comments(text: str) -> Mapping[tuple[str, str], str]:
     """Return the comment at the end of the line of each key: ``(section, key)`` to its words."""
     import tomlkit
-    from tomlkit.items import Table
+    from tomlkit.items import Item, Table
 
     return {
         (section, key): item.trivia.comment.lstrip("# ").rstrip()
         for section, table in tomlkit.parse(text).items()
         if isinstance(table, Table)
         for key, item in table.items()
+        if isinstance(item, Item)  # tomlkit gives true and false as Python has them
     }

@@ -22,6 +22,7 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.model.symbol import Symbol
 from hybond.names import plural
 from hybond.units import DOMAINS
 
@@ -87,6 +88,7 @@ class Model:
         self.models: dict[str, Model] = {}
         self.experiment: dict[str, Any] = {}
         self.layout: dict[str, tuple[float, float]] = {}
+        self.symbol: Symbol | None = None
         self.pins: dict[str, str] = {}
         """Bond to the node at its stroke; see `pin`."""
         self.reference_states: dict[str, str] = {}
@@ -268,6 +270,7 @@ class Model:
         numbers: bool = False,
         simplify: bool = False,
         legend: bool = True,
+        schematic: bool = False,
     ) -> Any:
         """Return the bond graph as a `Drawing`, with the causal strokes of one mode.
 
@@ -281,13 +284,20 @@ class Model:
             Leave out junctions between two bonds, grounds, and losses of zero.
         legend : bool
             Explain the signs that occur.
+        schematic : bool
+            Draw parts as symbols and bonds as wires instead; see `hybond.draw.draw_schematic`.
 
         Raises
         ------
         ModelError
             HB-M144 for a machine or state that does not exist.
+        UsageError
+            HB-D110 for a schematic of a model without parts.
         """
-        from hybond.draw import draw_mode
+        from hybond.draw import draw_mode, draw_schematic
+
+        if schematic:
+            return draw_schematic(self)
 
         graph = self.flatten()
         chosen = graph.mode_of(mode or {})

@@ -1,0 +1,407 @@
+"""A schematic: parts as symbols, wires between their ports, dots where wires meet.
+
+Made of models that are made of parts. What two domains call a node is one junction each: the
+0-junction of circuits and pipes, the 1-junction of mechanics; both are dots here, as far as
+nothing but wires meets in them. What is no part is drawn as its letters.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from hybond.draw.drawing import Drawing
+from hybond.draw.geometry import Box, Point
+from hybond.draw.layout import layout
+from hybond.draw.measure import width
+from hybond.draw.scene import Group, Line, Mark, Scene, Text
+from hybond.draw.sketch import typeset
+from hybond.draw.symbols import Placed, boxed, placed
+from hybond.draw.wires import End, routed
+from hybond.errors import UsageError
+from hybond.model.builder import Model
+from hybond.model.hierarchy import submodel_of
+from hybond.model.kinds import KINDS
+from hybond.model.parts import Part, SubmodelPart
+from hybond.model.symbol import Symbol
+
+CELL = (116.0, 104.0)
+"""Pixels from one cell of the layout to the next: symbols need more than letters."""
+MARGIN = 34.0
+DOT = 3.0
+LONGEST = 26
+"""Characters of what is written below a name."""
+Anchor = Literal["start", "middle", "end"]
+Wire = tuple[str, str, tuple[Point, ...]]
+"""The ends of a bond as written, and the way of its wire."""
+LABEL = 10.5
+LETTERS = 19.0
+CAP = 0.73
+"""Size of letters, and how high their capitals are."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    """A part, or what is none, and where its middle is."""
+
+    name: str
+    about: str
+    symbol: Symbol | None
+    ports: tuple[str, ...]
+    letters: str
+    at: Point
+    is_part: bool
+
+
+def draw_schematic(
+    model: Model,
+    *,
+    positions: Mapping[str, tuple[float, float]] | None = None,
+    title: bool = True,
+) -> Drawing:
+    """Draw a model that is made of parts as a schematic.
+
+    Parameters
+    ----------
+    model : Model
+    positions : mapping of name to (x, y)
+        Where elements stand, in grid cells; by default where `Model.layout` puts them, the others
+        where a layout finds room.
+    title : bool
+        Whether the title of the model stands above.
+
+    Raises
+    ------
+    UsageError
+        HB-D110 for a model without parts.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("divider", domain="electrical")
+    >>> m.add(v=hb.Submodel("electrical.voltage_source"), r=hb.Submodel("electrical.resistor"))
+    >>> m.add(a=hb.Zero(), b=hb.Zero())
+    >>> m.bond("v.plus -> a", "a -> r.plus", "r.minus -> b", "b -> v.minus")
+    >>> [g.name for g in draw_schematic(m).scene.groups][:2]
+    ['title', 'wire']
+    """
+    bonds = _bonds(model)
+    names = list(model.elements)
+    if not any(isinstance(part, SubmodelPart) for part in model.elements.values()):
+        raise UsageError(
+            f"{model.name!r} has no parts: there is no schematic of single elements",
+            code="HB-D110",
+            where=model.name,
+            hint="draw its bond graph, or build it from parts of the library",
+        )
+    places = _places(model, names, bonds, positions)
+    nodes = {name: _node(model, name, places[name]) for name in names}
+    dots = {n for n in names if _is_dot(model, n, bonds)}
+    toward = _toward(nodes, bonds)
+    put: dict[str, Placed] = {}
+    for name, node in nodes.items():
+        if name in dots:
+            continue
+        symbol = node.symbol
+        if not node.is_part:
+            put[name] = _lettered(node)
+            continue
+        if symbol is None:
+            sides = {port: _side(toward, name, port) for port in node.ports}
+            symbol = boxed(node.letters, node.ports, sides.__getitem__)
+        put[name] = placed(symbol, node.at, _of(toward, name, node.ports))
+    wires = _wires(nodes, put, dots, bonds)
+    nets = dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}
+    groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
+    groups += _parts(nodes, put, wires)
+    groups += [_dot(nodes[n]) for n in names if n in dots]
+    groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets))))
+    return _drawing(model.title or model.name if title else "", groups, places)
+
+
+def _bonds(model: Model) -> list[tuple[str, str]]:
+    """Return the ends of each bond as written, arrow by arrow."""
+    found = []
+    for text in model.bonds:
+        chain = str(text).rpartition(":")[2]
+        ends = [e.strip() for e in chain.split("->")]
+        found += list(itertools.pairwise(ends))
+    return [(a, b) for a, b in found if {_name(a), _name(b)} <= model.elements.keys()]
+
+
+def _name(end: str) -> str:
+    return end.partition(".")[0]
+
+
+def _port(end: str) -> str:
+    return end.partition(".")[2]
+
+
+def _places(
+    model: Model,
+    names: Sequence[str],
+    bonds: Sequence[tuple[str, str]],
+    positions: Mapping[str, tuple[float, float]] | None,
+) -> dict[str, tuple[float, float]]:
+    given = dict(positions if positions is not None else model.layout)
+    number = {n: k for k, n in enumerate(names)}
+    if set(number) <= given.keys():
+        return {n: given[n] for n in names}
+    kinds = [p.kind if isinstance(p, Part) else "TF" for p in model.elements.values()]
+    pairs = [(number[_name(a)], number[_name(b)]) for a, b in bonds if _name(a) != _name(b)]
+    pinned = {number[n]: at for n, at in given.items() if n in number}
+    return dict(zip(names, layout(kinds, pairs, pinned=pinned), strict=True))
+
+
+def _node(model: Model, name: str, place: tuple[float, float]) -> _Node:
+    part = model.elements[name]
+    at = (place[0] * CELL[0], place[1] * CELL[1])
+    if isinstance(part, SubmodelPart):
+        inner = submodel_of(part, name, model.models)
+        about = ", ".join(typeset(str(v)) for v in list(part.parameters.values())[:2])
+        letters = part.model.rpartition(".")[2].replace("_", " ")
+        return _Node(name, _short(about), inner.symbol, tuple(inner.ports), letters, at, True)
+    kind = part.kind
+    value = (
+        "" if kind in ("0", "1") or not isinstance(part.value, str | int | float) else part.value
+    )
+    return _Node(name, _short(typeset(str(value))), None, (), KINDS[kind].symbol, at, False)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def _lettered(node: _Node) -> Placed:
+    """Return the letters of what is no part, as in a bond graph."""
+    role = "node junction" if node.letters in ("0", "1") else "node"
+    (x, y), half = node.at, max(width(node.letters, LETTERS, bold=True) / 2.0, 6.0)
+    box = Box(x - half, y - CAP * LETTERS / 2.0, x + half, y + CAP * LETTERS / 2.0).grown(5.0)
+    text = Text(role, node.letters, x, y + CAP * LETTERS / 2.0)
+    return Placed((text,), {}, box)
+
+
+def _is_dot(model: Model, name: str, bonds: Sequence[tuple[str, str]]) -> bool:
+    """Whether a junction is a place where wires meet: one that no law or machine switches."""
+    part = model.elements[name]
+    if not isinstance(part, Part) or part.kind not in ("0", "1") or part.options.get("law"):
+        return False
+    if any(name in on for m in model.machines.values() for on in m.states.values()):
+        return False
+    ends = [(a, b) for a, b in bonds if name in (_name(a), _name(b))]
+    others = [b if _name(a) == name else a for a, b in ends]
+    return bool(others) and all(
+        isinstance(other := model.elements[_name(o)], SubmodelPart)
+        or (isinstance(other, Part) and other.kind == part.kind)
+        for o in others
+    )
+
+
+def _toward(nodes: Mapping[str, _Node], bonds: Sequence[tuple[str, str]]) -> dict[str, Point]:
+    """Return for each end of a bond the way from its node to the other ones."""
+    found: dict[str, Point] = {}
+    for a, b in bonds:
+        for own, other in ((a, b), (b, a)):
+            x, y = found.get(own, (0.0, 0.0))
+            p, q = nodes[_name(own)].at, nodes[_name(other)].at
+            found[own] = (x + q[0] - p[0], y + q[1] - p[1])
+    return found
+
+
+def _of(toward: Mapping[str, Point], name: str, ports: Sequence[str]) -> dict[str, Point]:
+    return {p: toward[f"{name}.{p}"] for p in ports if f"{name}.{p}" in toward}
+
+
+def _side(toward: Mapping[str, Point], name: str, port: str) -> str:
+    x, y = toward.get(f"{name}.{port}", (-1.0, 0.0))
+    if abs(x) >= abs(y):
+        return "e" if x > 0 else "w"
+    return "s" if y > 0 else "n"
+
+
+def _wires(
+    nodes: Mapping[str, _Node],
+    put: Mapping[str, Placed],
+    dots: set[str],
+    bonds: Sequence[tuple[str, str]],
+) -> list[Wire]:
+    """Return a wire for each bond."""
+    boxes = [p.box for p in put.values()]
+    found: list[Wire] = []
+    for a, b in bonds:
+        ends: list[End] = []
+        for end in (a, b):
+            name = _name(end)
+            if name in dots:
+                ends.append((nodes[name].at, None))
+            else:
+                pin = put[name].pins.get(_port(end))
+                ends.append((nodes[name].at, None) if pin is None else pin)
+        others = [
+            piece for c, d, w in found if not {a, b} & {c, d} for piece in itertools.pairwise(w)
+        ]
+        way = routed(ends[0], ends[1], boxes, others)
+        for k, end in enumerate((a, b)):
+            if _name(end) not in dots and ends[k][1] is None:
+                way = _clipped(way, put[_name(end)].box, at_end=bool(k))
+        found.append((a, b, way))
+    return found
+
+
+def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, ...]:
+    """Let a wire that goes to the middle of a box end at its edge."""
+    if at_end:
+        return _clipped(way[::-1], box, at_end=False)[::-1]
+    for k, (p, q) in enumerate(itertools.pairwise(way)):
+        inside = box.cut((p, q))
+        if inside is not None and inside[1] < 1.0:
+            part = inside[1]
+            edge = (p[0] + part * (q[0] - p[0]), p[1] + part * (q[1] - p[1]))
+            return (edge, *way[k + 1 :])
+    return way
+
+
+def _joints(wires: Sequence[Wire], nets: set[str]) -> list[Point]:
+    """Return the places where three or four wires of one net meet: there stands a dot.
+
+    `nets` are the ends that wires share: dots and pins. What meets at letters meets in what they
+    mean, and is no net.
+    """
+    net: dict[str, str] = {}
+
+    def root(end: str) -> str:
+        while net.get(end, end) != end:
+            end = net[end]
+        return end
+
+    owners = []
+    for k, (a, b, _) in enumerate(wires):
+        one, other = (end if end in nets else f"{end} {k}" for end in (a, b))
+        net[root(one)] = root(other)
+        owners.append(one)
+    pieces: dict[str, list[tuple[Point, Point]]] = {}
+    for owner, (_, _, way) in zip(owners, wires, strict=True):
+        pieces.setdefault(root(owner), []).extend(itertools.pairwise(way))
+    found = []
+    for own in pieces.values():
+        places = {p for piece in own for p in piece}
+        places |= {(p[0], r[1]) for p, q in own if p[0] == q[0] for r, s in own if r[1] == s[1]}
+        found += [at for at in sorted(places) if len(_rays(at, own)) > 2]
+    return found
+
+
+def _rays(at: Point, pieces: Sequence[tuple[Point, Point]]) -> set[tuple[int, int]]:
+    """Return the ways in which wires leave a place."""
+    found = set()
+    for p, q in pieces:
+        inside = min(p[0], q[0]) <= at[0] <= max(p[0], q[0])
+        inside &= min(p[1], q[1]) <= at[1] <= max(p[1], q[1])
+        if not inside or (p[0] != q[0] and p[1] != q[1]):
+            continue
+        for end in (p, q):
+            way = (_sign(end[0] - at[0]), _sign(end[1] - at[1]))
+            if way != (0, 0):
+                found.add(way)
+    return found
+
+
+def _sign(v: float) -> int:
+    return (v > 0) - (v < 0)
+
+
+def _joint(at: Point) -> Line:
+    around = [2.0 * math.pi * k / 12 for k in range(13)]
+    corners = tuple((at[0] + DOT * math.cos(a), at[1] + DOT * math.sin(a)) for a in around)
+    return Line("symbol filled", corners)
+
+
+def _parts(
+    nodes: Mapping[str, _Node], put: Mapping[str, Placed], wires: Sequence[Wire]
+) -> list[Group]:
+    """Return the marks of what is drawn, names where they cover least."""
+    lines = [piece for _, _, way in wires for piece in itertools.pairwise(way)]
+    boxes = [p.box for p in put.values()]
+    found = []
+    for name, p in put.items():
+        node = nodes[name]
+        words = [node.name, *([node.about] if node.about else [])]
+        texts = min(
+            _beside(p.box, words), key=lambda texts: _covers([_box(t) for t in texts], lines, boxes)
+        )
+        boxes += [_box(t) for t in texts]
+        about = f"{name}: {node.letters}"
+        found.append(Group("part", name, about, (*p.marks, *texts)))
+    return found
+
+
+def _beside(box: Box, words: Sequence[str]) -> list[list[Mark]]:
+    """Return the places of a name and what is written below it, best first."""
+    (x, y), more = ((box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0), len(words) - 1
+    high = 13.0 * more
+    places: list[tuple[float, float, Anchor]] = [
+        (x, box.y1 + 12.0, "middle"),
+        (x, box.y0 - 6.0 - high, "middle"),
+        (box.x1 + 5.0, y + 4.0 - high / 2.0, "start"),
+        (box.x0 - 5.0, y + 4.0 - high / 2.0, "end"),
+        (box.x1 + 3.0, box.y0 - 4.0 - high, "start"),
+        (box.x1 + 3.0, box.y1 + 10.0, "start"),
+        (box.x0 - 3.0, box.y1 + 10.0, "end"),
+        (box.x0 - 3.0, box.y0 - 4.0 - high, "end"),
+    ]
+    roles = ("name", "parameter")
+    return [
+        [Text(roles[k], w, u, v + 13.0 * k, anchor) for k, w in enumerate(words)]
+        for u, v, anchor in places
+    ]
+
+
+def _covers(own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]) -> int:
+    """Return how many wires and symbols some texts cover."""
+    hits = sum(b.cut(line) is not None for b in own for line in lines)
+    return hits + sum(b.overlaps(other) for b in own for other in boxes)
+
+
+def _dot(node: _Node) -> Group:
+    """Return the name of a place where wires meet."""
+    x, y = node.at
+    return Group(
+        "node", node.name, node.name, (Text("junctionname", node.name, x + 5.0, y - 5.0, "start"),)
+    )
+
+
+def _drawing(
+    title: str, groups: Sequence[Group], places: dict[str, tuple[float, float]]
+) -> Drawing:
+    """Return the drawing with all marks moved to where the paper begins."""
+    boxes = [_box(m) for g in groups for m in g.marks]
+    head = 30.0 if title else 0.0
+    x0, y0 = min(b.x0 for b in boxes) - MARGIN, min(b.y0 for b in boxes) - MARGIN - head
+    x1, y1 = max(b.x1 for b in boxes) + MARGIN, max(b.y1 for b in boxes) + MARGIN
+    moved = [
+        Group(g.name, g.key, g.about, tuple(_moved(m, -x0, -y0) for m in g.marks)) for g in groups
+    ]
+    wide = max(x1 - x0, width(title, 13.0, bold=True) + 2 * MARGIN)
+    if title:
+        text = Text("title", title, MARGIN, MARGIN, "start")
+        moved.insert(0, Group("title", "", "", (text,)))
+    return Drawing(Scene(wide, y1 - y0, tuple(moved), title), places)
+
+
+def _moved(mark: Mark, dx: float, dy: float) -> Mark:
+    if isinstance(mark, Line):
+        return Line(mark.role, tuple((x + dx, y + dy) for x, y in mark.points))
+    assert isinstance(mark, Text)
+    return Text(mark.role, mark.text, mark.x + dx, mark.y + dy, mark.anchor)
+
+
+def _box(mark: Mark) -> Box:
+    if isinstance(mark, Line):
+        xs, ys = zip(*mark.points)
+        return Box(min(xs), min(ys), max(xs), max(ys))
+    assert isinstance(mark, Text)
+    wide = width(mark.text, LABEL)
+    left = {"start": 0.0, "middle": wide / 2.0, "end": wide}[mark.anchor]
+    return Box(mark.x - left, mark.y - LABEL, mark.x - left + wide, mark.y + 3.0)

@@ -1,0 +1,162 @@
+"""Schematics: wires end where they should, symbols are whole, nothing lies on anything."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import hybond as hb
+from hybond.draw import draw_schematic
+from hybond.draw.scene import Line, Text
+from hybond.draw.symbols import UNIT, boxed, placed
+from hybond.draw.wires import routed
+from hybond.errors import FileError, UsageError
+from hybond.files.save import dumps
+from hybond.library import find, names
+from hybond.model.symbol import Symbol, points_of
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OF_PARTS = [
+    "automatic_gearbox",
+    "bead_column",
+    "boost",
+    "mmc_arm",
+    "rectifier_dc_machine",
+    "three_tanks",
+]
+
+
+def wires_of(name: str) -> tuple[Any, dict[str, tuple[tuple[float, float], ...]]]:
+    drawing = draw_schematic(hb.load(EXAMPLES / f"{name}.toml"))
+    found = {g.key: g.marks[0].points for g in drawing.scene.groups if g.name == "wire"}
+    return drawing, found
+
+
+@pytest.mark.parametrize("name", OF_PARTS)
+def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) -> None:
+    model = hb.load(EXAMPLES / f"{name}.toml")
+    drawing, wires = wires_of(name)
+    arrows = sum(str(b).count("->") for b in model.bonds)
+    assert len([g for g in drawing.scene.groups if g.name == "wire"]) == arrows
+    for way in wires.values():
+        assert len(way) <= 7
+        for (a, b), (c, d) in itertools.pairwise(way):
+            assert abs(a - c) <= 3.0 or abs(b - d) <= 3.0
+    shown = {g.key for g in drawing.scene.groups if g.name in ("part", "node")}
+    assert shown == set(model.elements)
+
+
+@pytest.mark.parametrize("name", OF_PARTS)
+def test_all_is_on_the_paper_and_the_same_each_time(name: str) -> None:
+    drawing, _ = wires_of(name)
+    scene = drawing.scene
+    for group in scene.groups:
+        for mark in group.marks:
+            places = mark.points if isinstance(mark, Line) else [(mark.x, mark.y)]
+            assert all(0 <= x <= scene.width and 0 <= y <= scene.height for x, y in places)
+    assert wires_of(name)[0].svg() == drawing.svg()
+    assert "<path" in drawing.svg() and "\\draw" in drawing.tikz()
+
+
+def test_wires_of_a_net_begin_at_its_pins() -> None:
+    """The boost converter: the ends of wires, net by net, are the pins bonded to it."""
+    _, wires = wires_of("boost")
+    model = hb.load(EXAMPLES / "boost.toml")
+    dots = [n for n, p in model.elements.items() if getattr(p, "kind", "") == "0"]
+    for dot in dots:
+        own = [key for key in wires if dot in key.split(" -> ")]
+        ends = [wires[key][0 if key.startswith(f"{dot} ->") else -1] for key in own]
+        assert len(set(ends)) == 1, dot
+    # two wires meet nowhere but in their own net: no dot on a crossing of two nets
+    drawing, _ = wires_of("boost")
+    (joints,) = [g for g in drawing.scene.groups if g.name == "joints"]
+    assert len(joints.marks) == 5
+
+
+DRAWN = [n for n in sorted(names()) if find(n).symbol is not None]
+
+
+@pytest.mark.parametrize("part", DRAWN)
+def test_the_symbols_of_the_library_have_all_ports_at_the_end_of_a_line(part: str) -> None:
+    model = find(part)
+    symbol = model.symbol
+    assert symbol is not None
+    assert set(symbol.pins) == set(model.ports)
+    ends = [p for text in symbol.lines for p in (points_of(text)[0], points_of(text)[-1])]
+    for port, pin in symbol.pins.items():
+        assert any(abs(x - pin[0]) + abs(y - pin[1]) < 0.21 for x, y in ends), port
+    assert len(set(symbol.pins.values())) == len(symbol.pins)
+    assert hb.loads(dumps(model)).symbol == symbol
+
+
+def test_most_parts_have_a_symbol() -> None:
+    with_ports = [n for n in names() if find(n).ports]
+    assert len(DRAWN) >= 0.8 * len(with_ports)
+
+
+def test_a_symbol_is_turned_as_its_wires_want_it_but_a_tank_stands() -> None:
+    two = Symbol({"a": (-2.0, 0.0), "b": (2.0, 0.0)}, ("-2,0 2,0",))
+    for way in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)):
+        back = (-way[0], -way[1])
+        put = placed(two, (0.0, 0.0), {"a": way, "b": back})
+        assert put.pins["a"] == ((2 * UNIT * way[0], 2 * UNIT * way[1]), way)
+    tank = find("hydraulic.tank").symbol
+    assert tank is not None
+    assert placed(tank, (0.0, 0.0), {"port": (0.0, -1.0)}).pins["port"][1] == (0.0, 1.0)
+
+
+def test_a_box_has_its_ports_where_they_are_wired() -> None:
+    sides = {"a": "w", "b": "e", "c": "n", "d": "n"}
+    box = boxed("thing", list(sides), sides.__getitem__)
+    assert box.pins["a"][0] < 0 < box.pins["b"][0]
+    assert box.pins["c"][1] < 0 and box.pins["c"][0] != box.pins["d"][0]
+
+
+def test_a_wire_goes_around_a_symbol() -> None:
+    from hybond.draw.geometry import Box
+
+    way = routed(((0.0, 0.0), (1.0, 0.0)), ((200.0, 0.0), (-1.0, 0.0)), [Box(80, -20, 120, 20)])
+    assert way[0] == (0.0, 0.0) and way[-1] == (200.0, 0.0)
+    assert all(abs(y) > 20 for x, y in way if 80 < x < 120) and len(way) > 2
+
+
+def test_a_wire_does_not_lie_on_another() -> None:
+    other = [((50.0, 0.0), (50.0, 100.0))]
+    way = routed(((0.0, 0.0), (1.0, 0.0)), ((100.0, 100.0), (-1.0, 0.0)), [], other)
+    assert not any(p[0] == q[0] == 50.0 for p, q in itertools.pairwise(way))
+
+
+def test_a_model_of_single_elements_has_no_schematic() -> None:
+    with pytest.raises(UsageError) as refused:
+        hb.load(EXAMPLES / "buck.toml").draw(schematic=True)
+    assert refused.value.code == "HB-D110"
+
+
+def test_names_stand_beside_symbols() -> None:
+    drawing, _ = wires_of("boost")
+    words = {m.text for g in drawing.scene.groups for m in g.marks if isinstance(m, Text)}
+    assert {"diode", "coil", "100 uH", "node", "earth"} <= words
+
+
+HEAD = 'hybond = 1\n[elements]\nn = { junction = 0 }\n[ports]\np = "n"\n[symbol]\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("pins = { q = [0, 0] }", "no port"),
+        ('pins = { p = [0, 0] }\nlines = ["0,0"]', "fewer than two"),
+        ('pins = { p = [0, 0] }\nlines = ["0,0 a,b"]', "no place"),
+        ('pins = { p = [0, 0] }\nfills = ["0,0 1e9,0"]', "no place"),
+        ("pins = { p = [0, 99] }", "farther"),
+        ('pins = { p = [0, 0] }\nlines = ["0,0 13,0"]', "farther"),
+        (f"pins = {{ p = [0, 0] }}\ncircles = {[[0, 0, 1]] * 201}", "more than"),
+    ],
+)
+def test_what_is_no_symbol_is_refused(text: str, why: str) -> None:
+    with pytest.raises(FileError) as refused:
+        hb.loads(HEAD + text)
+    assert refused.value.code == "HB-F120" and why in str(refused.value)
