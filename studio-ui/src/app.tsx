@@ -10,6 +10,7 @@ import { Palette, QuickAdd } from "./palette";
 import { Plots } from "./plots";
 import { Power } from "./power";
 import { Splitter } from "./splitter";
+import { Schematic } from "./schematic";
 import type { State, Store, Tab } from "./store";
 import { SweepView } from "./sweeps";
 
@@ -98,7 +99,10 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
         <Header store={store} state={state} errors={errors} />
         <div class="middle">
           <Palette store={store} state={state} />
-          <Canvas store={store} state={state} />
+          <div class={"canvases" + (state.schematic ? " two" : "")}>
+            <Canvas store={store} state={state} />
+            {state.schematic && <Schematic store={store} state={state} />}
+          </div>
           <Splitter upright label="Width of the panels" value={state.room.side} least={220} most={900} sign={-1} onChange={(side) => store.set({ room: { ...state.room, side } })} />
           <aside class={"side" + (state.panel === "side" ? " open" : "")} aria-label="Panels">
             <div class="tabs" role="tablist" aria-label="Panels">
@@ -192,6 +196,7 @@ function Header({ store, state, errors }: { store: Store; state: State; errors: 
       <button title="Undo (Ctrl+Z)" aria-label="Undo" disabled={!look.canUndo} onClick={store.undo}>↶</button>
       <button title="Redo (Ctrl+Y)" aria-label="Redo" disabled={!look.canRedo} onClick={store.redo}>↷</button>
       <button class="wide" disabled={!look.view.editable || !look.view.nodes.length} title="Lay out anew; selected elements stay where they are" onClick={() => void store.ask("arrange", { keep: [...state.nodes] })}>Arrange</button>
+      <button class="wide" aria-pressed={state.schematic} title="The schematic beside the bond graph" disabled={!state.schematic && !look.view.nodes.some((n) => n.kind === "part")} onClick={() => store.set({ schematic: !state.schematic })}>Schematic</button>
       {running ? (
         <>
           <progress aria-label="Progress of the run" max={until} value={running.t} />
@@ -215,9 +220,9 @@ function Menu({ store, state }: { store: Store; state: State }) {
     const name = prompt("Name of the file", "model.toml");
     if (name) void store.ask("save as", { file: name.endsWith(".toml") ? name : `${name}.toml` });
   };
-  const picture = async (form: string) => {
+  const picture = async (form: string, schematic = false) => {
     try {
-      const { content, name } = await store.transport.ask<{ content: string; name: string }>("picture", { form, mode: state.mode });
+      const { content, name } = await store.transport.ask<{ content: string; name: string }>("picture", { form, schematic, mode: state.mode });
       const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
       const link = document.createElement("a");
       link.href = URL.createObjectURL(new Blob([bytes]));
@@ -239,6 +244,7 @@ function Menu({ store, state }: { store: Store; state: State }) {
         {["svg", "pdf", "png", "tex"].map((form) => (
           <button onClick={() => void picture(form)}>Picture as {form === "tex" ? "TikZ" : form.toUpperCase()}</button>
         ))}
+        <button onClick={() => void picture("svg", true)}>Schematic as SVG</button>
         <hr />
         <label>
           open{" "}

@@ -215,6 +215,17 @@ export interface SoFar {
 /** A tag of MathML, its attributes, then texts and tags. */
 export type Formula = [string, Record<string, string>, ...(Formula | string)[]];
 
+export interface Scene {
+  width: number;
+  height: number;
+  groups: {
+    name: string;
+    key: string;
+    about: string;
+    marks: { role: string; d?: string; text?: string; x?: number; y?: number; anchor?: "start" | "middle" | "end" }[];
+  }[];
+}
+
 export interface Member {
   member: number;
   value: string;

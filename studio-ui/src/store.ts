@@ -35,6 +35,8 @@ export interface State {
   flowing: boolean;
   /** Whether the second plotted signal is drawn over the first, too. */
   phase: boolean;
+  /** Whether the schematic stands beside the bond graph. */
+  schematic: boolean;
   /** Width of the panels and height of the plots, pixels. */
   room: { side: number; low: number };
 }
@@ -66,6 +68,7 @@ const BEGIN: State = {
   dark: null,
   flowing: false,
   phase: false,
+  schematic: false,
   room: { side: 340, low: 0 },
 };
 

@@ -330,6 +330,39 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     assert not page.complaints()
 
 
+def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    (tmp_path / "boost.toml").write_text((EXAMPLES / "boost.toml").read_text())
+    page = Page(desk, serve("boost.toml"))
+    next(b for b in page.all("header button") if b.text == "Schematic").click()
+    page.until(lambda: page.one('[data-schematic="coil"] path.symbol'), "the schematic")
+    page.click('[data-schematic="coil"] text')
+    page.until(lambda: page.one('[data-node="coil"].selected'), "selected in the bond graph")
+    page.node("node").click()
+    page.until(lambda: page.one('[data-schematic="node"].selected'), "selected in the schematic")
+    wire = page.all("[data-schematic] .wire")[0]
+    key = desk.execute_script(
+        "arguments[0].parentNode.dispatchEvent(new MouseEvent('click', {bubbles: true}));"
+        "return arguments[0].parentNode.dataset.schematic",
+        wire,
+    )
+    page.until(lambda: page.one(f'[data-text="{key}"].selected'), "its bond is selected")
+    # a part that is moved is moved there as well
+    before = page.one('[data-schematic="coil"] path.symbol').get_attribute("d")
+    page.click('[data-schematic="coil"] text')
+    page.until(lambda: page.one('[data-node="coil"].selected'), "the coil")
+    desk.execute_script("document.querySelector('.canvas svg').focus()")
+    from selenium.webdriver.common.keys import Keys
+
+    page.chord(Keys.ALT, Keys.ARROW_UP)
+    page.until(
+        lambda: page.one('[data-schematic="coil"] path.symbol').get_attribute("d") != before,
+        "the schematic follows",
+    )
+    assert not page.complaints()
+
+
 def test_axe_finds_nothing_serious_in_light_and_dark(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

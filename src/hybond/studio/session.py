@@ -415,6 +415,7 @@ ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "stock": of_models.offers,
     "equations": of_models.written,
     "structure": of_models.structured,
+    "schematic": of_models.schematic,
     "picture": of_models.picture,
     "run": of_runs.begin,
     "cancel": of_runs.cancel,

@@ -775,6 +775,7 @@ var Ie = class extends Error {
 	dark: null,
 	flowing: !1,
 	phase: !1,
+	schematic: !1,
 	room: {
 		side: 340,
 		low: 0
@@ -6389,8 +6390,76 @@ function Ms(e) {
 		}
 	});
 }
+// src/schematic.tsx
+function Ns({ store: e, state: t }) {
+	let [n, r] = U(null), [i, a] = U(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	ut(() => {
+		let t = !1;
+		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
+			t || (r(e), a(""));
+		}).catch((e) => {
+			t || (r(null), a(e instanceof Ie ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+		}), () => {
+			t = !0;
+		};
+	}, [
+		o.revision,
+		o.view.path,
+		s
+	]);
+	let c = (e) => o.view.bonds.find((t) => `${t.ends[0]} -> ${t.ends[1]}` === e)?.key, l = (e, n) => e === "wire" ? t.bonds.has(c(n) ?? "") : t.nodes.has(n), u = (n, r, i) => {
+		let a = n.shiftKey || n.ctrlKey || n.metaKey, o = t.tab === "power" ? t.tab : "item";
+		if (r === "wire") {
+			let n = c(i);
+			n && e.set({
+				bonds: new Set(a ? [...t.bonds, n] : [n]),
+				nodes: a ? t.nodes : /* @__PURE__ */ new Set(),
+				tab: o
+			});
+		} else i && e.set({
+			nodes: new Set(a ? [...t.nodes, i] : [i]),
+			bonds: a ? t.bonds : /* @__PURE__ */ new Set(),
+			tab: o
+		});
+	}, d = (n, r) => {
+		let i = o.view.nodes.find((e) => e.name === r);
+		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
+	};
+	return /* @__PURE__ */ L("section", {
+		class: "schematic",
+		"aria-label": "Schematic",
+		children: [i && /* @__PURE__ */ L("p", {
+			class: "hint",
+			children: i
+		}), n && /* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${n.width} ${n.height}`,
+			style: { maxWidth: `${n.width * 1.6}px` },
+			role: "img",
+			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
+			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
+				class: e.name + (l(e.name, e.key) ? " selected" : ""),
+				"data-schematic": e.key,
+				onClick: (t) => u(t, e.name, e.key),
+				onDblClick: () => d(e.name, e.key),
+				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
+					class: e.role,
+					x: e.x,
+					y: e.y,
+					"text-anchor": e.anchor,
+					children: e.text
+				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
+					class: "reach",
+					d: e.d
+				}), /* @__PURE__ */ L("path", {
+					class: e.role,
+					d: e.d
+				})] }))]
+			}))
+		})]
+	});
+}
 // src/app.tsx
-var Ns = [
+var Ps = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6399,7 +6468,7 @@ var Ns = [
 	["text", "Text"],
 	["equations", "Equations"],
 	["power", "Power"]
-], Ps = class extends S {
+], Fs = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6452,7 +6521,7 @@ var Ns = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Is, {
+				/* @__PURE__ */ L(Ls, {
 					store: e,
 					state: t,
 					errors: i
@@ -6464,9 +6533,15 @@ var Ns = [
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L(He, {
-							store: e,
-							state: t
+						/* @__PURE__ */ L("div", {
+							class: "canvases" + (t.schematic ? " two" : ""),
+							children: [/* @__PURE__ */ L(He, {
+								store: e,
+								state: t
+							}), t.schematic && /* @__PURE__ */ L(Ns, {
+								store: e,
+								state: t
+							})]
 						}),
 						/* @__PURE__ */ L(Ms, {
 							upright: !0,
@@ -6487,7 +6562,7 @@ var Ns = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Ns.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: Ps.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -6577,7 +6652,7 @@ var Ns = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Fs, {
+					/* @__PURE__ */ L(Is, {
 						store: e,
 						state: t
 					}),
@@ -6625,7 +6700,7 @@ var Ns = [
 		});
 	}
 };
-function Fs({ store: e, state: t }) {
+function Is({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
@@ -6645,10 +6720,10 @@ function Fs({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Is({ store: e, state: t, errors: n }) {
+function Ls({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(Ls, {
+		/* @__PURE__ */ L(Rs, {
 			store: e,
 			state: t
 		}),
@@ -6697,6 +6772,14 @@ function Is({ store: e, state: t, errors: n }) {
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
+		/* @__PURE__ */ L("button", {
+			class: "wide",
+			"aria-pressed": t.schematic,
+			title: "The schematic beside the bond graph",
+			disabled: !t.schematic && !r.view.nodes.some((e) => e.kind === "part"),
+			onClick: () => e.set({ schematic: !t.schematic }),
+			children: "Schematic"
+		}),
 		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
@@ -6720,7 +6803,7 @@ function Is({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Ls({ store: e, state: t }) {
+function Rs({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6739,13 +6822,14 @@ function Ls({ store: e, state: t }) {
 	}, i = () => {
 		let t = prompt("Name of the file", "model.toml");
 		t && e.ask("save as", { file: t.endsWith(".toml") ? t : `${t}.toml` });
-	}, a = async (n) => {
+	}, a = async (n, r = !1) => {
 		try {
-			let { content: r, name: i } = await e.transport.ask("picture", {
+			let { content: i, name: a } = await e.transport.ask("picture", {
 				form: n,
+				schematic: r,
 				mode: t.mode
-			}), a = Uint8Array.from(atob(r), (e) => e.charCodeAt(0)), o = document.createElement("a");
-			o.href = URL.createObjectURL(new Blob([a])), o.download = i, o.click(), URL.revokeObjectURL(o.href);
+			}), o = Uint8Array.from(atob(i), (e) => e.charCodeAt(0)), s = document.createElement("a");
+			s.href = URL.createObjectURL(new Blob([o])), s.download = a, s.click(), URL.revokeObjectURL(s.href);
 		} catch (t) {
 			e.refused(t);
 		}
@@ -6777,6 +6861,10 @@ function Ls({ store: e, state: t }) {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
+				/* @__PURE__ */ L("button", {
+					onClick: () => void a("svg", !0),
+					children: "Schematic as SVG"
+				}),
 				/* @__PURE__ */ L("hr", {}),
 				/* @__PURE__ */ L("label", { children: [
 					"open",
@@ -6814,11 +6902,11 @@ function Ls({ store: e, state: t }) {
 	});
 }
 // src/widget.tsx
-function Rs({ model: e, el: t }) {
+function zs({ model: e, el: t }) {
 	let n = new Le(), r = new ze(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Ps, { store: r }), t), r.begin(), () => {
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Fs, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var zs = { render: Rs };
-export { zs as default, Rs as render };
+var Bs = { render: zs };
+export { Bs as default, zs as render };

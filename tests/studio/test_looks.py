@@ -1,4 +1,4 @@
-"""Sweeps, the phase plane, power and equations of the studio, against what can be said of them."""
+"""What the studio shows of runs and models: sweeps, phase plane, power, equations, schematics."""
 
 from __future__ import annotations
 
@@ -187,3 +187,17 @@ def test_very_long_equations_are_text() -> None:
     found = equations(m.flatten(), None)
     assert found["text"].count("'") >= 12
     assert found["formula"] is None or found["formula"][0] == "math"
+
+
+def test_the_schematic_is_that_of_the_level_and_places_are_those_of_the_page() -> None:
+    session = Session(None)
+    asked(session, "open", example="boost")
+    seen = asked(session, "schematic", level="")
+    groups = {g["key"]: g for g in seen["groups"] if g["name"] in ("part", "node")}
+    assert set(groups) == {n["name"] for n in asked(session, "look")["view"]["nodes"]}
+    picture = asked(session, "picture", form="svg", schematic=True)
+    assert picture["name"].endswith(".svg")
+    inner = session.handle({"id": 1, "ask": "schematic", "level": "diode"})
+    assert inner["error"]["code"] == "HB-D110"
+    gone = session.handle({"id": 1, "ask": "schematic", "level": "nobody"})
+    assert "error" in gone
