@@ -341,3 +341,33 @@ def test_the_printed_picture_is_that_of_the_mode_shown() -> None:
     svg = base64.b64decode(found["content"]).decode()
     graph = hb.load(EXAMPLES / "diode_inductor.toml").flatten()
     assert svg == hb.draw_mode(graph, mode).svg()
+
+
+def test_what_the_file_puts_nowhere_stays_where_it_is_shown() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    edit(session, do="set", path=["layout"], value=None)
+
+    def places() -> dict[str, tuple[float, float]]:
+        return {n["name"]: (n["x"], n["y"]) for n in asked(session, "look")["view"]["nodes"]}
+
+    first = places()
+    assert "layout" not in session.document.data
+    # an edit that puts nothing down moves nothing, and writes no places
+    key = asked(session, "look")["view"]["bonds"][0]["key"]
+    edit(session, do="reverse", bonds=[key])
+    edit(session, do="remove", names=[], bonds=[key])
+    assert places() == first and "layout" not in session.document.data
+    # one that does writes where all the others stand, so that they stand there again
+    edit(session, do="move", at={"R": [5, 5]})
+    assert places() == {**first, "R": (5.0, 5.0)}
+    reopened = Session(None, text=session.document.text)
+    again = {n["name"]: (n["x"], n["y"]) for n in asked(reopened, "look")["view"]["nodes"]}
+    assert again == {**first, "R": (5.0, 5.0)}
+    asked(session, "undo")
+    assert places() == first and "layout" not in session.document.data
+    asked(session, "redo")
+    assert places()["R"] == (5.0, 5.0)
+    for _ in range(9):
+        asked(session, "undo")  # beyond the first edit: nothing more happens
+    assert places().keys() == first.keys()

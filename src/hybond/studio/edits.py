@@ -33,7 +33,8 @@ def apply(data: Data, edit: Message) -> Data:
     data : dict
         Of a model file.
     edit : mapping
-        ``do`` names it; ``level`` is the path of the submodel that is open.
+        ``do`` names it; ``level`` is the path of the submodel that is open; ``keep``, places of
+        elements that have none, is written with it.
 
     Raises
     ------
@@ -61,7 +62,16 @@ def apply(data: Data, edit: Message) -> Data:
             hint="a ready part is changed by its parameters; or copy it into the file",
         )
     done(level, edit)
+    _keep(level, edit.get("keep"))
     return new
+
+
+def _keep(level: Level, places: Any) -> None:
+    """Write where the others were shown: what is put down by hand must not move them later."""
+    elements = table(level.data, "elements")
+    for name, at in places.items() if isinstance(places, dict) else ():
+        if name in elements and name not in table(level.data, "layout"):
+            _section(level, "layout")[name] = _place(at)
 
 
 def refused(why: str, *, where: str = "", hint: str = "") -> UsageError:

@@ -21,6 +21,7 @@ from hybond.studio.document import EMPTY, Document, Lock
 from hybond.studio.edits import cut_out
 from hybond.studio.journal import Journal
 from hybond.studio.levels import level_of, table
+from hybond.studio.places import Shown
 from hybond.studio.problems import problem_of, problems
 from hybond.studio.runs import Runs
 from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
@@ -29,6 +30,10 @@ from hybond.studio.view import view
 
 Message = dict[str, Any]
 PANELS = ("parameters", "inputs", "signals", "machines", "blocks", "experiment", "ports")
+
+
+PLACING = ("add", "move", "paste")
+"""Edits that put something down by hand."""
 
 
 class Session:
@@ -69,6 +74,7 @@ class Session:
         self._listeners: list[Callable[[Message], None]] = []
         self._busy = threading.RLock()
         self._known: tuple[int, Meaning] | None = None
+        self._shown = Shown()
         self.lock: Lock | None = None
         self.runs = Runs(self.tell)
         self.sweeps = Sweeps(self.tell)
@@ -138,9 +144,11 @@ class Session:
     def _seen(self, message: Mapping[str, Any]) -> Message:
         document = self.document
         path = str(message.get("level") or "")
-        seen = view(document.data, path)
+        seen = view(document.data, path, self._shown.of(path))
         if seen is None:
-            path, seen = "", view(document.data, "")
+            path, seen = "", view(document.data, "", self._shown.of(""))
+        assert seen is not None
+        self._shown.note(path, seen)
         known = self.meaning()
         asked = message.get("mode")
         mode = mode_of(known, asked if isinstance(asked, dict) else None)
@@ -188,25 +196,38 @@ class Session:
         edit = message.get("edit")
         if not isinstance(edit, dict):
             raise UsageError("there is no edit", code="HB-W101", where="edit")
+        if edit.get("do") in PLACING and "keep" not in edit:
+            path = str(edit.get("level") or "")
+            edit = {**edit, "keep": {k: list(v) for k, v in self._shown.of(path).items()}}
+        revision = self.document.revision
         self.document.edit(edit)
+        if self.document.revision != revision:
+            self._shown.edited()
         return self._changed(message)
 
     def replace(self, message: Mapping[str, Any]) -> Message:
         """Take another text."""
         self._must_write()
+        revision = self.document.revision
         self.document.replace(str(message["text"]))
+        if self.document.revision != revision:
+            self._shown.edited()
         return self._changed(message)
 
     def undo(self, message: Mapping[str, Any]) -> Message:
         """Go back by one edit."""
         self._must_write()
-        self.document.undo()
+        if self.document.can_undo:
+            self.document.undo()
+            self._shown.undone()
         return self._changed(message)
 
     def redo(self, message: Mapping[str, Any]) -> Message:
         """Go forward again."""
         self._must_write()
-        self.document.redo()
+        if self.document.can_redo:
+            self.document.redo()
+            self._shown.redone()
         return self._changed(message)
 
     def text(self, message: Mapping[str, Any]) -> Message:
@@ -237,10 +258,10 @@ class Session:
         level = level_of(self.document.data, path)
         if level is None or not level.editable:
             raise UsageError("this level cannot be arranged", code="HB-W101", where=path)
-        loose = {
-            **level.data,
-            "layout": {k: v for k, v in table(level.data, "layout").items() if k in kept},
-        }
+        shown = self._shown.of(path)
+        held = {k: list(shown[k]) for k in shown if k in kept}
+        loose = {**level.data, "layout": {**table(level.data, "layout"), **held}}
+        loose["layout"] = {k: v for k, v in loose["layout"].items() if k in kept}
         seen = view(
             loose
             if not path
@@ -372,6 +393,7 @@ class Session:
         revision = self.document.revision
         self.document.close()
         self.document = document
+        self._shown = Shown()
         document.revision = revision + 1
         self._known = None
 

@@ -12,14 +12,17 @@ from hybond.draw.sketch import typeset
 from hybond.model.kinds import KINDS
 from hybond.studio.chains import Link, links, node_of
 from hybond.studio.levels import Data, Level, bonds_of, level_of, table
+from hybond.studio.places import Places
 
 _WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.\w+)*")
 LAID_OUT = 1500
 """Nodes up to which what has no place is laid out with care; beyond, in rows."""
 
 
-def view(data: Data, path: str) -> dict[str, Any] | None:
+def view(data: Data, path: str, shown: Places | None = None) -> dict[str, Any] | None:
     """Return nodes, bonds and signals of a level as the page draws them, None if it is gone.
+
+    `shown` is where nodes were shown before: those that the data put nowhere stay there.
 
     Examples
     --------
@@ -38,7 +41,7 @@ def view(data: Data, path: str) -> dict[str, Any] | None:
     written = links(bonds_of(level.data))
     bonds = [b for b in written if {node_of(b.tail), node_of(b.head)} <= elements.keys()]
     machines = _switched(level)
-    places = _places(level, elements, bonds)
+    places = _places(level, elements, bonds, shown or {})
     nodes = [_node(name, entry, data, path, machines, places) for name, entry in elements.items()]
     ports = {target: port for port, target in table(level.data, "ports").items()}
     for node in nodes:
@@ -139,10 +142,10 @@ def _switched(level: Level) -> dict[str, str]:
 
 
 def _places(
-    level: Level, elements: Mapping[str, Any], bonds: Sequence[Link]
+    level: Level, elements: Mapping[str, Any], bonds: Sequence[Link], shown: Places
 ) -> dict[str, tuple[float, float]]:
-    """Return where each node stands, in grid cells: as written, else as a drawing places it."""
-    given = {}
+    """Return where each node stands, in cells: as written, as shown, else as a drawing has it."""
+    given = {name: at for name, at in shown.items() if name in elements}
     for name, at in table(level.data, "layout").items():
         numbers = isinstance(at, list) and len(at) == 2
         if name in elements and numbers and all(isinstance(v, int | float) for v in at):
