@@ -54,6 +54,8 @@ export function Item({ store, state }: Props) {
         <div class="row">
           <button onClick={() => align(store, chosen, "y")}>In a row</button>
           <button onClick={() => align(store, chosen, "x")}>In a column</button>
+          <button disabled={chosen.length < 3} onClick={() => spread(store, chosen, "x")}>Evenly across</button>
+          <button disabled={chosen.length < 3} onClick={() => spread(store, chosen, "y")}>Evenly down</button>
           <button onClick={() => void store.duplicate()}>Duplicate</button>
           <button onClick={() => store.remove()}>Delete</button>
         </div>
@@ -78,6 +80,19 @@ function align(store: Store, nodes: GraphNode[], axis: "x" | "y"): void {
   const line = Math.round(mean * 4) / 4;
   const at = Object.fromEntries(
     nodes.map((n) => [n.name, axis === "y" ? [n.x, line] : [line, n.y]]),
+  );
+  void store.edit({ do: "move", at });
+}
+
+/** Put elements at equal distances between the first and the last of them. */
+function spread(store: Store, nodes: GraphNode[], axis: "x" | "y"): void {
+  const order = [...nodes].sort((a, b) => a[axis] - b[axis]);
+  const [first, last] = [order[0][axis], order[order.length - 1][axis]];
+  const at = Object.fromEntries(
+    order.map((n, k) => {
+      const place = first + ((last - first) * k) / (order.length - 1);
+      return [n.name, axis === "x" ? [place, n.y] : [n.x, place]];
+    }),
   );
   void store.edit({ do: "move", at });
 }
@@ -266,6 +281,8 @@ export function words(state: State): string[] {
     if (n.kind === "C") found.push(`${n.name}.q`);
     if (n.kind === "I") found.push(`${n.name}.p`);
   }
+  found.push(...Object.keys(look.panels.machines).map((m) => `${m}.state`), ...(state.run?.names ?? []));
+  found.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not");
   found.push(...look.view.signals.map((s) => s.name), ...Object.keys(look.panels.parameters));
-  return found;
+  return [...new Set(found)];
 }

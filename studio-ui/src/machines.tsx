@@ -1,7 +1,8 @@
 /** State machines: states as boxes, rules as labelled arrows, guards as text with names completed. */
+import { ExpressionField } from "./expression";
 import { Field } from "./fields";
 import { free, words } from "./item";
-import type { MachineEntry } from "./messages";
+import type { MachineEntry, Problem } from "./messages";
 import type { State, Store } from "./store";
 
 interface Props {
@@ -57,6 +58,13 @@ function MachineEditor({ store, state, name, machine }: Props & { name: string; 
   const write = (value: MachineEntry) => void store.edit({ do: "set", path: ["machines", name], value });
   const setRule = (k: number, text: string | null) =>
     write({ ...machine, rules: text === null ? rules.filter((_, j) => j !== k) : rules.map((r, j) => (j === k ? text : r)) });
+  /** What would be wrong with a rule that reads so; what is wrong elsewhere is not its fault. */
+  const attempt = async (k: number, text: string): Promise<Problem | null> => {
+    const value = { ...machine, rules: rules.map((r, j) => (j === k ? text : r)) };
+    const edit = { do: "set", path: ["machines", name], value, level: state.level };
+    const { problem } = await store.transport.ask<{ problem: Problem | null }>("attempt", { edit });
+    return problem?.where.includes(name) ? problem : null;
+  };
   const switchable = look.view.nodes.filter((n) => n.kind !== "part" && n.kind !== "?").map((n) => n.name);
   return (
     <div class="machine" data-machine={name}>
@@ -118,7 +126,14 @@ function MachineEditor({ store, state, name, machine }: Props & { name: string; 
                 <select disabled={off} aria-label="To" value={rule.target} onChange={(e) => setRule(k, `${rule.source} -> ${e.currentTarget.value} when ${rule.guard}`)}>
                   {states.map((s) => <option>{s}</option>)}
                 </select>
-                <Field label={`Guard ${k + 1} of ${name}`} value={rule.guard} disabled={off} list={words(state)} onWrite={(t) => setRule(k, `${rule.source} -> ${rule.target} when ${t}`)} />
+                <ExpressionField
+                  label={`Guard ${k + 1} of ${name}`}
+                  value={rule.guard}
+                  disabled={off}
+                  words={words(state)}
+                  check={(t) => attempt(k, `${rule.source} -> ${rule.target} when ${t}`)}
+                  onWrite={(t) => setRule(k, `${rule.source} -> ${rule.target} when ${t}`)}
+                />
                 <span class={"reads " + (pre ? "prior" : "after")} title={pre ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺"}>
                   {pre ? "x⁻" : "x⁺"}
                 </span>

@@ -180,6 +180,17 @@ def test_a_new_user_draws_the_circuit_runs_it_and_sees_the_mythical_mode(
             add = page.all(f'[data-machine="{machine}"] button')
             next(b for b in add if b.text == "Add rule").click()
             page.write(f'input[aria-label="Guard {k} of {machine}"]', guard)
+    # names are completed at the caret, and what is wrong is told before it is written
+    guard = page.one('input[aria-label="Guard 2 of S2"]')
+    guard.click()
+    guard.send_keys(" and loop1.g")
+    page.until(lambda: "loop1.g" in page.one(".expression .wrong").text, "told as one types")
+    guard.send_keys(Keys.BACKSPACE, "f", Keys.BACKSPACE)
+    page.until(lambda: page.all(".expression [role=option]"), "names are offered")
+    guard.send_keys(Keys.ARROW_DOWN, Keys.ENTER)
+    assert guard.get_attribute("value") in ("loop1.e > 0 and loop1.e", "loop1.e > 0 and loop1.f")
+    guard.send_keys(Keys.ESCAPE)
+    page.until(lambda: not page.all(".expression .wrong"), "Escape brings back what was written")
     # strokes follow the mode that is drawn: both off, the coil has no cause but itself
     page.until(lambda: page.one('.modes select[aria-label^="State of S1"]'), "the modes")
     for machine, state in (("S1", "open"), ("S2", "blocks")):

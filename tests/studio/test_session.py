@@ -371,3 +371,17 @@ def test_what_the_file_puts_nowhere_stays_where_it_is_shown() -> None:
     for _ in range(9):
         asked(session, "undo")  # beyond the first edit: nothing more happens
     assert places().keys() == first.keys()
+
+
+def test_an_edit_is_tried_without_being_done() -> None:
+    session = Session(None)
+    asked(session, "open", example="diode_inductor")
+    before = session.document.text
+    rules = ["blocks -> conducts when diode.g > 0"]
+    bad = {"do": "set", "path": ["machines", "D", "rules"], "value": rules}
+    problem = asked(session, "attempt", edit=bad)["problem"]
+    assert problem["code"].startswith("HB-M") and "D" in problem["where"]
+    good = {**bad, "value": ["blocks -> conducts when diode.e > 0"]}
+    assert asked(session, "attempt", edit=good)["problem"] is None
+    assert session.document.text == before and not session.document.can_undo
+    assert "error" in session.handle({"id": 1, "ask": "attempt", "edit": {"do": "nonsense"}})

@@ -18,7 +18,7 @@ from hybond.files.toml_text import toml_text
 from hybond.model.graph import FlatGraph, Mode
 from hybond.studio import of_models, of_runs
 from hybond.studio.document import EMPTY, Document, Lock
-from hybond.studio.edits import cut_out
+from hybond.studio.edits import apply, cut_out
 from hybond.studio.journal import Journal
 from hybond.studio.levels import level_of, table
 from hybond.studio.places import Shown
@@ -204,6 +204,17 @@ class Session:
         if self.document.revision != revision:
             self._shown.edited()
         return self._changed(message)
+
+    def attempt(self, message: Mapping[str, Any]) -> Message:
+        """Return what would be wrong after an edit, without doing it: null if nothing were."""
+        edit = message.get("edit")
+        if not isinstance(edit, dict):
+            raise UsageError("there is no edit", code="HB-W101", where="edit")
+        document = self.document
+        data = apply(document.data, edit)
+        base = str(document.file.parent if document.file is not None else self.root)
+        found = meaning(data, base=base, where=document.name).error
+        return {"problem": None if found is None else problem_of(found, data)}
 
     def replace(self, message: Mapping[str, Any]) -> Message:
         """Take another text."""
@@ -425,6 +436,7 @@ class Session:
 ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "look": Session.look,
     "edit": Session.edit,
+    "attempt": Session.attempt,
     "replace": Session.replace,
     "undo": Session.undo,
     "redo": Session.redo,

@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ie(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, j(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,12 +61,12 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ie(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = ee(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
 	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, v = 0, b = 0, S = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = j(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = A(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
 	if (b) {
 		for (d = [], f = [], a = 0; a < i; a++) if ((o = S[a]) && 16 & o.__u) {
 			for (v = 0, p = d.length; v < p;) d[h = v + p >> 1] < o.__i ? v = h + 1 : p = h;
@@ -74,21 +74,21 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), se(s, s));
 	return r;
 }
-function A(e, t, n, r) {
+function ee(e, t, n, r) {
 	var i, a, o, s;
 	if (typeof e.type == "function") {
 		if (e.props.__P) return t;
-		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = A(i[a], t, n, !1));
+		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = ee(i[a], t, n, !1));
 		return t;
 	}
 	for (t && !t.parentNode && (t = C(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function j(e, t, n, r) {
+function A(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -97,18 +97,18 @@ function j(e, t, n, r) {
 	}
 	return -1;
 }
-function ee(e, t, n) {
+function te(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function te(e, t, n, r, i) {
+function ne(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || te(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || te(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = re(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function te(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function ne(t) {
+function re(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,58 +129,58 @@ function ne(t) {
 		}
 	};
 }
-function re(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
+function ie(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, ee, A, te, ne, re, ie, j, N, F = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ae(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof F == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, ee) : (n.__c = y = new S(E, ee), y.constructor = F, y.render = P), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
+			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, te = D ? 25 : 0;
 			do
-				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++ee < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && oe(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++te < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ne = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && se(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ne) ? ne : [ne], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
-						for (; M < o.length; M++) if (P = o[M]) {
-							if (o[M] = null, ne) {
-								if (P == re) break;
+						for (~(j = o.indexOf(c || void 0)) || (j = o.length); (N = o[j - 1]) && N.nodeType == 8;) j--;
+						for (; j < o.length; j++) if (N = o[j]) {
+							if (o[j] = null, re) {
+								if (N == ie) break;
 							} else {
-								if (P.nodeType != 8) break;
-								P.data.startsWith("$s") && (re = ie(ne = P));
+								if (N.nodeType != 8) break;
+								N.data.startsWith("$s") && (ie = ae(re = N));
 							}
 						}
 					}
-					if (!ne) {
+					if (!re) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						ne = c;
+						re = c;
 					}
-					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = ae(re = n.__c.__z || (n.__c.__z = re))) ? (n.__e = re, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || oe(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function ie(e, t) {
+function ae(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function ie(e, t) {
 		t && t.push(e);
 	}
 }
-function ae(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
+function oe(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(oe));
 }
-function M(t, n, r) {
-	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
+function j(t, n, r) {
+	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function M(t, n, r) {
 		}
 	});
 }
-function N(t, n, r, i, a, o, s, c, l, u) {
+function M(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function N(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ne(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ne(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ne(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ne(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function P(t, n, r, i) {
+function N(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function oe(t, n, r) {
+function se(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function oe(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && se(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = ae(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function F(e, t, n) {
+function P(e, t, n) {
 	return this.constructor(e, n);
 }
-function I(t, n) {
+function F(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ie(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), j(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var se = 5.5, ce = 35 * Math.PI / 180;
-function le(e, t) {
+var ce = 5.5, le = 35 * Math.PI / 180;
+function ue(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function le(e, t) {
 		y1: e.y1 + t
 	};
 }
-function ue(e, [t, n]) {
+function de(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function ue(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function de(e, t) {
+function fe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function fe(e, t, n, r, i = 0) {
+function pe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function pe(e, t) {
+function me(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function ge(e, t, n = !1) {
+var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function _e(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var _e = .73;
-function ve(e, t, [n, r]) {
-	let i = Math.max(ge(e, 19, !0) / 2, 6);
+var ve = .73;
+function ye(e, t, [n, r]) {
+	let i = Math.max(_e(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - _e * 19 / 2 - 1,
+		y0: r - ve * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + _e * 19 / 2 + (t ? 3 : 1)
+		y1: r + ve * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? le(a, 2) : a;
+	return t ? ue(a, 2) : a;
 }
-function ye(e, t) {
+function be(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,9 +354,9 @@ function ye(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var be = Symbol.for("pv"), xe = 0;
+var xe = Symbol.for("pv"), Se = 0;
 Array.isArray;
-function L(t, n, r, i, a, o) {
+function I(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +370,27 @@ function L(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: be,
-		__v: --xe,
+		constructor: xe,
+		__v: --Se,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var R = [100, 84];
-function z(e, t) {
-	return [e * R[0], t * R[1]];
+var L = [100, 84];
+function R(e, t) {
+	return [e * L[0], t * L[1]];
 }
-var Se = 18;
-function Ce(e, t) {
+var Ce = 18;
+function we(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function we(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Se / 2 : 0, l = o ? c - 15 : 4;
+function Te(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +399,8 @@ function we(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Te(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = we(e, t), o = /* @__PURE__ */ new Map(), s = {
+function Ee(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Te(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +408,16 @@ function Te(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Se]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ce]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Ee(e, t, n, r = "") {
+function De(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = we(e, r);
+		let { half: t, top: i, bottom: a } = Te(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -425,11 +425,11 @@ function Ee(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ve(e.letters, t, n);
+	return ye(e.letters, t, n);
 }
-function De(e, t, n, r, i = "") {
+function Oe(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), a = Te(e, i).get(n);
+		let n = t.slice(e.name.length + 1), a = Ee(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +440,15 @@ function De(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Ee(e, n, r, i)];
+	return [r, De(e, n, r, i)];
 }
-var Oe = ([[e, t], [n, r]]) => ({
+var ke = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function ke(e, t) {
+function Ae(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +460,66 @@ function ke(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Ae(e, t) {
+function je(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var je = class extends S {
+var Me = class extends S {
 	shouldComponentUpdate(e) {
-		return Ae(e, this.props);
+		return je(e, this.props);
 	}
 	render(e) {
-		let [t, n] = De(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = De(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ L("g", {
+		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ I("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ I("line", {
 					class: "reach",
-					...Oe([a.tail, a.head])
+					...ke([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ L("line", {
+				e.flow !== 0 && /* @__PURE__ */ I("line", {
 					class: "power",
-					...Oe(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ I("line", {
 					class: "line",
-					...Oe([a.tail, a.head])
+					...ke([a.tail, a.head])
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ I("line", {
 					class: "line barb",
-					...Oe(a.barb)
+					...ke(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ I("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Oe(pe(a, e))
+					...ke(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ I("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Oe(pe(a, e))
+					...ke(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ L("path", {
+				o?.conflict && /* @__PURE__ */ I("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
+				e.effort && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("text", {
 					class: "value",
-					...ke(a, 1),
+					...Ae(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ L("text", {
+				}), /* @__PURE__ */ I("text", {
 					class: "value",
-					...ke(a, -1),
+					...Ae(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Me(e, t, n) {
+function Ne(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +534,7 @@ function Me(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Ne(e, t, n) {
+function Pe(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +566,12 @@ function Ne(e, t, n) {
 		anchor: "start"
 	};
 }
-var Pe = class extends S {
+var Fe = class extends S {
 	shouldComponentUpdate(e) {
-		return Ae(e, this.props);
+		return je(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ee(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = De(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +592,14 @@ var Pe = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Ne(e, i, s.length), l = _e * 19 / 2, u = we(t, e.ports);
-		return /* @__PURE__ */ L("g", {
+		], c = Pe(e, i, s.length), l = ve * 19 / 2, u = Te(t, e.ports);
+		return /* @__PURE__ */ I("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				t.kind === "part" ? /* @__PURE__ */ I(x, { children: [
+					/* @__PURE__ */ I("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Pe = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ I("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Te(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
+					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ I("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ I("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ I("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ L("text", {
-								...Me(e.ports[a], r, i),
+							/* @__PURE__ */ I("text", {
+								...Ne(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				] }) : /* @__PURE__ */ I(x, { children: [
+					/* @__PURE__ */ I("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ L("rect", {
+					r && /* @__PURE__ */ I("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Pe = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ I("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ L("text", {
+					r && /* @__PURE__ */ I("text", {
 						class: "subscript",
-						x: ge(t.letters, 19, !0) / 2 - 3.5,
+						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ L("text", {
+				s.map((e, t) => /* @__PURE__ */ I("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ L("g", {
+				e.selected && /* @__PURE__ */ I("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ I("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ I("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ I("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -694,22 +694,22 @@ var Pe = class extends S {
 	}
 };
 // src/sharing.ts
-function Fe(e, t) {
+function Ie(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Fe(n[e], r[e]);
+		let t = Ie(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/transport.ts
-var Ie = class extends Error {
+var Le = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Le = class {
+}, Re = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +745,10 @@ var Ie = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Ie(e.error)) : t.done(e);
+			e.error ? t.failed(new Le(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, Re = {
+}, ze = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -780,9 +780,9 @@ var Ie = class extends Error {
 		side: 340,
 		low: 0
 	}
-}, ze = class {
+}, Be = class {
 	transport;
-	state = Re;
+	state = ze;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -823,7 +823,7 @@ var Ie = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Ie ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Le ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -831,7 +831,7 @@ var Ie = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Fe(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Ie(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -1052,7 +1052,7 @@ var Ie = class extends Error {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Fe(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Ie(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1068,13 +1068,13 @@ var Ie = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function Be(e, t = 4) {
+function Ve(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Ve = [
+var He = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1084,14 +1084,14 @@ var Ve = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function B(e, t) {
+function z(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Be(e)} ${t}`.trim();
-	let [n, r] = Ve.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ve[Ve.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
+	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/canvas.tsx
-var He = class extends S {
+var Ue = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1148,12 +1148,12 @@ var He = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = z(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = R(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = z(i[0].x, i[0].y);
+				let [e, t] = R(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1180,7 +1180,7 @@ var He = class extends S {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * L[0]), i = e.map((e) => e.y * L[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1379,7 +1379,7 @@ var He = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
+						let t = e.x + n[0] / L[0], r = e.y + n[1] / L[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1388,13 +1388,13 @@ var He = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = z(t.x, t.y);
+						let [r, i] = R(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ge(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...Ke(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1423,14 +1423,14 @@ var He = class extends S {
 	}
 	centreOf(e, t, n, r) {
 		let i = e.split(".")[0];
-		return De(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ke[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = qe[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1441,7 +1441,7 @@ var He = class extends S {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? qe(r, a, o) : e;
+			let n = a ? Je(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1482,14 +1482,14 @@ var He = class extends S {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / L[0] * 4) / 4, Math.round(a / L[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ I("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = z(e.x, e.y);
+			let [t, n] = R(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1512,14 +1512,14 @@ var He = class extends S {
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Ce(e, p));
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
 		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ L("div", {
+		return /* @__PURE__ */ I("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ L("svg", {
+				/* @__PURE__ */ I("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1532,19 +1532,19 @@ var He = class extends S {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
+						/* @__PURE__ */ I("defs", { children: [/* @__PURE__ */ I("pattern", {
 							id: "dots",
-							width: R[0] / 4,
-							height: R[1] / 4,
+							width: L[0] / 4,
+							height: L[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ L("circle", {
+							children: /* @__PURE__ */ I("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ L("marker", {
+						}), /* @__PURE__ */ I("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1552,25 +1552,25 @@ var He = class extends S {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ L("path", {
+							children: /* @__PURE__ */ I("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ L("rect", {
+						n.k > .45 && /* @__PURE__ */ I("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ L("g", {
+						/* @__PURE__ */ I("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(Ee(t, u(t), r, h(t.name)), Ee(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ L("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ I("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1579,9 +1579,9 @@ var He = class extends S {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
+								/* @__PURE__ */ I("g", { children: a.view.bonds.map((t) => {
 									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ L(je, {
+									return /* @__PURE__ */ I(Me, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1596,12 +1596,12 @@ var He = class extends S {
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? z(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? z(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Pe, {
+								/* @__PURE__ */ I("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ I(Fe, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1609,13 +1609,13 @@ var He = class extends S {
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ L(Ue, {
+								r?.kind === "wire" && /* @__PURE__ */ I(We, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ L("rect", {
+								r?.kind === "box" && /* @__PURE__ */ I("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1626,7 +1626,7 @@ var He = class extends S {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+				r?.kind === "wire" && /* @__PURE__ */ I("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1637,11 +1637,11 @@ var He = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(We, {
+				e.instant && /* @__PURE__ */ I(Ge, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ L("div", {
+				e.bondFrom && /* @__PURE__ */ I("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1653,22 +1653,22 @@ var He = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ I("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1676,23 +1676,23 @@ var He = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ L(Je, {
+				/* @__PURE__ */ I(Ye, {
 					state: e,
 					sight: n
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ I("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ I(x, { children: [" › ", /* @__PURE__ */ I("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+						!a.view.editable && /* @__PURE__ */ I("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1703,8 +1703,8 @@ var He = class extends S {
 		});
 	}
 };
-function Ue({ from: e, to: t }) {
-	return /* @__PURE__ */ L("line", {
+function We({ from: e, to: t }) {
+	return /* @__PURE__ */ I("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1712,33 +1712,33 @@ function Ue({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-function We({ store: e, state: t }) {
+function Ge({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ I("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			B(n.t, "s"),
+			z(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ L("b", { children: i.kind }),
+			/* @__PURE__ */ I("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ I("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ I("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1747,13 +1747,13 @@ function We({ store: e, state: t }) {
 		]
 	});
 }
-var Ge = (e, t) => [e[0] - t[0], e[1] - t[1]], Ke = {
+var Ke = (e, t) => [e[0] - t[0], e[1] - t[1]], qe = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function qe(e, t, [n, r]) {
+function Je(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1763,56 +1763,56 @@ function qe(e, t, [n, r]) {
 	}
 	return i;
 }
-function Je({ state: e, sight: t }) {
+function Ye({ state: e, sight: t }) {
 	let n = e.look.view.nodes;
 	if (n.length < 25) return null;
 	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / R[0],
-		y: -t.y / t.k / R[1]
+		x: -t.x / t.k / L[0],
+		y: -t.y / t.k / L[1]
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ I("svg", {
 		class: "minimap",
 		viewBox: `${a} ${o} ${s} ${c}`,
 		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ L("circle", {
+		children: [n.map((e) => /* @__PURE__ */ I("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: s / 90
-		})), /* @__PURE__ */ L("rect", {
+		})), /* @__PURE__ */ I("rect", {
 			x: l.x,
 			y: l.y,
-			width: 900 / t.k / R[0],
-			height: 500 / t.k / R[1]
+			width: 900 / t.k / L[0],
+			height: 500 / t.k / L[1]
 		})]
 	});
 }
 // node_modules/preact/hooks/dist/hooks.mjs
-var Ye, V, Xe, Ze, Qe = Object.is, $e = 0, et = [], tt = [], H = e, nt = H.__b, rt = H.__r, it = H.diffed, at = H.__c, ot = H.unmount, st = H.__;
-function ct(e, t) {
-	H.__h && H.__h(V, e, $e || t), $e = 0;
-	var n = V.__H || (V.__H = {
+var Xe, B, Ze, Qe, $e = Object.is, et = 0, tt = [], nt = [], V = e, rt = V.__b, it = V.__r, at = V.diffed, ot = V.__c, st = V.unmount, ct = V.__;
+function lt(e, t) {
+	V.__h && V.__h(B, e, et || t), et = 0;
+	var n = B.__H || (B.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function U(e) {
-	return $e = 1, lt(bt, e);
+function H(e) {
+	return et = 1, ut(xt, e);
 }
-function lt(e, t, n) {
-	var r = ct(Ye++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : bt(void 0, t), function(e) {
+function ut(e, t, n) {
+	var r = lt(Xe++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		Qe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = V, !V.__f)) {
-		V.__f = !0;
-		var i = V.shouldComponentUpdate;
-		V.shouldComponentUpdate = function(e, t, n) {
+		$e(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, Qe(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, $e(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1822,67 +1822,67 @@ function lt(e, t, n) {
 	}
 	return r.__;
 }
-function ut(e, t) {
-	var n = ct(Ye++, 3);
-	!H.__s && yt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, V.__H.__h.push(n));
+function dt(e, t) {
+	var n = lt(Xe++, 3);
+	!V.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
 }
-function dt(e) {
-	return $e = 5, ft(function() {
+function ft(e) {
+	return et = 5, pt(function() {
 		return { current: e };
 	}, []);
 }
-function ft(e, t) {
-	var n = ct(Ye++, 7);
-	return yt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function pt(e, t) {
+	var n = lt(Xe++, 7);
+	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function pt() {
+function mt() {
 	var e;
 	do {
-		for (; e = tt.shift();) try {
-			_t(e);
+		for (; e = nt.shift();) try {
+			vt(e);
 		} catch (t) {
-			H.__e(t, { __: (e = e.__P) && e.__v });
+			V.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = et.shift();) {
+		for (; e = tt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(_t), t.__h.some(vt), t.__h = [];
+				t.__h.some(vt), t.__h.some(yt), t.__h = [];
 			} catch (n) {
-				t.__h = [], H.__e(n, e.__v);
+				t.__h = [], V.__e(n, e.__v);
 			}
 		}
-	} while (tt.length);
+	} while (nt.length);
 }
-H.__b = function(e) {
-	V = null, nt && nt(e);
-}, H.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), st && st(e, t);
-}, H.__r = function(e) {
-	rt && rt(e), Ye = 0;
-	var t = (V = e.__c).__H;
-	t && (Xe == V ? V.__h = [] : (t.__h.some(_t), t.__h.some(vt), Ye = 0), t.__h = [], t.__.some(function(e) {
+V.__b = function(e) {
+	B = null, rt && rt(e);
+}, V.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ct && ct(e, t);
+}, V.__r = function(e) {
+	it && it(e), Xe = 0;
+	var t = (B = e.__c).__H;
+	t && (Ze == B ? B.__h = [] : (t.__h.some(vt), t.__h.some(yt), Xe = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Xe = V;
-}, H.diffed = function(e) {
-	it && it(e);
+	})), Ze = B;
+}, V.diffed = function(e) {
+	at && at(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && gt(et.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && _t(tt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Xe = V = null;
-}, H.__c = function(e, t) {
+	})), Ze = B = null;
+}, V.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(_t), e.__h = e.__h.filter(function(e) {
-				return !e.__ || vt(e);
+			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
+				return !e.__ || yt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), at && at(e, t);
-}, H.unmount = function(e) {
-	ot && ot(e);
+	}), ot && ot(e, t);
+}, V.unmount = function(e) {
+	st && st(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1891,50 +1891,50 @@ H.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, gt(tt.push(r));
-			} else _t(r);
+				r.__P = n, _t(nt.push(r));
+			} else vt(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && H.__e(t, r.__v));
+	}), r.__H = void 0, t && V.__e(t, r.__v));
 };
-var mt = typeof requestAnimationFrame == "function";
-function ht(e) {
-	var t, n = function() {
-		clearTimeout(r), mt && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	mt && (t = requestAnimationFrame(n));
-}
+var ht = typeof requestAnimationFrame == "function";
 function gt(e) {
-	e != 1 && Ze == H.requestAnimationFrame || ((Ze = H.requestAnimationFrame) || ht)(pt);
+	var t, n = function() {
+		clearTimeout(r), ht && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	ht && (t = requestAnimationFrame(n));
 }
 function _t(e) {
-	var t = V, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), V = t;
+	e != 1 && Qe == V.requestAnimationFrame || ((Qe = V.requestAnimationFrame) || gt)(mt);
 }
 function vt(e) {
-	var t = V;
-	e.__c = e.__(), V = t;
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
 }
-function yt(e, t) {
-	return !e || e.length != t.length || t.some(function(t, n) {
-		return !Qe(t, e[n]);
-	});
+function yt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
 }
 function bt(e, t) {
+	return !e || e.length != t.length || t.some(function(t, n) {
+		return !$e(t, e[n]);
+	});
+}
+function xt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var xt = 100;
-function St({ store: e, state: t }) {
-	let [n, r] = U([]), [i, a] = U(0), [o, s] = U(0), c = t.run;
-	ut(() => s(0), [c?.run]), ut(() => {
+var St = 100;
+function Ct({ store: e, state: t }) {
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
+	dt(() => s(0), [c?.run]), dt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: xt
+			count: St
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1942,60 +1942,60 @@ function St({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ I("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ I("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ I("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					B(c.took, "s"),
+					z(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ I("p", {
 				class: "warning",
 				children: e
 			})),
-			i > xt && /* @__PURE__ */ L("p", { children: [
-				/* @__PURE__ */ L("button", {
+			i > St && /* @__PURE__ */ I("p", { children: [
+				/* @__PURE__ */ I("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - xt)),
+					onClick: () => s(Math.max(0, o - St)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + xt, i),
+				Math.min(o + St, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ L("button", {
-					disabled: o + xt >= i,
-					onClick: () => s(o + xt),
+				/* @__PURE__ */ I("button", {
+					disabled: o + St >= i,
+					onClick: () => s(o + St),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+			/* @__PURE__ */ I("ol", { children: n.map((n) => /* @__PURE__ */ I("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ I("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ L("b", { children: B(n.t, "s") }),
+						/* @__PURE__ */ I("b", { children: z(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ L("i", { children: n.cause }),
+						/* @__PURE__ */ I("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Ct(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ I("em", { children: [" ", wt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(wt, {
+				}), n.event === l && /* @__PURE__ */ I(Tt, {
 					store: e,
 					state: t,
 					event: n
@@ -2004,18 +2004,18 @@ function St({ store: e, state: t }) {
 		]
 	});
 }
-function Ct(e) {
+function wt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function wt({ store: e, state: t, event: n }) {
+function Tt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ I("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -2027,32 +2027,32 @@ function wt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ L("p", { children: [
+			/* @__PURE__ */ I("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ L("p", {
+			i.fired.map((e) => /* @__PURE__ */ I("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ L("b", { children: e.machine }),
+					/* @__PURE__ */ I("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ L("code", { children: e.why })
+					/* @__PURE__ */ I("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ I("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Be(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ L("p", { children: [
+			i.energy && /* @__PURE__ */ I("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2062,23 +2062,23 @@ function wt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ I("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/formulas.tsx
-var Tt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Et(e) {
+var Et = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Dt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Tt.has(t) ? t : "mrow", {
+	return v(Et.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Et));
+	}, ...r.map(Dt));
 }
-function Dt({ store: e, state: t }) {
-	let [n, r] = U("all"), [i, a] = U(!1), [o, s] = U(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return ut(() => {
+function Ot({ store: e, state: t }) {
+	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return dt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -2090,41 +2090,41 @@ function Dt({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ L("section", {
+	]), /* @__PURE__ */ I("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ L("button", {
+				].map(([e, t]) => /* @__PURE__ */ I("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+				})), o?.formula && /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ L("p", {
+			!o && /* @__PURE__ */ I("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ L("div", {
+			o?.formula && !i ? /* @__PURE__ */ I("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Et(o.formula)
-			}) : o && /* @__PURE__ */ L("pre", {
+				children: Dt(o.formula)
+			}) : o && /* @__PURE__ */ I("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ I("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2132,12 +2132,12 @@ function Dt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Ot = 0;
-function kt(e) {
-	let [t, n] = U(e.value), [r] = U(() => `list${++Ot}`), i = dt(!1);
-	return ut(() => {
+var kt = 0;
+function At(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++kt}`), i = ft(!1);
+	return dt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
+	}, [e.value]), /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2154,20 +2154,20 @@ function kt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ L("datalist", {
+	}), e.list && /* @__PURE__ */ I("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ I("option", { value: e }))
 	})] });
 }
-function At(e) {
+function jt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var jt = {
+var Mt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Mt = {
+}, Nt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2178,76 +2178,86 @@ var jt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Nt({ store: e, state: t }) {
+function Pt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(Lt, {
+	if (r.length === 1) return /* @__PURE__ */ I(zt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ L("section", { children: [
-			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(kt, {
+		return /* @__PURE__ */ I("section", { children: [
+			/* @__PURE__ */ I("h2", { children: "Bond" }),
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "written" }), /* @__PURE__ */ I(At, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Pt(e, t, r.key, n)
+				onWrite: (n) => void Ft(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ L("p", { children: [
+			a && /* @__PURE__ */ I("p", { children: [
 				"effort ",
-				B(a.e, a.units[0]),
+				z(a.e, a.units[0]),
 				", flow ",
-				B(a.f, a.units[1]),
+				z(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ I("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ I("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ I("section", { children: [/* @__PURE__ */ I("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ L("div", {
+	] }), /* @__PURE__ */ I("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ L("button", {
-				onClick: () => Ft(e, r, "y"),
+			/* @__PURE__ */ I("button", {
+				onClick: () => It(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ L("button", {
-				onClick: () => Ft(e, r, "x"),
+			/* @__PURE__ */ I("button", {
+				onClick: () => It(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ I("button", {
+				disabled: r.length < 3,
+				onClick: () => Lt(e, r, "x"),
+				children: "Evenly across"
+			}),
+			/* @__PURE__ */ I("button", {
+				disabled: r.length < 3,
+				onClick: () => Lt(e, r, "y"),
+				children: "Evenly down"
+			}),
+			/* @__PURE__ */ I("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ I("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(It, {
+	})] }) : /* @__PURE__ */ I(Rt, {
 		store: e,
 		state: t
 	});
 }
-async function Pt(e, t, n, r) {
+async function Ft(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2262,33 +2272,43 @@ async function Pt(e, t, n, r) {
 		text: r
 	}));
 }
-function Ft(e, t, n) {
+function It(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function It({ store: e, state: t }) {
+function Lt(e, t, n) {
+	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
+		let o = i + (a - i) * t / (r.length - 1);
+		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
+	}));
+	e.edit({
+		do: "move",
+		at: o
+	});
+}
+function Rt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(kt, {
+	return /* @__PURE__ */ I("section", { children: [
+		/* @__PURE__ */ I("h2", { children: "Model" }),
+		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "title" }), /* @__PURE__ */ I(At, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "domain" }), /* @__PURE__ */ I("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ L("option", {
+			children: r.map((e) => /* @__PURE__ */ I("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2297,21 +2317,21 @@ function It({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ I("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ L("kbd", { children: "a" }),
+				/* @__PURE__ */ I("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ I("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ L("kbd", { children: "b" }),
+				/* @__PURE__ */ I("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function Lt({ store: e, state: t, node: n }) {
+function zt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2325,66 +2345,66 @@ function Lt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(kt, {
+	return /* @__PURE__ */ I("section", { children: [
+		/* @__PURE__ */ I("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "name" }), /* @__PURE__ */ I(At, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(Rt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ I(Bt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		jt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(kt, {
+		Mt[n.kind]?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: ["start ", e] }), /* @__PURE__ */ I(At, {
 			label: `Start value ${e}`,
-			value: Vt(i[e]),
+			value: Ut(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], At(t))
+			onWrite: (t) => a([e], jt(t))
 		})] })),
-		s && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+		s && /* @__PURE__ */ I(x, { children: [
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "kind" }), /* @__PURE__ */ I("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ I("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ L("option", {
+				}), /* @__PURE__ */ I("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "law" }), /* @__PURE__ */ I("select", {
 				disabled: r,
-				value: Vt(i.law),
+				value: Ut(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ I("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ I("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Mt[Vt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(kt, {
+			(Nt[Ut(i.law)] ?? []).map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
 				label: e,
-				value: Vt(i[e]),
+				value: Ut(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], At(t))
+				onWrite: (t) => a([e], jt(t))
 			})] })),
-			/* @__PURE__ */ L(zt, {
+			/* @__PURE__ */ I(Vt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
-			c && /* @__PURE__ */ L("p", {
+		n.kind === "part" && /* @__PURE__ */ I(x, { children: [
+			c && /* @__PURE__ */ I("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2393,41 +2413,41 @@ function Lt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(kt, {
+				return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
 					label: e,
-					value: Vt(t),
+					value: Ut(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], At(t))
+					onWrite: (t) => a(["parameters", e], jt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(kt, {
+			n.inputs?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [e, " ⟵"] }), /* @__PURE__ */ I(At, {
 				label: `Input ${e}`,
-				value: Vt(i.inputs?.[e]),
+				value: Ut(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Ht(t),
-				onWrite: (t) => a(["inputs", e], At(t))
+				list: Wt(t),
+				onWrite: (t) => a(["inputs", e], jt(t))
 			})] })),
-			n.known && /* @__PURE__ */ L("button", {
+			n.known && /* @__PURE__ */ I("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ L("div", {
+		/* @__PURE__ */ I("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2436,11 +2456,11 @@ function Lt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Rt({ node: e, off: t, set: n }) {
+function Bt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(kt, {
+		if (typeof a == "string") return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [i, " ="] }), /* @__PURE__ */ I(At, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2448,31 +2468,31 @@ function Rt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ I("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(kt, {
+	}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "value" }), /* @__PURE__ */ I(At, {
 		label: "Value",
 		first: !0,
-		value: Vt(r),
+		value: Ut(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : At(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : jt(t) ?? 1);
 		}
 	})] });
 }
-function zt({ store: e, state: t, node: n }) {
+function Vt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+	return n.machine ? /* @__PURE__ */ I("p", { children: ["switched by ", /* @__PURE__ */ I("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ I("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Bt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Ht(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2485,22 +2505,108 @@ function zt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Bt(e, t) {
+function Ht(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Vt(e) {
+function Ut(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Ht(e) {
+function Wt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
 	for (let e of t.view.nodes) n.push(`${e.name}.e`, `${e.name}.f`), e.kind === "C" && n.push(`${e.name}.q`), e.kind === "I" && n.push(`${e.name}.p`);
-	return n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), n;
+	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
+}
+// src/expression.tsx
+var Gt = 250, Kt = /[A-Za-z_][\w.]*$/, qt = 0;
+function Jt(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++qt}`), u = ft(null), d = ft(!1), f = ft(0);
+	dt(() => {
+		d.current || n(e.value), c(null);
+	}, [e.value]);
+	let p = () => {
+		i([]), o(-1);
+	}, m = () => {
+		let t = u.current.value;
+		n(t);
+		let r = Kt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
+		let l = ++f.current;
+		setTimeout(() => {
+			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
+		}, Gt);
+	}, h = (e) => {
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Kt, e);
+		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
+	};
+	return /* @__PURE__ */ I("span", {
+		class: "expression",
+		children: [
+			/* @__PURE__ */ I("input", {
+				ref: u,
+				"aria-label": e.label,
+				value: t,
+				disabled: e.disabled,
+				spellcheck: !1,
+				autocomplete: "off",
+				role: "combobox",
+				"aria-autocomplete": "list",
+				"aria-expanded": r.length > 0,
+				"aria-controls": l,
+				"aria-activedescendant": a >= 0 ? `${l}-${a}` : void 0,
+				"aria-invalid": !!s,
+				"aria-errormessage": s ? `${l}-wrong` : void 0,
+				onFocus: () => d.current = !0,
+				onInput: m,
+				onBlur: () => {
+					d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
+				},
+				onKeyDown: (t) => {
+					t.stopPropagation();
+					let i = {
+						ArrowDown: 1,
+						ArrowUp: -1
+					}[t.key];
+					if (i && r.length) t.preventDefault(), o((a + i + r.length) % r.length);
+					else if ((t.key === "Tab" || t.key === "Enter") && a >= 0) t.preventDefault(), h(r[a]);
+					else if (t.key === "Enter") u.current.blur();
+					else if (t.key === "Escape") {
+						if (r.length) return p();
+						n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
+					}
+				}
+			}),
+			r.length > 0 && /* @__PURE__ */ I("ul", {
+				id: l,
+				role: "listbox",
+				"aria-label": "Names",
+				children: r.map((e, t) => /* @__PURE__ */ I("li", {
+					id: `${l}-${t}`,
+					role: "option",
+					"aria-selected": t === a,
+					onMouseDown: (t) => {
+						t.preventDefault(), h(e);
+					},
+					children: e
+				}))
+			}),
+			s && /* @__PURE__ */ I("small", {
+				class: "wrong",
+				id: `${l}-wrong`,
+				role: "status",
+				children: [
+					s.why,
+					" ",
+					s.try && /* @__PURE__ */ I("em", { children: s.try })
+				]
+			})
+		]
+	});
 }
 // src/machines.tsx
-function Ut(e) {
+function Yt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2508,19 +2614,19 @@ function Ut(e) {
 		guard: t[3]
 	} : null;
 }
-function Wt({ store: e, state: t }) {
+function Xt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L(Gt, {
+	return /* @__PURE__ */ I("section", { children: [
+		/* @__PURE__ */ I("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ I(Zt, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ L("button", {
+		n.view.editable && /* @__PURE__ */ I("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Bt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Ht([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2536,23 +2642,23 @@ function Wt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ I("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				/* @__PURE__ */ I("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				/* @__PURE__ */ I("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ L("code", { children: "x" }),
+				/* @__PURE__ */ I("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				/* @__PURE__ */ I("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Gt({ store: e, state: t, name: n, machine: r }) {
+function Zt({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2560,14 +2666,25 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 	}), d = (e, t) => u({
 		...r,
 		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
-	}), f = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ L("div", {
+	}), f = async (i, a) => {
+		let o = {
+			...r,
+			rules: l.map((e, t) => t === i ? a : e)
+		}, s = {
+			do: "set",
+			path: ["machines", n],
+			value: o,
+			level: t.level
+		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
+		return c?.where.includes(n) ? c : null;
+	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
+	return /* @__PURE__ */ I("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(kt, {
+				children: [/* @__PURE__ */ I(At, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2576,7 +2693,7 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ L("button", {
+				}), !a && /* @__PURE__ */ I("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2587,15 +2704,15 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(Kt, {
+			/* @__PURE__ */ I(Qt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ L("div", {
+			c.map((e) => /* @__PURE__ */ I("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ I("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2607,7 +2724,7 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ L(kt, {
+					/* @__PURE__ */ I(At, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2625,21 +2742,21 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Ut(t);
+									let r = Yt(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ I("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(kt, {
+					/* @__PURE__ */ I(At, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
-						list: f,
+						list: p,
 						placeholder: "none",
 						onWrite: (t) => u({
 							...r,
@@ -2652,43 +2769,44 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Ut(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ L("div", {
+				let i = Yt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ I("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ L(x, { children: [
-						/* @__PURE__ */ L("select", {
+					children: [i ? /* @__PURE__ */ I(x, { children: [
+						/* @__PURE__ */ I("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ L("select", {
+						/* @__PURE__ */ I("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(kt, {
+						/* @__PURE__ */ I(Jt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							list: Ht(t),
+							words: Wt(t),
+							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ L("span", {
+						/* @__PURE__ */ I("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(kt, {
+					] }) : /* @__PURE__ */ I(At, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ L("button", {
+					}), !a && /* @__PURE__ */ I("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2696,21 +2814,21 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ L("div", {
+			!a && /* @__PURE__ */ I("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ I("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Bt(c, "state")]: []
+							[Ht(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ I("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Ut(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Yt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2722,18 +2840,18 @@ function Gt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Kt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Ut).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ L("div", {
+function Qt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Yt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ I("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ L("svg", {
+		children: /* @__PURE__ */ I("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+				/* @__PURE__ */ I("defs", { children: /* @__PURE__ */ I("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2741,26 +2859,26 @@ function Kt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ L("path", {
+					children: /* @__PURE__ */ I("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ I("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
+						children: /* @__PURE__ */ I("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+					return /* @__PURE__ */ I("g", { children: [/* @__PURE__ */ I("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
-					}), /* @__PURE__ */ L("text", {
+						children: /* @__PURE__ */ I("title", { children: e.guard })
+					}), /* @__PURE__ */ I("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2768,7 +2886,7 @@ function Kt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ L("g", {
+				r.map((r) => /* @__PURE__ */ I("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2777,20 +2895,20 @@ function Kt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ L("rect", {
+						/* @__PURE__ */ I("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ L("text", {
+						/* @__PURE__ */ I("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ L("circle", {
+						r === e.start && /* @__PURE__ */ I("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2802,7 +2920,7 @@ function Kt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [qt, Jt] = [720, 190], Yt = 74, [Xt, Zt] = [8, 20], Qt = [
+var [$t, en] = [720, 190], tn = 74, [nn, rn] = [8, 20], an = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2812,35 +2930,35 @@ var [qt, Jt] = [720, 190], Yt = 74, [Xt, Zt] = [8, 20], Qt = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function $t(e) {
+function U(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function en({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = U(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ L("div", {
+function W({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ I("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L("b", { children: n.path }),
+					/* @__PURE__ */ I("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ I("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ I("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ L("button", {
+					!n.done && /* @__PURE__ */ I("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ I("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2849,11 +2967,11 @@ function en({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
+					r !== null && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ I("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2865,20 +2983,20 @@ function en({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ I("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ L(tn, {
+			o.map((e, t) => /* @__PURE__ */ I(on, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ L(nn, {
+			/* @__PURE__ */ I(sn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2887,10 +3005,10 @@ function en({ store: e, state: t }) {
 		]
 	});
 }
-function tn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function on({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ I("p", {
 		class: "hint",
 		children: [
 			e,
@@ -2898,79 +3016,79 @@ function tn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => Yt + e / n * (qt - Yt - 8), d = (e) => Jt - Zt - (e - o) / l * (Jt - Zt - Xt), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => tn + e / n * ($t - tn - 8), d = (e) => en - rn - (e - o) / l * (en - rn - nn), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ I("svg", {
 		class: "family",
-		viewBox: `0 0 ${qt} ${Jt}`,
+		viewBox: `0 0 ${$t} ${en}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Be(o)} and ${Be(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ L("rect", {
+			/* @__PURE__ */ I("rect", {
 				class: "box",
-				x: Yt,
-				y: Xt,
-				width: qt - Yt - 8,
-				height: Jt - Zt - Xt
+				x: tn,
+				y: nn,
+				width: $t - tn - 8,
+				height: en - rn - nn
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ I("line", {
 				class: "axis",
-				x1: Yt,
-				x2: qt - 8,
+				x1: tn,
+				x2: $t - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ L("path", {
+				return !n || n.error ? null : /* @__PURE__ */ I("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${$t(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${U(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ I("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ I("text", {
 				x: 69,
-				y: Xt + 9,
+				y: nn + 9,
 				"text-anchor": "end",
-				children: B(s, c)
+				children: z(s, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ I("text", {
 				x: 69,
-				y: Jt - Zt,
+				y: en - rn,
 				"text-anchor": "end",
-				children: B(o, c)
+				children: z(o, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ I("text", {
 				class: "what",
-				transform: `translate(12,${(Jt - Zt) / 2}) rotate(-90)`,
+				transform: `translate(12,${(en - rn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ L("text", {
-				x: Yt,
-				y: Jt - 5,
+			/* @__PURE__ */ I("text", {
+				x: tn,
+				y: en - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ L("text", {
-				x: qt - 8,
-				y: Jt - 5,
+			/* @__PURE__ */ I("text", {
+				x: $t - 8,
+				y: en - 5,
 				"text-anchor": "end",
-				children: B(n, "s")
+				children: z(n, "s")
 			})
 		]
 	});
 }
-function nn({ sweep: e, end: t, chosen: n, choose: r }) {
+function sn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (qt - Yt - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = ($t - tn - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2981,65 +3099,65 @@ function nn({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ I("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${qt} 184`,
+		children: [/* @__PURE__ */ I("svg", {
+			viewBox: `0 0 ${$t} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ I("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
-						x: Yt + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ I("rect", {
+						x: tn + c * o,
 						width: o + .4,
-						y: Xt + 150 * (1 - n / a),
+						y: nn + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: Qt[r % Qt.length],
-						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: an[r % an.length],
+						children: /* @__PURE__ */ I("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					x: 69,
-					y: Xt + 9,
+					y: nn + 9,
 					"text-anchor": "end",
-					children: B(t, "s")
+					children: z(t, "s")
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					x: 69,
-					y: Xt + 150,
+					y: nn + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ L("text", {
-					x: Yt,
-					y: Xt + 150 + 14,
+				/* @__PURE__ */ I("text", {
+					x: tn,
+					y: nn + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ L("text", {
-					x: qt - 8,
-					y: Xt + 150 + 14,
+				/* @__PURE__ */ I("text", {
+					x: $t - 8,
+					y: nn + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					class: "what",
-					x: (Yt + qt) / 2,
-					y: Xt + 150 + 18,
+					x: (tn + $t) / 2,
+					y: nn + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
-			/* @__PURE__ */ L("i", { style: `background: ${Qt[t % Qt.length]}` }),
+		}), /* @__PURE__ */ I("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ I("span", { children: [
+			/* @__PURE__ */ I("i", { style: `background: ${an[t % an.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function rn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = U(n), [s, c] = U(r), [l, u] = U("15"), [d, f] = U(!1), p = (n) => {
+function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -3047,25 +3165,25 @@ function rn({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ L("form", {
+	return /* @__PURE__ */ I("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ I("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -3073,23 +3191,23 @@ function rn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function W({ store: e, state: t }) {
+function ln({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(an, {
+		return /* @__PURE__ */ I(x, { children: [
+			/* @__PURE__ */ I("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ I(un, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ L("button", {
+			!r && /* @__PURE__ */ I("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -3100,54 +3218,54 @@ function W({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Bt(t, e)], s);
+					a([i, Ht(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ L("section", { children: [
+	return /* @__PURE__ */ I("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(kt, {
+		!t.level && /* @__PURE__ */ I(x, { children: [
+			/* @__PURE__ */ I("h2", { children: "Run" }),
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "until" }), /* @__PURE__ */ I(At, {
 				label: "Until",
-				value: Vt(i.until),
+				value: Ut(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], At(e))
+				onWrite: (e) => void a(["experiment", "until"], jt(e))
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
-				value: Vt(i.solver),
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "solver" }), /* @__PURE__ */ I("select", {
+				value: Ut(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ I("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ I("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(kt, {
+			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "rtol" }), /* @__PURE__ */ I(At, {
 				label: "Relative tolerance",
-				value: Vt(i.rtol),
+				value: Ut(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], At(e))
+				onWrite: (e) => void a(["experiment", "rtol"], jt(e))
 			})] })
 		] })
 	] });
 }
 var G = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function an({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? G.exec(Vt(i)) : null, [c] = U(() => s && Number(s[1]) || 1), [l, u] = U(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ L("div", {
+function un({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? G.exec(Ut(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ I("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ L("label", { children: [
-				/* @__PURE__ */ L(kt, {
+			/* @__PURE__ */ I("label", { children: [
+				/* @__PURE__ */ I(At, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3157,23 +3275,23 @@ function an({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ L(kt, {
+				o ? /* @__PURE__ */ I(At, {
 					label: r,
-					value: Vt(i),
+					value: Ut(i),
 					disabled: a,
-					list: n === "signals" ? Ht(t) : void 0,
+					list: n === "signals" ? Wt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: At(t)
+						value: jt(t)
 					})
-				}) : /* @__PURE__ */ L(on, {
+				}) : /* @__PURE__ */ I(dn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ L("button", {
+				s && /* @__PURE__ */ I("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3181,7 +3299,7 @@ function an({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ L("button", {
+				!a && /* @__PURE__ */ I("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3192,14 +3310,14 @@ function an({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ L(rn, {
+			l && s && /* @__PURE__ */ I(cn, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ L("input", {
+			s && !a && /* @__PURE__ */ I("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3218,20 +3336,20 @@ function an({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function on({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ L("span", {
+function dn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ I("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(on, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ I(dn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(kt, {
+		}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: n }), /* @__PURE__ */ I(At, {
 			label: `${t.join(" ")} ${n}`,
-			value: Vt(i),
+			value: Ut(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = At(r);
+				let i = jt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3244,58 +3362,58 @@ function on({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function sn({ store: e, state: t }) {
+function fn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
-		/* @__PURE__ */ L("ul", {
+	return /* @__PURE__ */ I("section", { children: [
+		/* @__PURE__ */ I("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ I("p", { children: "None." }),
+		/* @__PURE__ */ I("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ L("li", {
+			children: n.map((t) => /* @__PURE__ */ I("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ I("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ L("b", { children: t.code }),
+						/* @__PURE__ */ I("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ L("i", { children: t.where }),
-						/* @__PURE__ */ L("span", { children: t.why }),
-						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ I("i", { children: t.where }),
+						/* @__PURE__ */ I("span", { children: t.why }),
+						t.try && /* @__PURE__ */ I("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function cn({ store: e, state: t }) {
+function pn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ I("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "Elements" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ I("h2", { children: "Elements" }),
+			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ I("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ I("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3303,9 +3421,9 @@ function cn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ L("td", { children: [
+						/* @__PURE__ */ I("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ I("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ I("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3314,26 +3432,26 @@ function cn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ L("h2", { children: "Bonds" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ I("h2", { children: "Bonds" }),
+			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ I("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ I("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3341,17 +3459,17 @@ function cn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ I("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ I("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function K({ store: e, state: t }) {
-	let [n, r] = U(null), [i, a] = U(null), o = t.look.revision;
-	ut(() => {
+function mn({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
+	dt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3360,15 +3478,15 @@ function K({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ I("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: [
+			/* @__PURE__ */ I("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ I("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ L("textarea", {
+			/* @__PURE__ */ I("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3377,13 +3495,13 @@ function K({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ I("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ I("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3393,7 +3511,7 @@ function K({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function ln(e) {
+function hn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3416,20 +3534,20 @@ function ln(e) {
 		parts: r
 	};
 }
-function un({ store: e, state: t }) {
-	let [n, r] = U(""), { kinds: i, parts: a } = ln(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function gn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ L("aside", {
+	return /* @__PURE__ */ I("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ L("button", {
+				children: i.map((e) => /* @__PURE__ */ I("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3440,27 +3558,27 @@ function un({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ I("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ L("details", {
+					return n.length ? /* @__PURE__ */ I("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ L("summary", { children: [
+						children: [/* @__PURE__ */ I("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ L("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							/* @__PURE__ */ I("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ I("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3476,8 +3594,8 @@ function un({ store: e, state: t }) {
 		]
 	});
 }
-function dn({ store: e, state: t }) {
-	let [n, r] = U(""), { kinds: i, parts: a } = ln(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function _n({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3494,11 +3612,11 @@ function dn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ I("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3507,10 +3625,10 @@ function dn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+		}), /* @__PURE__ */ I("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ I("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("b", { children: e.letters }),
+				/* @__PURE__ */ I("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3518,65 +3636,65 @@ function dn({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var fn = !0, pn = "uplot", mn = "u-hz", hn = "u-vt", gn = "u-title", _n = "u-wrap", vn = "u-under", yn = "u-over", bn = "u-axis", xn = "u-off", Sn = "u-select", Cn = "u-cursor-x", wn = "u-cursor-y", Tn = "u-cursor-pt", En = "u-legend", Dn = "u-live", On = "u-inline", kn = "u-series", An = "u-marker", jn = "u-label", Mn = "u-value", Nn = "width", Pn = "height", Fn = "top", In = "bottom", Ln = "left", Rn = "right", zn = "#000", Bn = "#0000", Vn = "mousemove", Hn = "mousedown", Un = "mouseup", Wn = "mouseenter", Gn = "mouseleave", Kn = "dblclick", qn = "resize", Jn = "scroll", Yn = "change", Xn = "dppxchange", Zn = "--", Qn = typeof window < "u", $n = Qn ? document : null, er = Qn ? window : null, tr = Qn ? navigator : null, q, nr;
-function rr() {
+var vn = !0, yn = "uplot", bn = "u-hz", xn = "u-vt", Sn = "u-title", Cn = "u-wrap", wn = "u-under", Tn = "u-over", En = "u-axis", Dn = "u-off", On = "u-select", kn = "u-cursor-x", An = "u-cursor-y", jn = "u-cursor-pt", Mn = "u-legend", Nn = "u-live", Pn = "u-inline", Fn = "u-series", In = "u-marker", Ln = "u-label", Rn = "u-value", zn = "width", Bn = "height", Vn = "top", Hn = "bottom", Un = "left", Wn = "right", Gn = "#000", Kn = "#0000", qn = "mousemove", Jn = "mousedown", Yn = "mouseup", Xn = "mouseenter", Zn = "mouseleave", Qn = "dblclick", $n = "resize", er = "scroll", tr = "change", nr = "dppxchange", rr = "--", ir = typeof window < "u", ar = ir ? document : null, or = ir ? window : null, sr = ir ? navigator : null, K, cr;
+function lr() {
 	let e = devicePixelRatio;
-	q != e && (q = e, nr && _r(Yn, nr, rr), nr = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), gr(Yn, nr, rr), er.dispatchEvent(new CustomEvent(Xn)));
+	K != e && (K = e, cr && Cr(tr, cr, lr), cr = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), Sr(tr, cr, lr), or.dispatchEvent(new CustomEvent(nr)));
 }
-function ir(e, t) {
+function ur(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function ar(e, t) {
+function dr(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function J(e, t, n) {
+function q(e, t, n) {
 	e.style[t] = n + "px";
 }
-function or(e, t, n, r) {
-	let i = $n.createElement(e);
-	return t != null && ir(i, t), n?.insertBefore(i, r), i;
+function fr(e, t, n, r) {
+	let i = ar.createElement(e);
+	return t != null && ur(i, t), n?.insertBefore(i, r), i;
 }
-function sr(e, t) {
-	return or("div", e, t);
+function pr(e, t) {
+	return fr("div", e, t);
 }
-var cr = /* @__PURE__ */ new WeakMap();
-function lr(e, t, n, r, i) {
+var mr = /* @__PURE__ */ new WeakMap();
+function hr(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != cr.get(e) && (e.style.transform = a, cr.set(e, a), t < 0 || n < 0 || t > r || n > i ? ir(e, xn) : ar(e, xn));
+	a != mr.get(e) && (e.style.transform = a, mr.set(e, a), t < 0 || n < 0 || t > r || n > i ? ur(e, Dn) : dr(e, Dn));
 }
-var ur = /* @__PURE__ */ new WeakMap();
-function dr(e, t, n) {
+var gr = /* @__PURE__ */ new WeakMap();
+function _r(e, t, n) {
 	let r = t + n;
-	r != ur.get(e) && (ur.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != gr.get(e) && (gr.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var fr = /* @__PURE__ */ new WeakMap();
-function pr(e, t, n, r) {
+var vr = /* @__PURE__ */ new WeakMap();
+function yr(e, t, n, r) {
 	let i = t + "" + n;
-	i != fr.get(e) && (fr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != vr.get(e) && (vr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var mr = { passive: !0 }, hr = {
-	...mr,
+var br = { passive: !0 }, xr = {
+	...br,
 	capture: !0
 };
-function gr(e, t, n, r) {
-	t.addEventListener(e, n, r ? hr : mr);
+function Sr(e, t, n, r) {
+	t.addEventListener(e, n, r ? xr : br);
 }
-function _r(e, t, n, r) {
-	t.removeEventListener(e, n, mr);
+function Cr(e, t, n, r) {
+	t.removeEventListener(e, n, br);
 }
-Qn && rr();
-function vr(e, t, n, r) {
+ir && lr();
+function wr(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : zr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Gr((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function yr(e) {
+function Tr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3590,9 +3708,9 @@ function yr(e) {
 		return [i, a];
 	};
 }
-var br = (e) => e != null, xr = (e) => e != null && e > 0, Sr = yr(br), Cr = yr(xr);
-function wr(e, t, n, r = 0, i = !1) {
-	let a = i ? Cr : Sr, o = i ? xr : br;
+var Er = (e) => e != null, Dr = (e) => e != null && e > 0, Or = Tr(Er), kr = Tr(Dr);
+function Ar(e, t, n, r = 0, i = !1) {
+	let a = i ? kr : Or, o = i ? Dr : Er;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3603,106 +3721,106 @@ function wr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? Xr, c ?? -Xr];
+	return [s ?? ni, c ?? -ni];
 }
-function Tr(e, t, n, r) {
-	let i = Gr(e), a = Gr(t);
+function jr(e, t, n, r) {
+	let i = Zr(e), a = Zr(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Kr : qr, s = i == 1 ? zr : Vr, c = a == 1 ? Vr : zr, l = s(o(Rr(e))), u = c(o(Rr(t))), d = Wr(n, l), f = Wr(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ui(e, d), t = li(t, f)), [e, t];
+	let o = n == 10 ? Qr : $r, s = i == 1 ? Gr : qr, c = a == 1 ? qr : Gr, l = s(o(Wr(e))), u = c(o(Wr(t))), d = Xr(n, l), f = Xr(n, u);
+	return n == 10 && (l < 0 && (d = X(d, -l)), u < 0 && (f = X(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = gi(e, d), t = hi(t, f)), [e, t];
 }
-function Er(e, t, n, r) {
-	let i = Tr(e, t, n, r);
+function Mr(e, t, n, r) {
+	let i = jr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Dr = .1, Or = {
+var Nr = .1, Pr = {
 	mode: 3,
-	pad: Dr
-}, kr = {
+	pad: Nr
+}, Fr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ar = {
-	min: kr,
-	max: kr
+}, Ir = {
+	min: Fr,
+	max: Fr
 };
-function jr(e, t, n, r) {
-	return xi(n) ? Nr(e, t, n) : (kr.pad = n, kr.soft = r ? 0 : null, kr.mode = r ? 3 : 0, Nr(e, t, Ar));
+function Lr(e, t, n, r) {
+	return Ei(n) ? zr(e, t, n) : (Fr.pad = n, Fr.soft = r ? 0 : null, Fr.mode = r ? 3 : 0, zr(e, t, Ir));
 }
-function Y(e, t) {
+function J(e, t) {
 	return e ?? t;
 }
-function Mr(e, t, n) {
-	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
+function Rr(e, t, n) {
+	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Nr(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Xr), c = Y(i.hard, Xr), l = Y(r.soft, Xr), u = Y(i.soft, -Xr), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Kr(p), h = Ur(Rr(e), Rr(t)), g = Rr(Kr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Xr && (a = 0), f == 2 && u != -Xr && (o = 0)));
-	let _ = p || h || 1e3, v = Wr(10, zr(Kr(_))), y = Z(ui(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Xr, x = Ur(s, y < b && e >= b ? b : Hr(b, y)), S = Z(li(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Xr, w = Hr(c, S > C && t <= C ? C : Ur(C, S));
+function zr(e, t, n) {
+	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ni), c = J(i.hard, ni), l = J(r.soft, ni), u = J(i.soft, -ni), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = Qr(p), h = Yr(Wr(e), Wr(t)), g = Wr(Qr(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ni && (a = 0), f == 2 && u != -ni && (o = 0)));
+	let _ = p || h || 1e3, v = Xr(10, Gr(Qr(_))), y = X(gi(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ni, x = Yr(s, y < b && e >= b ? b : Jr(b, y)), S = X(hi(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ni, w = Jr(c, S > C && t <= C ? C : Yr(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Pr = new Intl.NumberFormat(Qn ? tr.language : "en-US"), Fr = (e) => Pr.format(e), Ir = Math, Lr = Ir.PI, Rr = Ir.abs, zr = Ir.floor, Br = Ir.round, Vr = Ir.ceil, Hr = Ir.min, Ur = Ir.max, Wr = Ir.pow, Gr = Ir.sign, Kr = Ir.log10, qr = Ir.log2, Jr = (e, t = 1) => Ir.sinh(e) * t, Yr = (e, t = 1) => Ir.asinh(e / t), Xr = Infinity;
-function Zr(e) {
-	return (Kr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Br = new Intl.NumberFormat(ir ? sr.language : "en-US"), Vr = (e) => Br.format(e), Hr = Math, Ur = Hr.PI, Wr = Hr.abs, Gr = Hr.floor, Kr = Hr.round, qr = Hr.ceil, Jr = Hr.min, Yr = Hr.max, Xr = Hr.pow, Zr = Hr.sign, Qr = Hr.log10, $r = Hr.log2, ei = (e, t = 1) => Hr.sinh(e) * t, ti = (e, t = 1) => Hr.asinh(e / t), ni = Infinity;
+function ri(e) {
+	return (Qr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function Qr(e, t, n) {
-	return Hr(Ur(e, t), n);
+function ii(e, t, n) {
+	return Jr(Yr(e, t), n);
 }
-function $r(e) {
+function ai(e) {
 	return typeof e == "function";
 }
-function X(e) {
-	return $r(e) ? e : () => e;
+function Y(e) {
+	return ai(e) ? e : () => e;
 }
-var ei = () => {}, ti = (e) => e, ni = (e, t) => t, ri = (e) => null, ii = (e) => !0, ai = (e, t) => e == t, oi = /\.\d*?(?=9{6,}|0{6,})/gm, si = (e) => {
-	if (vi(e) || di.has(e)) return e;
-	let t = `${e}`, n = t.match(oi);
+var oi = () => {}, si = (e) => e, ci = (e, t) => t, li = (e) => null, ui = (e) => !0, di = (e, t) => e == t, fi = /\.\d*?(?=9{6,}|0{6,})/gm, pi = (e) => {
+	if (Ci(e) || _i.has(e)) return e;
+	let t = `${e}`, n = t.match(fi);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${si(e)}e${n}`;
+		return +`${pi(e)}e${n}`;
 	}
-	return Z(e, r);
+	return X(e, r);
 };
-function ci(e, t) {
-	return si(Z(si(e / t)) * t);
+function mi(e, t) {
+	return pi(X(pi(e / t)) * t);
 }
-function li(e, t) {
-	return si(Vr(si(e / t)) * t);
+function hi(e, t) {
+	return pi(qr(pi(e / t)) * t);
 }
-function ui(e, t) {
-	return si(zr(si(e / t)) * t);
+function gi(e, t) {
+	return pi(Gr(pi(e / t)) * t);
 }
-function Z(e, t = 0) {
-	if (vi(e)) return e;
+function X(e, t = 0) {
+	if (Ci(e)) return e;
 	let n = 10 ** t;
-	return Br(e * n * (1 + 2 ** -52)) / n;
+	return Kr(e * n * (1 + 2 ** -52)) / n;
 }
-var di = /* @__PURE__ */ new Map();
-function fi(e) {
+var _i = /* @__PURE__ */ new Map();
+function vi(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function pi(e, t, n, r) {
-	let i = [], a = r.map(fi);
+function Z(e, t, n, r) {
+	let i = [], a = r.map(vi);
 	for (let o = t; o < n; o++) {
-		let t = Rr(o), n = Z(Wr(e, o), t);
+		let t = Wr(o), n = X(Xr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), di.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : X(c, l);
+			i.push(u), _i.set(u, l);
 		}
 	}
 	return i;
 }
-var mi = {}, hi = [], gi = [null, null], _i = Array.isArray, vi = Number.isInteger, yi = (e) => e === void 0;
-function bi(e) {
+var yi = {}, bi = [], xi = [null, null], Si = Array.isArray, Ci = Number.isInteger, wi = (e) => e === void 0;
+function Ti(e) {
 	return typeof e == "string";
 }
-function xi(e) {
+function Ei(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3710,35 +3828,35 @@ function xi(e) {
 	}
 	return t;
 }
-function Si(e) {
+function Di(e) {
 	return typeof e == "object" && !!e;
 }
-var Ci = Object.getPrototypeOf(Uint8Array), wi = "__proto__";
-function Ti(e, t = xi) {
+var Oi = Object.getPrototypeOf(Uint8Array), ki = "__proto__";
+function Ai(e, t = Ei) {
 	let n;
-	if (_i(e)) {
+	if (Si(e)) {
 		let r = e.find((e) => e != null);
-		if (_i(r) || t(r)) {
+		if (Si(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ti(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ai(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Ci) n = e.slice();
+	} else if (e instanceof Oi) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != wi && (n[r] = Ti(e[r], t));
+		for (let r in e) r != ki && (n[r] = Ai(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ei(e) {
+function ji(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != wi && (xi(e[t]) ? Ei(e[t], Ti(r[t])) : e[t] = Ti(r[t]));
+		for (let t in r) t != ki && (Ei(e[t]) ? ji(e[t], Ai(r[t])) : e[t] = Ai(r[t]));
 	}
 	return e;
 }
-var Di = 0, Oi = 1, ki = 2;
-function Ai(e, t, n) {
+var Mi = 0, Ni = 1, Pi = 2;
+function Fi(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3747,11 +3865,11 @@ function Ai(e, t, n) {
 		}
 	}
 }
-function ji(e, t) {
-	if (Pi(e)) {
+function Ii(e, t) {
+	if (zi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Fi(t[0]) || (t = Ni(t)), t;
+		return Bi(t[0]) || (t = Ri(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3763,18 +3881,18 @@ function ji(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Oi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ni, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Di && (l[n] = t, u == ki && d.push(n)) : l[n] = t;
+				t === null ? u != Mi && (l[n] = t, u == Pi && d.push(n)) : l[n] = t;
 			}
-			Ai(l, d, i), r.push(l);
+			Fi(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Mi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ni(e) {
+var Li = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ri(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3786,7 +3904,7 @@ function Ni(e) {
 	}
 	return i;
 }
-function Pi(e) {
+function zi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3797,14 +3915,14 @@ function Pi(e) {
 	}
 	return !0;
 }
-function Fi(e, t = 100) {
+function Bi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Ur(1, zr((i - r + 1) / t));
+	let a = Yr(1, Gr((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3814,7 +3932,7 @@ function Fi(e, t = 100) {
 	}
 	return !0;
 }
-var Ii = [
+var Vi = [
 	"January",
 	"February",
 	"March",
@@ -3827,7 +3945,7 @@ var Ii = [
 	"October",
 	"November",
 	"December"
-], Li = [
+], Hi = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3836,33 +3954,33 @@ var Ii = [
 	"Friday",
 	"Saturday"
 ];
-function Ri(e) {
+function Ui(e) {
 	return e.slice(0, 3);
 }
-var zi = Li.map(Ri), Bi = {
-	MMMM: Ii,
-	MMM: Ii.map(Ri),
-	WWWW: Li,
-	WWW: zi
+var Wi = Hi.map(Ui), Gi = {
+	MMMM: Vi,
+	MMM: Vi.map(Ui),
+	WWWW: Hi,
+	WWW: Wi
 };
-function Vi(e) {
+function Ki(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Hi(e) {
+function qi(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Ui = {
+var Ji = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Vi(e.getMonth() + 1),
+	MM: (e) => Ki(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Vi(e.getDate()),
+	DD: (e) => Ki(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Vi(e.getHours()),
+	HH: (e) => Ki(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3871,35 +3989,35 @@ var Ui = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Vi(e.getMinutes()),
+	mm: (e) => Ki(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Vi(e.getSeconds()),
+	ss: (e) => Ki(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Hi(e.getMilliseconds())
+	fff: (e) => qi(e.getMilliseconds())
 };
-function Wi(e, t) {
-	t ||= Bi;
+function Yi(e, t) {
+	t ||= Gi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ui[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ji[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Gi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Ki(e, t) {
+var Xi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Zi(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Gi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Xi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var qi = (e) => e % 1 == 0, Ji = [
+var Qi = (e) => e % 1 == 0, $i = [
 	1,
 	2,
 	2.5,
 	5
-], Yi = pi(10, -32, 0, Ji), Xi = pi(10, 0, 32, Ji), Zi = Xi.filter(qi), Qi = Yi.concat(Xi), $i = "\n", ea = "{YYYY}", ta = $i + ea, na = "{M}/{D}", ra = $i + na, ia = ra + "/{YY}", aa = "{aa}", oa = "{h}:{mm}" + aa, sa = $i + oa, ca = ":{ss}", Q = null;
-function la(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? pi(10, 0, 3, Ji).filter(qi) : pi(10, -3, 0, Ji)).concat([
+], ea = Z(10, -32, 0, $i), ta = Z(10, 0, 32, $i), na = ta.filter(Qi), ra = ea.concat(ta), ia = "\n", aa = "{YYYY}", oa = ia + aa, sa = "{M}/{D}", ca = ia + sa, la = ca + "/{YY}", ua = "{aa}", da = "{h}:{mm}" + ua, fa = ia + da, pa = ":{ss}", Q = null;
+function ma(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Z(10, 0, 3, $i).filter(Qi) : Z(10, -3, 0, $i)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -3943,7 +4061,7 @@ function la(e) {
 	]), c = [
 		[
 			o,
-			ea,
+			aa,
 			Q,
 			Q,
 			Q,
@@ -3955,7 +4073,7 @@ function la(e) {
 		[
 			i * 28,
 			"{MMM}",
-			ta,
+			oa,
 			Q,
 			Q,
 			Q,
@@ -3965,8 +4083,8 @@ function la(e) {
 		],
 		[
 			i,
-			na,
-			ta,
+			sa,
+			oa,
 			Q,
 			Q,
 			Q,
@@ -3976,10 +4094,10 @@ function la(e) {
 		],
 		[
 			r,
-			"{h}" + aa,
-			ia,
+			"{h}" + ua,
+			la,
 			Q,
-			ra,
+			ca,
 			Q,
 			Q,
 			Q,
@@ -3987,10 +4105,10 @@ function la(e) {
 		],
 		[
 			n,
-			oa,
-			ia,
+			da,
+			la,
 			Q,
-			ra,
+			ca,
 			Q,
 			Q,
 			Q,
@@ -3998,45 +4116,45 @@ function la(e) {
 		],
 		[
 			t,
-			ca,
-			ia + " " + oa,
+			pa,
+			la + " " + da,
 			Q,
-			ra + " " + oa,
+			ca + " " + da,
 			Q,
-			sa,
+			fa,
 			Q,
 			1
 		],
 		[
 			e,
-			ca + ".{fff}",
-			ia + " " + oa,
+			pa + ".{fff}",
+			la + " " + da,
 			Q,
-			ra + " " + oa,
+			ca + " " + da,
 			Q,
-			sa,
+			fa,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ya(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = X(g * e, 3), v = wa(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = X(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ya(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Br(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : X(wa(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Kr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = ya(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
-					i = Z((+o + s) * e, 3), i <= u && p.push(i);
+					let o = wa(c + r * a, l + n * a, 1), s = o - t(X(o * e, 3));
+					i = X((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (zr(l) - zr(_)) + li(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Gr(l) - Gr(_)) + hi(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = zr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = X(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = Gr(X(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Z((o - i) / d, 3) * v >= .7 && p.push(o);
+					X((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -4048,12 +4166,12 @@ function la(e) {
 		l
 	];
 }
-var [ua, da, fa] = la(1), [pa, ma, ha] = la(.001);
-pi(2, -53, 53, [1]);
-function ga(e, t) {
+var [ha, ga, _a] = ma(1), [va, ya, ba] = ma(.001);
+Z(2, -53, 53, [1]);
+function xa(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function _a(e, t) {
+function Sa(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -4062,98 +4180,98 @@ function _a(e, t) {
 		});
 	};
 }
-function va(e, t) {
-	let n = Wi(t);
+function Ca(e, t) {
+	let n = Yi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function ya(e, t, n) {
+function wa(e, t, n) {
 	return new Date(e, t, n);
 }
-function ba(e, t) {
+function Ta(e, t) {
 	return t(e);
 }
-var xa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Sa(e, t) {
-	return (n, r, i, a) => a == null ? Zn : t(e(r));
+var Ea = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Da(e, t) {
+	return (n, r, i, a) => a == null ? rr : t(e(r));
 }
-function Ca(e, t) {
+function Oa(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function wa(e, t) {
+function ka(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Ta = {
+var Aa = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ei,
+	mount: oi,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Ca,
-		fill: wa,
+		stroke: Oa,
+		fill: ka,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Ea(e, t) {
-	let n = e.cursor.points, r = sr(), i = n.size(e, t);
-	J(r, Nn, i), J(r, Pn, i);
+function ja(e, t) {
+	let n = e.cursor.points, r = pr(), i = n.size(e, t);
+	q(r, zn, i), q(r, Bn, i);
 	let a = i / -2;
-	J(r, "marginLeft", a), J(r, "marginTop", a);
+	q(r, "marginLeft", a), q(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && J(r, "borderWidth", o), r;
+	return o && q(r, "borderWidth", o), r;
 }
-function Da(e, t) {
+function Ma(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Oa(e, t) {
+function Na(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function ka(e, t) {
+function Pa(e, t) {
 	return e.series[t].points.size;
 }
-var Aa = [0, 0];
-function ja(e, t, n) {
-	return Aa[0] = t, Aa[1] = n, Aa;
+var Fa = [0, 0];
+function Ia(e, t, n) {
+	return Fa[0] = t, Fa[1] = n, Fa;
 }
-function Ma(e, t, n, r = !0) {
+function La(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Na(e, t, n, r = !0) {
+function Ra(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Pa = {
+var za = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: ja,
+	move: Ia,
 	points: {
 		one: !1,
-		show: Ea,
-		size: ka,
+		show: ja,
+		size: Pa,
 		width: 0,
-		stroke: Oa,
-		fill: Da
+		stroke: Na,
+		fill: Ma
 	},
 	bind: {
-		mousedown: Ma,
-		mouseup: Ma,
-		click: Ma,
-		dblclick: Ma,
-		mousemove: Na,
-		mouseleave: Na,
-		mouseenter: Na
+		mousedown: La,
+		mouseup: La,
+		click: La,
+		dblclick: La,
+		mousemove: Ra,
+		mouseleave: Ra,
+		mouseenter: Ra
 	},
 	drag: {
 		setScale: !0,
@@ -4183,139 +4301,139 @@ var Pa = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Fa = {
+}, Ba = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Ia = Ei({}, Fa, { filter: ni }), La = Ei({}, Ia, { size: 10 }), Ra = Ei({}, Fa, { show: !1 }), za = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ba = "bold " + za, Va = 1.5, Ha = {
+}, Va = ji({}, Ba, { filter: ci }), Ha = ji({}, Va, { size: 10 }), Ua = ji({}, Ba, { show: !1 }), Wa = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ga = "bold " + Wa, Ka = 1.5, qa = {
 	show: !0,
 	scale: "x",
-	stroke: zn,
+	stroke: Gn,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ba,
+	labelFont: Ga,
 	side: 2,
-	grid: Ia,
-	ticks: La,
-	border: Ra,
-	font: za,
-	lineGap: Va,
+	grid: Va,
+	ticks: Ha,
+	border: Ua,
+	font: Wa,
+	lineGap: Ka,
 	rotate: 0
-}, Ua = "Value", Wa = "Time", Ga = {
+}, Ja = "Value", Ya = "Time", Xa = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: Xr,
+	min: ni,
 	max: -Infinity,
 	idxs: []
 };
-function Ka(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Fr(e));
+function Za(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Vr(e));
 }
-function qa(e, t, n, r, i, a, o) {
-	let s = [], c = di.get(i) || 0;
-	n = o ? n : Z(li(n, i), c);
-	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function Qa(e, t, n, r, i, a, o) {
+	let s = [], c = _i.get(i) || 0;
+	n = o ? n : X(hi(n, i), c);
+	for (let e = n; e <= r; e = X(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function Ja(e, t, n, r, i, a, o) {
+function $a(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Wr(c, zr((c == 10 ? Kr : qr)(n))), c == 10 && (i = Qi[vr(i, Qi)]);
+	i = Xr(c, Gr((c == 10 ? Qr : $r)(n))), c == 10 && (i = ra[wr(i, ra)]);
 	let l = n, u = i * c;
-	c == 10 && (u = Qi[vr(u, Qi)]);
+	c == 10 && (u = ra[wr(u, ra)]);
 	do
-		s.push(l), l += i, c == 10 && !di.has(l) && (l = Z(l, di.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Qi[vr(u, Qi)]));
+		s.push(l), l += i, c == 10 && !_i.has(l) && (l = X(l, _i.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ra[wr(u, ra)]));
 	while (l <= r);
 	return s;
 }
-function Ya(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Ja(e, t, Ur(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? Ja(e, t, Ur(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function eo(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? $a(e, t, Yr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? $a(e, t, Yr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var Xa = /./, Za = /[12357]/, Qa = /[125]/, $a = /1/, eo = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function to(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Xa : c(7, o) - u >= l ? Za : c(5, o) - u >= l ? Qa : $a;
-	if (d == $a) {
-		let e = Rr(c(1, o) - u);
-		if (e < l) return eo(t.slice().reverse(), s.distr, d, Vr(l / e)).reverse();
+var to = /./, no = /[12357]/, ro = /[125]/, io = /1/, ao = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function oo(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? to : c(7, o) - u >= l ? no : c(5, o) - u >= l ? ro : io;
+	if (d == io) {
+		let e = Wr(c(1, o) - u);
+		if (e < l) return ao(t.slice().reverse(), s.distr, d, qr(l / e)).reverse();
 	}
-	return eo(t, s.distr, d, 1);
+	return ao(t, s.distr, d, 1);
 }
-function no(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Rr(c(1, o) - c(2, o));
-	return l < s ? eo(t.slice().reverse(), 3, Xa, Vr(s / l)).reverse() : t;
+function so(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Wr(c(1, o) - c(2, o));
+	return l < s ? ao(t.slice().reverse(), 3, to, qr(s / l)).reverse() : t;
 }
-function ro(e, t, n, r) {
-	return r == null ? Zn : t == null ? "" : Fr(t);
+function co(e, t, n, r) {
+	return r == null ? rr : t == null ? "" : Vr(t);
 }
-var io = {
+var lo = {
 	show: !0,
 	scale: "y",
-	stroke: zn,
+	stroke: Gn,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ba,
+	labelFont: Ga,
 	side: 3,
-	grid: Ia,
-	ticks: La,
-	border: Ra,
-	font: za,
-	lineGap: Va,
+	grid: Va,
+	ticks: Ha,
+	border: Ua,
+	font: Wa,
+	lineGap: Ka,
 	rotate: 0
 };
-function ao(e, t) {
-	return Z((3 + (e || 1) * 2) * t, 3);
+function uo(e, t) {
+	return X((3 + (e || 1) * 2) * t, 3);
 }
-function oo(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Rr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+function fo(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Wr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
 	return r[1] - r[0] <= o;
 }
-var so = {
+var po = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: Xr,
+	min: ni,
 	max: -Infinity
-}, co = (e, t, n, r, i) => i, lo = {
+}, mo = (e, t, n, r, i) => i, ho = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: co,
+	gaps: mo,
 	alpha: 1,
-	facets: [Ei({}, so, { scale: "x" }), Ei({}, so, { scale: "y" })]
-}, uo = {
+	facets: [ji({}, po, { scale: "x" }), ji({}, po, { scale: "y" })]
+}, go = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: co,
+	gaps: mo,
 	alpha: 1,
 	points: {
-		show: oo,
+		show: fo,
 		filter: null
 	},
 	values: null,
-	min: Xr,
+	min: ni,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function fo(e, t, n, r, i) {
+function _o(e, t, n, r, i) {
 	return n / 10;
 }
-var po = {
-	time: fn,
+var vo = {
+	time: vn,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -4324,12 +4442,12 @@ var po = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, mo = Ei({}, po, {
+}, yo = ji({}, vo, {
 	time: !1,
 	ori: 1
-}), ho = {};
-function go(e, t) {
-	let n = ho[e];
+}), bo = {};
+function xo(e, t) {
+	let n = bo[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4342,38 +4460,38 @@ function go(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (ho[e] = n)), n;
+	}, e != null && (bo[e] = n)), n;
 }
-var _o = 1, vo = 2;
-function yo(e, t, n) {
+var So = 1, Co = 2;
+function wo(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Oo, Ao, Mo, Po, Io) : n(i, c, l, u, d, _, g, p, f, h, m, ko, jo, No, Fo, Lo);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, No, Fo, Lo, zo, Vo) : n(i, c, l, u, d, _, g, p, f, h, m, Po, Io, Ro, Bo, Ho);
 }
-function bo(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, hi);
+function To(e, t) {
+	let n = 0, r = 0, i = J(e.bands, bi);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function xo(e, t, n, r, i) {
+function Eo(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function So(e, t, n, r, i, a) {
-	return yo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ao : jo, v, y;
+function Do(e, t, n, r, i, a) {
+	return wo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Fo : Io, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Co(e, t, n, r, i, a) {
+function Oo(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Mo : No, c = n;
+		let s = t == 0 ? Lo : Ro, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4386,11 +4504,11 @@ function Co(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function wo(e, t, n) {
+function ko(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function To(e, t, n, r, i, a, o) {
+function Ao(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4403,11 +4521,11 @@ function To(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Eo(e) {
-	return e == 0 ? ti : e == 1 ? Br : (t) => ci(t, e);
+function jo(e) {
+	return e == 0 ? si : e == 1 ? Kr : (t) => mi(t, e);
 }
-function Do(e) {
-	let t = e == 0 ? Oo : ko, n = e == 0 ? (e, t, n, r, i, a) => {
+function Mo(e) {
+	let t = e == 0 ? No : Po, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4417,36 +4535,36 @@ function Do(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Hr(c, o / 2, s / 2), l = Hr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Jr(c, o / 2, s / 2), l = Jr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Oo = (e, t, n) => {
+var No = (e, t, n) => {
 	e.moveTo(t, n);
-}, ko = (e, t, n) => {
+}, Po = (e, t, n) => {
 	e.moveTo(n, t);
-}, Ao = (e, t, n) => {
+}, Fo = (e, t, n) => {
 	e.lineTo(t, n);
-}, jo = (e, t, n) => {
+}, Io = (e, t, n) => {
 	e.lineTo(n, t);
-}, Mo = Do(0), No = Do(1), Po = (e, t, n, r, i, a) => {
+}, Lo = Mo(0), Ro = Mo(1), zo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Fo = (e, t, n, r, i, a) => {
+}, Bo = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Io = (e, t, n, r, i, a, o) => {
+}, Vo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Lo = (e, t, n, r, i, a, o) => {
+}, Ho = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Ro(e) {
-	return (e, t, n, r, i) => yo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Uo(e) {
+	return (e, t, n, r, i) => wo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Oo, v = Po) : (_ = ko, v = Fo);
-		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Mo(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = No, v = zo) : (_ = Po, v = Bo);
+		let y = X(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = X(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Lo(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Lr * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Ur * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4459,25 +4577,25 @@ function Ro(e) {
 		};
 	});
 }
-function zo(e) {
+function Wo(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Bo = zo(Ao), Vo = zo(jo);
-function Ho(e) {
-	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => yo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Sr(s, r, i);
+var Go = Wo(Fo), Ko = Wo(Io);
+function qo(e) {
+	let t = J(e?.alignGaps, 0);
+	return (e, n, r, i) => wo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Or(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Ao, b = Bo) : (y = jo, b = Vo);
+		c.ori == 0 ? (y = Fo, b = Go) : (y = Io, b = Ko);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: _o
+			flags: So
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4490,134 +4608,134 @@ function Ho(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = bo(e, n);
+		let [T, E] = To(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...To(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Co(l, c.ori, f, p, m, h);
+			w && l.push(...Ao(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Oo(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [So(e, n, r, i, C, -1), So(e, n, r, i, C, 1)] : So(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Do(e, n, r, i, C, -1), Do(e, n, r, i, C, 1)] : Do(e, n, r, i, C, E)), S;
 	});
 }
-function Uo(e) {
-	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => yo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Sr(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ao : jo, T = {
+function Jo(e) {
+	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
+	return (e, a, o, s) => wo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Or(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Fo : Io, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: _o
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
-		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
+			flags: So
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
+		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
+			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
 		}
-		let ee = A;
-		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = bo(e, a);
-		if (c.fill != null || te != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
-			w(t, ee, n), w(t, j, n);
+		let te = ee;
+		i && t == 1 && (te = b + x, w(E, te, O));
+		let [ne, re] = To(e, a);
+		if (c.fill != null || ne != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ne));
+			w(t, te, n), w(t, A, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...To(l, u, o, s, D, S, r));
-			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Ao(l, u, o, s, D, S, r));
+			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Co(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Oo(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [So(e, a, o, s, E, -1), So(e, a, o, s, E, 1)] : So(e, a, o, s, E, ne)), T;
+		return re != 0 && (T.band = re == 2 ? [Do(e, a, o, s, E, -1), Do(e, a, o, s, E, 1)] : Do(e, a, o, s, E, re)), T;
 	});
 }
-function Wo(e, t, n, r, i, a, o = Xr) {
+function Yo(e, t, n, r, i, a, o = ni) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Rr(e[c] - e[s]);
-				t < l && (l = t, o = Rr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Wr(e[c] - e[s]);
+				t < l && (l = t, o = Wr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Go(e) {
-	e ||= mi;
-	let t = Y(e.size, [
+function Xo(e) {
+	e ||= yi;
+	let t = J(e.size, [
 		.6,
-		Xr,
+		ni,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], Xr), c = Y(t[2], 1), l = Y(e.disp, mi), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => yo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
-		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Mo : No, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = Y(i), o = 1 - t[0], s = J(t[1], ni), c = J(t[2], 1), l = J(e.disp, yi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => wo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, ee, A;
+		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
+		let te = _.dir * (_.ori == 0 ? 1 : -1), ne = _.ori == 0 ? Lo : Ro, re = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, hi).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
-			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
+		}, ie = J(e.bands, bi).find((e) => e.series[0] == t), ae = ie == null ? 0 : ie.dir, oe = m.fillTo(e, t, m.min, m.max, ae), j = T(b(oe, v, w, S)), M, N, se, P = C, F = T(m.width * K), ce = !1, le = null, ue = null, de = null, fe = null;
+		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+			e != null && ue.set(e, new Path2D());
+		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
+			e != null && fe.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Wo(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Wo(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ti);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(Qr(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: pe, size: me } = l;
+		if (pe != null && me != null) {
+			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = me.values(e, t, i, p);
+			N = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), P = Yo(h, g, y, _, C, x, P), se = P - N + D;
+		} else P = Yo(h, g, y, _, C, x, P), se = P * o + D, N = P - se;
+		se < 1 && (se = 0), F >= N / 2 && (F = 0), se < 5 && (T = si);
+		let he = se > 0, ge = P - se - (he ? F : 0);
+		N = T(ii(ge, k, O)), M = (E == 0 ? N / 2 : E == te ? 0 : N) - E * te * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
+		let _e = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, ve = ce ? null : new Path2D(), ye = null;
+		if (ie != null) ye = e.data[ie.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
 		}
-		let ye = A * P, be = j * P;
-		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
+		let be = ee * N, xe = A * N;
+		for (let n = te == 1 ? i : p; n >= i && n <= p; n += te) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (ye != null) {
+				let e = ye[n] ?? 0;
 				if (r - e == 0) continue;
-				M = b(e, v, w, S);
+				j = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Ur(a, M)), c = T(Hr(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, oe), v, w, S), o = T(i - M), s = T(Yr(a, j)), c = T(Jr(a, j)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + zr(I / 2), P, Ur(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + zr(I / 2), P, Ur(0, u - I), i, a)) : te(_e, o, c + zr(I / 2), P, Ur(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
+				ce ? (F > 0 && de[n] != null && ne(fe.get(de[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a), le[n] != null && ne(ue.get(le[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a)) : ne(ve, o, c + Gr(F / 2), N, Yr(0, u - F), i, a), re(e, t, n, o - F / 2, c, N + F, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
 	});
 }
-function Ko(e, t) {
-	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => yo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Sr(c, i, a);
+function Zo(e, t) {
+	let n = J(t?.alignGaps, 0);
+	return (t, r, i, a) => wo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Or(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Oo, S = Ao, x = Io) : (b = ko, S = jo, x = Lo);
+		l.ori == 0 ? (b = No, S = Fo, x = Vo) : (b = Po, S = Io, x = Ho);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4629,23 +4747,23 @@ function Ko(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: _o
-		}, k = O.stroke, [A, j] = bo(t, r);
-		if (o.fill != null || A != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
+			flags: So
+		}, k = O.stroke, [ee, A] = To(t, r);
+		if (o.fill != null || ee != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...To(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Co(e, l.ori, p, m, h, g);
+			e.push(...Ao(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Oo(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [So(t, r, i, a, k, -1), So(t, r, i, a, k, 1)] : So(t, r, i, a, k, j)), O;
+		return A != 0 && (O.band = A == 2 ? [Do(t, r, i, a, k, -1), Do(t, r, i, a, k, 1)] : Do(t, r, i, a, k, A)), O;
 	});
 }
-function qo(e) {
-	return Ko(Jo, e);
+function Qo(e) {
+	return Zo($o, e);
 }
-function Jo(e, t, n, r, i, a) {
+function $o(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4660,62 +4778,62 @@ function Jo(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var Yo = /* @__PURE__ */ new Set();
-function Xo() {
-	for (let e of Yo) e.syncRect(!0);
+var es = /* @__PURE__ */ new Set();
+function ts() {
+	for (let e of es) e.syncRect(!0);
 }
-Qn && (gr(qn, er, Xo), gr(Jn, er, Xo, !0), gr(Xn, er, () => {
-	fs.pxRatio = q;
+ir && (Sr($n, or, ts), Sr(er, or, ts, !0), Sr(nr, or, () => {
+	_s.pxRatio = K;
 }));
-var Zo = Ho(), Qo = Ro();
-function $o(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ts(e, r, t, n));
+var ns = qo(), rs = Uo();
+function is(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => os(e, r, t, n));
 }
-function es(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ei({}, t, e));
+function as(e, t) {
+	return e.map((e, n) => n == 0 ? {} : ji({}, t, e));
 }
-function ts(e, t, n, r) {
-	return Ei({}, t == 0 ? n : r, e);
+function os(e, t, n, r) {
+	return ji({}, t == 0 ? n : r, e);
 }
-function ns(e, t, n) {
-	return t == null ? gi : [t, n];
-}
-var rs = ns;
-function is(e, t, n) {
-	return t == null ? gi : jr(t, n, Dr, !0);
-}
-function as(e, t, n, r) {
-	return t == null ? gi : Tr(t, n, e.scales[r].log, !1);
-}
-var os = as;
-function ss(e, t, n, r) {
-	return t == null ? gi : Er(t, n, e.scales[r].log, !1);
+function ss(e, t, n) {
+	return t == null ? xi : [t, n];
 }
 var cs = ss;
-function ls(e, t, n, r, i) {
-	let a = Ur(Zr(e), Zr(t)), o = t - e, s = vr(i / r * o, n);
+function ls(e, t, n) {
+	return t == null ? xi : Lr(t, n, Nr, !0);
+}
+function us(e, t, n, r) {
+	return t == null ? xi : jr(t, n, e.scales[r].log, !1);
+}
+var ds = us;
+function fs(e, t, n, r) {
+	return t == null ? xi : Mr(t, n, e.scales[r].log, !1);
+}
+var ps = fs;
+function ms(e, t, n, r, i) {
+	let a = Yr(ri(e), ri(t)), o = t - e, s = wr(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? di.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? _i.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function us(e) {
+function hs(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Br((n = +r) * q)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Kr((n = +r) * K)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function ds(e) {
+function gs(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * q, 1);
+		let t = X(e[2] * K, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function fs(e, t, n) {
-	let r = { mode: Y(e.mode, 1) }, i = r.mode;
+function _s(e, t, n) {
+	let r = { mode: J(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4730,33 +4848,33 @@ function fs(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = sr(pn);
-	if (e.id != null && (l.id = e.id), ir(l, e.class), e.title) {
-		let t = sr(gn, l);
+	let l = r.root = pr(yn);
+	if (e.id != null && (l.id = e.id), ur(l, e.class), e.title) {
+		let t = pr(Sn, l);
 		t.textContent = e.title;
 	}
-	let u = or("canvas"), d = r.ctx = u.getContext("2d"), f = sr(_n, l);
-	gr("click", f, (e) => {
-		e.target === m && (W != en || G != tn) && on.click(r, e);
+	let u = fr("canvas"), d = r.ctx = u.getContext("2d"), f = pr(Cn, l);
+	Sr("click", f, (e) => {
+		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = sr(vn, f);
+	let p = r.under = pr(wn, f);
 	f.appendChild(u);
-	let m = r.over = sr(yn, f);
-	e = Ti(e);
-	let h = +Y(e.pxAlign, 1), g = Eo(h);
+	let m = r.over = pr(Tn, f);
+	e = Ai(e);
+	let h = +J(e.pxAlign, 1), g = jo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? $o(e.series || [], Ga, uo, !1) : es(e.series || [null], lo), y = r.axes = $o(e.axes || [], Ha, io, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? is(e.series || [], Xa, go, !1) : as(e.series || [null], ho), y = r.axes = is(e.axes || [], qa, lo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
+		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Rt,
-		series: Dt
+		axes: zt,
+		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Kr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Yr(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Qr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ti(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4765,30 +4883,30 @@ function fs(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || mi)[t] || mi;
+			let r = (e.scales || yi)[t] || yi;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ei({}, b[r.from], r, { key: t });
+				let e = ji({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ei({}, t == S ? po : mo, r), n.key = t;
-				let e = n.time, a = n.range, o = _i(a);
+				n = b[t] = ji({}, t == S ? vo : yo, r), n.key = t;
+				let e = n.time, a = n.range, o = Si(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Or : {
+					min: a[0] == null ? Pr : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Or : {
+					max: a[1] == null ? Pr : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && xi(a))) {
+				}, o = !1), !o && Ei(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? gi : jr(n, r, e);
+					a = (t, n, r) => n == null ? xi : Lr(n, r, e);
 				}
-				n.range = X(a || (e ? rs : t == S ? n.distr == 3 ? os : n.distr == 4 ? cs : ns : n.distr == 3 ? as : n.distr == 4 ? ss : is)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || fo), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Y(a || (e ? cs : t == S ? n.distr == 3 ? ds : n.distr == 4 ? ps : ss : n.distr == 3 ? us : n.distr == 4 ? fs : ls)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || _o), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4798,107 +4916,107 @@ function fs(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (ir(l, mn), k = a, A = o) : (ir(l, hn), k = o, A = a);
-	let j = {};
+	let D = b[S], O = D.distr, k, ee;
+	D.ori == 0 ? (ur(l, bn), k = a, ee = o) : (ur(l, xn), k = o, ee = a);
+	let A = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (j[e] = {
+		(t.min != null || t.max != null) && (A[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Br(e / _))), te = e.fmtDate || Wi, ne = _ == 1 ? fa(ee) : ha(ee), re = _a(ee, ga(_ == 1 ? da : ma, te)), ie = Sa(ee, ba(xa, te)), ae = [], M = r.legend = Ei({}, Ta, e.legend), N = r.cursor = Ei({}, Pa, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
-	if (M.live) {
+	let te = e.tzDate || ((e) => new Date(Kr(e / _))), ne = e.fmtDate || Yi, re = _ == 1 ? _a(te) : ba(te), ie = Sa(te, xa(_ == 1 ? ga : ya, ne)), ae = Da(te, Ta(Ea, ne)), oe = [], j = r.legend = ji({}, Aa, e.legend), M = r.cursor = ji({}, za, { drag: { y: i == 2 } }, e.cursor), N = j.show, se = M.show, P = j.markers;
+	j.idxs = oe, P.width = Y(P.width), P.dash = Y(P.dash), P.stroke = Y(P.stroke), P.fill = Y(P.fill);
+	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
+	if (j.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = Zn;
+		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
+		for (let e in fe) me[e] = rr;
 	}
-	if (P) {
-		if (I = or("table", En, l), ce = or("tbody", null, I), M.mount(r, I), fe) {
-			se = or("thead", null, I, ce);
-			let e = or("tr", null, se);
-			for (var me in or("th", null, e), de) or("th", jn, e).textContent = me;
-		} else ir(I, On), M.live && ir(I, Dn);
+	if (N) {
+		if (F = fr("table", Mn, l), le = fr("tbody", null, F), j.mount(r, F), pe) {
+			ce = fr("thead", null, F, le);
+			let e = fr("tr", null, ce);
+			for (var he in fr("th", null, e), fe) fr("th", Ln, e).textContent = he;
+		} else ur(F, Pn), j.live && ur(F, Nn);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return gi;
-		let n = [], a = or("tr", kn, ce, ce.childNodes[t]);
-		ir(a, e.class), e.show || ir(a, xn);
-		let o = or("th", null, a);
-		if (F.show) {
-			let e = sr(An, o);
+	let ge = { show: !0 }, _e = { show: !1 };
+	function ve(e, t) {
+		if (t == 0 && (pe || !j.live || i == 2)) return xi;
+		let n = [], a = fr("tr", Fn, le, le.childNodes[t]);
+		ur(a, e.class), e.show || ur(a, Dn);
+		let o = fr("th", null, a);
+		if (P.show) {
+			let e = pr(In, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = P.width(r, t);
+				n && (e.style.border = n + "px " + P.dash(r, t) + " " + P.stroke(r, t)), e.style.background = P.fill(r, t);
 			}
 		}
-		let s = sr(jn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
-			if (N._lock) return;
-			Ue(t);
+		let s = pr(Ln, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (P.show || (s.style.color = e.width > 0 ? P.stroke(r, t) : P.fill(r, t)), be("click", o, (t) => {
+			if (M._lock) return;
+			We(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+			if ((t.ctrlKey || t.metaKey) != j.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && zn(r, e ? r == n ? he : ge : he, !0, Oi.setSeries);
+					r > 0 && mn(r, e ? r == n ? ge : _e : ge, !0, Z.setSeries);
 				});
-			} else zn(n, { show: !e.show }, !0, Oi.setSeries);
-		}, !1), Ke && ye(Wn, o, (t) => {
-			N._lock || (Ue(t), zn(v.indexOf(e), cr, !0, Oi.setSeries));
-		}, !1)), de) {
-			let e = or("td", Mn, a);
+			} else mn(n, { show: !e.show }, !0, Z.setSeries);
+		}, !1), qe && be(Xn, o, (t) => {
+			M._lock || (We(t), mn(v.indexOf(e), tr, !0, Z.setSeries));
+		}, !1)), fe) {
+			let e = fr("td", Rn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (gr(e, t, a[e] = o), ve.set(t, a));
+	let ye = /* @__PURE__ */ new Map();
+	function be(e, t, n, i = !0) {
+		let a = ye.get(t) || {}, o = M.bind[e](r, t, n, i);
+		o && (Sr(e, t, a[e] = o), ye.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (_r(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+	function xe(e, t, n) {
+		let r = ye.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Cr(n, t, r[n]), delete r[n]);
+		e ?? ye.delete(t);
 	}
-	let xe = 0, L = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let Se = 0, I = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
 	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), zt(!1), Pe = !0, Ne = !0, Wt();
+	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
+	function ze(e, t, n) {
+		(n || e != r.width || t != r.height) && Be(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
 	}
-	function ze(e, t) {
-		r.width = xe = R = e, r.height = L = z = t, Se = Ce = 0, B(), He();
+	function Be(e, t) {
+		r.width = Se = L = e, r.height = I = R = t, Ce = we = 0, z(), Ue();
 		let n = r.bbox;
-		Oe = n.left = ci(Se * q, .5), ke = n.top = ci(Ce * q, .5), Ae = n.width = ci(R * q, .5), je = n.height = ci(z * q, .5);
+		ke = n.left = mi(Ce * K, .5), Ae = n.top = mi(we * K, .5), je = n.width = mi(L * K, .5), Me = n.height = mi(R * K, .5);
 	}
-	function Be() {
+	function Ve() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = It(t), i = Lt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+			let n = Lt(t), i = Rt(t);
+			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
 		}
 	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
+	function He({ width: e, height: t }) {
+		ze(e, t);
 	}
-	r.setSize = Ve;
-	function B() {
+	r.setSize = He;
+	function z() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), et[0] = e, et[1] = n, et[2] = t, et[3] = r, R -= rt[1] + rt[3], Se += rt[3], z -= rt[2] + rt[0], Ce += rt[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= it[1] + it[3], Ce += it[3], R -= it[2] + it[0], we += it[0];
 	}
-	function He() {
-		let e = Se + R, t = Ce + z, n = Se, r = Ce;
+	function Ue() {
+		let e = Ce + L, t = we + R, n = Ce, r = we;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -4914,13 +5032,13 @@ function fs(e, t, n) {
 			}
 		});
 	}
-	if (N.dataIdx == null) {
-		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+	if (M.dataIdx == null) {
+		let e = M.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = X(e.prox), i = e.bias ??= 0;
-		N.dataIdx = (e, a, o, s) => {
+		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
+		M.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? Xr, u = l >= 0 && l < Xr, d = D.ori == 0 ? R : z, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ni, u = l >= 0 && l < ni, d = D.ori == 0 ? L : R, f = M.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -4932,177 +5050,177 @@ function fs(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Rr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Wr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let Ue = (e) => {
-		N.event = e;
+	let We = (e) => {
+		M.event = e;
 	};
-	N.idxs = ae, N._lock = !1;
-	let We = N.points;
-	We.show = X(We.show), We.size = X(We.size), We.stroke = X(We.stroke), We.width = X(We.width), We.fill = X(We.fill);
-	let Ge = r.focus = Ei({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], V = [];
-	function Xe(e, t) {
-		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return ir(n, Tn), ir(n, e.class), lr(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
-	}
+	M.idxs = oe, M._lock = !1;
+	let Ge = M.points;
+	Ge.show = Y(Ge.show), Ge.size = Y(Ge.size), Ge.stroke = Y(Ge.stroke), Ge.width = Y(Ge.width), Ge.fill = Y(Ge.fill);
+	let Ke = r.focus = ji({}, e.focus || { alpha: .3 }, M.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], B = [];
 	function Ze(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return ur(n, jn), ur(n, e.class), hr(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	}
+	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? bi(n) ? Sa(ee, ba(n, te)) : n || ie : n || ro, e.label = e.label || (t ? Wa : Ua);
+			e.value = t ? Ti(n) ? Da(te, Ta(n, ne)) : n || ae : n || co, e.label = e.label || (t ? Ya : Ja);
 		}
-		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Zo || ri, e.fillTo = X(e.fillTo || xo), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Eo(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = ao(Ur(1, e.width), 1), n = e.points = Ei({}, {
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ns || li, e.fillTo = Y(e.fillTo || Eo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = jo(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = uo(Yr(1, e.width), 1), n = e.points = ji({}, {
 				size: t,
-				width: Ur(1, t * .2),
+				width: Yr(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: Qo,
+				paths: rs,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
+			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		if (N) {
+			let n = ve(e, t);
+			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), j.values.push(null);
 		}
-		if (oe) {
-			ae.splice(t, 0, null);
+		if (se) {
+			oe.splice(t, 0, null);
 			let n = null;
-			qe ? t == 0 && (n = Xe(e, t)) : t > 0 && (n = Xe(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), V.splice(t, 0, 0);
+			Je ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), B.splice(t, 0, 0);
 		}
-		wi("addSeries", t);
+		hi("addSeries", t);
 	}
-	function Qe(e, t) {
-		t ??= v.length, e = i == 1 ? ts(e, t, Ga, uo) : ts(e, t, {}, lo), v.splice(t, 0, e), Ze(v[t], t);
+	function $e(e, t) {
+		t ??= v.length, e = i == 1 ? os(e, t, Xa, go) : os(e, t, {}, ho), v.splice(t, 0, e), Qe(v[t], t);
 	}
-	r.addSeries = Qe;
-	function $e(e) {
-		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+	r.addSeries = $e;
+	function et(e) {
+		if (v.splice(e, 1), N) {
+			j.values.splice(e, 1), de.splice(e, 1);
+			let t = ue.splice(e, 1)[0];
+			xe(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), V.splice(e, 1)), wi("delSeries", e);
+		se && (oe.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), B.splice(e, 1)), hi("delSeries", e);
 	}
-	r.delSeries = $e;
-	let et = [
+	r.delSeries = et;
+	let tt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function tt(e, t) {
+	function nt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), _i(e.incrs) && e.incrs.forEach((e) => {
-				!di.has(e) && di.set(e, fi(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? Zi : a ? _ == 1 ? ua : pa : Qi)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Ja : i.distr == 4 ? Ya : qa)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), Si(e.incrs) && e.incrs.forEach((e) => {
+				!_i.has(e) && _i.set(e, vi(e));
+			}), e.incrs = Y(e.incrs || (i.distr == 2 ? na : a ? _ == 1 ? ha : va : ra)), e.splits = Y(e.splits || (a && i.distr == 1 ? re : i.distr == 3 ? $a : i.distr == 4 ? eo : Qa)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
 			let o = e.values;
-			e.values = _i(o) && !_i(o[0]) ? X(o) : a ? _i(o) ? _a(ee, ga(o, te)) : bi(o) ? va(ee, o) : o || re : o || Ka, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? to : i.distr == 3 && i.log == 2 ? no : ni)), e.font = us(e.font), e.labelFont = us(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (et[t] = !0, e._el = sr(bn, f));
+			e.values = Si(o) && !Si(o[0]) ? Y(o) : a ? Si(o) ? Sa(te, xa(o, ne)) : Ti(o) ? Ca(te, o) : o || ie : o || Za, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? oo : i.distr == 3 && i.log == 2 ? so : ci)), e.font = hs(e.font), e.labelFont = hs(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = pr(En, f));
 		}
 	}
-	function H(e, t, n, r) {
+	function V(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Br(Ha.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Br(io.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Kr(qa.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Kr(lo.size / 2) : 0), l;
 	}
-	let nt = r.padding = (e.padding || [
-		H,
-		H,
-		H,
-		H
-	]).map((e) => X(Y(e, H))), rt = r._padding = nt.map((e, t) => e(r, t, et, 0)), it, at = null, ot = null, st = i == 1 ? v[0].idxs : null, ct = null, U = !1;
-	function lt(e, n) {
+	let rt = r.padding = (e.padding || [
+		V,
+		V,
+		V,
+		V
+	]).map((e) => Y(J(e, V))), it = r._padding = rt.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, H = !1;
+	function ut(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			it = 0;
-			for (let e = 1; e < v.length; e++) it += t[e][0].length;
+			at = 0;
+			for (let e = 1; e < v.length; e++) at += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), ct = t[0], it = ct.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], at = lt.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(it);
-				for (let e = 0; e < it; e++) n[e] = e;
+				let n = e[0] = Array(at);
+				for (let e = 0; e < at; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (zt(!0), wi("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Bt(!0), hi("setData"), O == 2 && (Fe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, U) ? ut() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Wt();
+			e.auto(r, H) ? dt() : pn(S, e.min, e.max), Ie ||= M.left >= 0, Re = !0, Gt();
 		}
 	}
-	r.setData = lt;
-	function ut() {
-		U = !0;
+	r.setData = ut;
+	function dt() {
+		H = !0;
 		let e, n;
-		i == 1 && (it > 0 ? (at = st[0] = 0, ot = st[1] = it - 1, e = t[0][at], n = t[0][ot], O == 2 ? (e = at, n = ot) : e == n && (O == 3 ? [e, n] = Tr(e, e, D.log, !1) : O == 4 ? [e, n] = Er(e, e, D.log, !1) : D.time ? n = e + Br(86400 / _) : [e, n] = jr(e, n, Dr, !0))) : (at = st[0] = e = null, ot = st[1] = n = null)), fn(S, e, n);
+		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = jr(e, e, D.log, !1) : O == 4 ? [e, n] = Mr(e, e, D.log, !1) : D.time ? n = e + Kr(86400 / _) : [e, n] = Lr(e, n, Nr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
 	}
-	let dt, ft, pt, mt, ht, gt, _t, vt, yt, bt;
-	function xt(e, t, n, r, i, a) {
-		e ??= Bn, n ??= hi, r ??= "butt", i ??= Bn, a ??= "round", e != dt && (d.strokeStyle = dt = e), i != ft && (d.fillStyle = ft = i), t != pt && (d.lineWidth = pt = t), a != ht && (d.lineJoin = ht = a), r != gt && (d.lineCap = gt = r), n != mt && d.setLineDash(mt = n);
+	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
+	function St(e, t, n, r, i, a) {
+		e ??= Kn, n ??= bi, r ??= "butt", i ??= Kn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
-	function St(e, t, n, r) {
-		t != ft && (d.fillStyle = ft = t), e != _t && (d.font = _t = e), n != vt && (d.textAlign = vt = n), r != yt && (d.textBaseline = yt = r);
+	function Ct(e, t, n, r) {
+		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
-	function Ct(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, U) && (t == null || t.min == null)) {
-			let t = Y(at, 0), r = Y(ot, i.length - 1), o = n.min == null ? wr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Hr(e.min, n.min = o[0]), e.max = Ur(e.max, n.max = o[1]);
+	function wt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, H) && (t == null || t.min == null)) {
+			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Ar(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Jr(e.min, n.min = o[0]), e.max = Yr(e.max, n.max = o[1]);
 		}
 	}
-	let wt = {
+	let Tt = {
 		min: null,
 		max: null
 	};
-	function Tt() {
+	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, U)) && (j[e] = wt);
+			A[e] == null && (t.min == null || A[S] != null && t.auto(r, H)) && (A[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = wt);
+			A[e] == null && t.from != null && A[t.from] != null && (A[e] = Tt);
 		}
-		j[S] != null && zt(!0);
+		A[S] != null && Bt(!0);
 		let e = {};
-		for (let t in j) {
-			let n = j[t];
+		for (let t in A) {
+			let n = A[t];
 			if (n != null) {
-				let a = e[t] = Ti(b[t], Si);
-				if (n.min != null) Ei(a, n);
+				let a = e[t] = Ai(b[t], Di);
+				if (n.min != null) ji(a, n);
 				else if (t != S || i == 2) {
-					if (it == 0 && a.from == null) {
+					if (at == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = Xr, a.max = -Infinity;
+					} else a.min = ni, a.max = -Infinity;
 				}
 			}
 		}
-		if (it > 0) {
+		if (at > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = j[i];
+					let i = n.scale, o = A[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], at = vr(s.min, t[0]), ot = vr(s.max, t[0]), ot - at > 1 && (t[0][at] < s.min && at++, t[0][ot] > s.max && ot--), n.min = ct[at], n.max = ct[ot];
-					} else n.show && n.auto && Ct(s, o, n, t[a], n.sorted);
-					n.idxs[0] = at, n.idxs[1] = ot;
+						s.min = e[0], s.max = e[1], ot = wr(s.min, t[0]), st = wr(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
+					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = ot, n.idxs[1] = st;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Ct(u, j[o], r, c, r.sorted), d != null && Ct(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && wt(u, A[o], r, c, r.sorted), d != null && wt(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = j[t];
+				let n = e[t], i = A[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == Xr ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ni ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -5124,219 +5242,219 @@ function fs(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Kr(i.min) : e == 4 ? Yr(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Kr(i.max) : e == 4 ? Yr(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Qr(i.min) : e == 4 ? ti(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Qr(i.max) : e == 4 ? ti(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, wi("setScale", e);
-			oe && N.left >= 0 && (Fe = Le = !0);
+			for (let e in n) Fe = !0, hi("setScale", e);
+			se && M.left >= 0 && (Ie = Re = !0);
 		}
-		for (let e in j) j[e] = null;
+		for (let e in A) A[e] = null;
 	}
-	function Et(e) {
-		let t = Qr(at - 1, 0, it - 1), n = Qr(ot + 1, 0, it - 1);
+	function Dt(e) {
+		let t = ii(ot - 1, 0, at - 1), n = ii(st + 1, 0, at - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < it - 1;) n++;
+		for (; e[n] == null && n < at - 1;) n++;
 		return [t, n];
 	}
-	function Dt() {
-		if (it > 0) {
-			let e = v.some((e) => e._focus) && bt != Ge.alpha;
-			e && (d.globalAlpha = bt = Ge.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (Ot(n, !1), Ot(n, !0), e._paths == null)) {
-					let a = bt;
-					bt != e.alpha && (d.globalAlpha = bt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Et(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), bt != a && (d.globalAlpha = bt = a);
+	function Ot() {
+		if (at > 0) {
+			let e = v.some((e) => e._focus) && xt != Ke.alpha;
+			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
+					let a = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = bt;
-					bt != e.alpha && (d.globalAlpha = bt = e.alpha), e._paths != null && kt(t, !1);
+					let n = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, at, ot, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, at, ot, a), kt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
 					}
-					bt != n && (d.globalAlpha = bt = n), wi("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), hi("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = bt = 1);
+			}), e && (d.globalAlpha = xt = 1);
 		}
 	}
-	function Ot(e, t) {
+	function kt(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function kt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * q, 3);
+		l = X(l * K, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? jt(s, l, n.dash, n.cap, c, r, i, o, a) : At(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function At(e, n, i, a, o, s, c, l, u, d, f) {
+	function jt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || mi).band;
-				_i(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || yi).band;
+				Si(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Mr(g, at, ot) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, jt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Rr(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || jt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function jt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		xt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Nt(i, o), Mt(e, a, t)) : s & vo ? (Nt(i, o), d.clip(f), Mt(e, a, t)) : s & _o && (d.save(), d.clip(f), u && d.clip(u), Nt(i, o), d.restore(), Mt(e, a, t)) : (Nt(i, o), Mt(e, a, t)), (c || l || f) && d.restore();
+	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Co ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & So && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Mt(e, t, n) {
+	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = dt = t, d.stroke(e);
+			d.strokeStyle = ft = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Nt(e, t) {
+	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = ft = t, d.fill(e);
+			d.fillStyle = pt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Pt(e, t, n, i) {
+	function Ft(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = ls(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = ms(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Ft(e, t, n, r, i, a, o, s, c, l) {
+	function It(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), xt(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function It(e) {
+	function Lt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, zt(!1));
+				n._show && (t = !1, n._show = !1, Bt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, zt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Pt(i, c, l, s == 0 ? R : z);
+			n._show || (t = !1, n._show = !0, Bt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ct[e]) : p, h = a.distr == 2 ? ct[p[1]] - ct[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Vr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = qr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Lt(e) {
+	function Rt(e) {
 		let t = !0;
-		return nt.forEach((n, i) => {
-			let a = n(r, i, et, e);
-			a != rt[i] && (t = !1), rt[i] = a;
+		return rt.forEach((n, i) => {
+			let a = n(r, i, tt, e);
+			a != it[i] && (t = !1), it[i] = a;
 		}), t;
 	}
-	function Rt() {
+	function zt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Br((t._lpos + s) * q);
-				St(t.labelFont[0], c, "center", n == 2 ? Fn : In), d.save(), i == 1 ? (a = o = 0, d.translate(p, Br(ke + je / 2)), d.rotate((n == 3 ? -Lr : Lr) / 2)) : (a = Br(Oe + Ae / 2), o = p);
-				let m = $r(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Kr((t._lpos + s) * K);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Vn : Hn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Kr(Ae + Me / 2)), d.rotate((n == 3 ? -Ur : Ur) / 2)) : (a = Kr(ke + je / 2), o = p);
+				let m = ai(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => ct[e]) : _, x = p.distr == 2 ? ct[_[1]] - ct[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Br(w * q), E = Br((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Lr / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Kr(w * K), E = Kr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Ur / 180, O = g(t._pos * K), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let A = t.font[0];
-			St(A, c, t.align == 1 ? Ln : t.align == 2 ? Rn : D > 0 ? Ln : D < 0 ? Rn : i == 0 ? "center" : n == 3 ? Rn : Ln, D || i == 1 ? "middle" : n == 2 ? Fn : In);
-			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
-			for (let e = 0; e < te.length; e++) {
-				let t = te[e];
+			let ee = t.font[0];
+			Ct(ee, c, t.align == 1 ? Un : t.align == 2 ? Wn : D > 0 ? Un : D < 0 ? Wn : i == 0 ? "center" : n == 3 ? Wn : Un, D || i == 1 ? "middle" : n == 2 ? Vn : Hn);
+			let A = t.font[1] * t.lineGap, te = _.map((e) => g(s(e, p, m, h))), ne = t._values;
+			for (let e = 0; e < ne.length; e++) {
+				let t = ne[e];
 				if (t != null) {
-					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
+					i == 0 ? a = te[e] : o = te[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
+						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
 					}
 				}
 			}
-			S.show && Ft(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
-			let ne = t.grid;
-			ne.show && Ft(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Ft([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && It(te, S.filter(r, v, e, f, x), i, n, O, T, X(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
+			let re = t.grid;
+			re.show && It(te, re.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, X(re.width * K, 3), re.stroke(r, e), re.dash, re.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, X(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		wi("drawAxes");
+		hi("drawAxes");
 	}
-	function zt(e) {
+	function Bt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Bt = !1, Vt = !1, Ht = [];
-	function Ut() {
-		Vt = !1;
-		for (let e = 0; e < Ht.length; e++) wi(...Ht[e]);
-		Ht.length = 0;
-	}
+	let Vt = !1, Ht = !1, Ut = [];
 	function Wt() {
-		Bt ||= (Mi(Kt), !0);
+		Ht = !1;
+		for (let e = 0; e < Ut.length; e++) hi(...Ut[e]);
+		Ut.length = 0;
 	}
-	function Gt(e, t = !1) {
-		Bt = !0, Vt = t, e(r), Kt(), t && Ht.length > 0 && queueMicrotask(Ut);
+	function Gt() {
+		Vt ||= (Li(qt), !0);
 	}
-	r.batch = Gt;
-	function Kt() {
-		if (Me &&= (Tt(), !1), Pe &&= (Be(), !1), Ne) {
-			if (J(p, Ln, Se), J(p, Fn, Ce), J(p, Nn, R), J(p, Pn, z), J(m, Ln, Se), J(m, Fn, Ce), J(m, Nn, R), J(m, Pn, z), J(f, Nn, xe), J(f, Pn, L), u.width = Br(xe * q), u.height = Br(L * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	function Kt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	}
+	r.batch = Kt;
+	function qt() {
+		if (Ne &&= (Et(), !1), Fe &&= (Ve(), !1), Pe) {
+			if (q(p, Un, Ce), q(p, Vn, we), q(p, zn, L), q(p, Bn, R), q(m, Un, Ce), q(m, Vn, we), q(m, zn, L), q(m, Bn, R), q(f, zn, Se), q(f, Bn, I), u.width = Kr(Se * K), u.height = Kr(I * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Ce : Se), J(e, a ? "height" : "width", a ? z : R), ar(e, xn);
-					} else ir(e, xn);
+						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? we : Ce), q(e, a ? "height" : "width", a ? R : L), dr(e, Dn);
+					} else ur(e, Dn);
 				}
-			}), dt = ft = pt = ht = gt = _t = vt = yt = mt = null, bt = 1, Pr(!0), Se != we || Ce != Te || R != Ee || z != De) {
-				zt(!1);
-				let e = R / Ee, t = z / De;
-				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Xt && lr(Xt, Br(N.left), 0, R, z), Zt && lr(Zt, 0, Br(N.top), R, z);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, V[n] *= t, lr(r, Vr(Ye[n]), Vr(V[n]), R, z));
+			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Ce != Te || we != Ee || L != De || R != Oe) {
+				Bt(!1);
+				let e = L / De, t = R / Oe;
+				if (se && !Ie && M.left >= 0) {
+					M.left *= e, M.top *= t, Zt && hr(Zt, Kr(M.left), 0, L, R), Qt && hr(Qt, 0, Kr(M.top), L, R);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (Xe[n] *= e, B[n] *= t, hr(r, qr(Xe[n]), qr(B[n]), L, R));
 					}
 				}
-				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
-					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
-					for (let e in zr) J(ln, e, K[e]);
+				if (G.show && !Le && G.left >= 0 && G.width > 0) {
+					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
+					for (let e in Ir) q(un, e, G[e]);
 				}
-				we = Se, Te = Ce, Ee = R, De = z;
+				Te = Ce, Ee = we, De = L, Oe = R;
 			}
-			wi("setSize"), Ne = !1;
+			hi("setSize"), Pe = !1;
 		}
-		xe > 0 && L > 0 && (d.clearRect(0, 0, u.width, u.height), wi("drawClear"), w.forEach((e) => e()), wi("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Ar(null, !0, !1), Fe = !1), M.show && M.live && Le && (Cr(), Le = !1), c || (c = !0, r.status = 1, wi("ready")), U = !1, Bt = !1;
+		Se > 0 && I > 0 && (d.clearRect(0, 0, u.width, u.height), hi("drawClear"), w.forEach((e) => e()), hi("draw")), G.show && Le && (dn(G), Le = !1), se && Ie && (Er(null, !0, !1), Ie = !1), j.show && j.live && Re && (xr(), Re = !1), c || (c = !0, r.status = 1, hi("ready")), H = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Wt() : fn(S, D.min, D.max);
+		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
-	function qt(e, n) {
+	function Jt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (it == 0) {
+			if (at == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -5344,347 +5462,347 @@ function fs(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (it > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && it > 0 && (n.min = vr(n.min, t[0]), n.max = vr(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Wt();
+			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && at > 0 && (n.min = wr(n.min, t[0]), n.max = wr(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Ne = !0, Gt();
 		}
 	}
-	r.setScale = qt;
-	let Jt, Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, W, G, an = !1, on = N.drag, sn = on.x, cn = on.y;
-	oe && (N.x && (Jt = sr(Cn, m)), N.y && (Yt = sr(wn, m)), D.ori == 0 ? (Xt = Jt, Zt = Yt) : (Xt = Yt, Zt = Jt), W = N.left, G = N.top);
-	let K = r.select = Ei({
+	r.setScale = Jt;
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = M.drag, cn = sn.x, ln = sn.y;
+	se && (M.x && (Yt = pr(kn, m)), M.y && (Xt = pr(An, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = M.left, W = M.top);
+	let G = r.select = ji({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), ln = K.show ? sr(Sn, K.over ? m : p) : null;
-	function un(e, t) {
-		if (K.show) {
-			for (let t in e) K[t] = e[t], t in zr && J(ln, t, e[t]);
-			t !== !1 && wi("setSelect");
+	}, e.select), un = G.show ? pr(On, G.over ? m : p) : null;
+	function dn(e, t) {
+		if (G.show) {
+			for (let t in e) G[t] = e[t], t in Ir && q(un, t, e[t]);
+			t !== !1 && hi("setSelect");
 		}
 	}
-	r.setSelect = un;
-	function dn(e) {
-		if (v[e].show) P && ar(le[e], xn);
-		else if (P && ir(le[e], xn), oe) {
-			let t = qe ? Je[0] : Je[e];
-			t != null && lr(t, -10, -10, R, z);
+	r.setSelect = dn;
+	function fn(e) {
+		if (v[e].show) N && dr(ue[e], Dn);
+		else if (N && ur(ue[e], Dn), se) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && hr(t, -10, -10, L, R);
 		}
 	}
-	function fn(e, t, n) {
-		qt(e, {
+	function pn(e, t, n) {
+		Jt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function zn(e, t, n, a) {
-		t.focus != null && ur(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Wt());
-		}), n !== !1 && wi("setSeries", e, t), a && ji("setSeries", r, e, t);
+	function mn(e, t, n, a) {
+		t.focus != null && ir(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
+		}), n !== !1 && hi("setSeries", e, t), a && ki("setSeries", r, e, t);
 	}
-	r.setSeries = zn;
-	function qn(e, t) {
-		Ei(x[e], t);
+	r.setSeries = mn;
+	function hn(e, t) {
+		ji(x[e], t);
 	}
-	function Jn(e, t) {
-		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	function gn(e, t) {
+		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function Yn(e) {
+	function _n(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = Jn, r.setBand = qn, r.delBand = Yn;
-	function Qn(e, t) {
-		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = gn, r.setBand = hn, r.delBand = _n;
+	function vn(e, t) {
+		v[e].alpha = t, se && Ye[e] != null && (Ye[e].style.opacity = t), N && ue[e] && (ue[e].style.opacity = t);
 	}
-	let tr, nr, rr, cr = { focus: !0 };
-	function ur(e) {
-		if (e != rr) {
-			let t = e == null, n = Ge.alpha != 1;
+	let Gn, $n, er, tr = { focus: !0 };
+	function ir(e) {
+		if (e != er) {
+			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && Qn(a, i ? 1 : Ge.alpha);
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
 				}
-			}), rr = e, n && Wt();
+			}), er = e, n && Gt();
 		}
 	}
-	P && Ke && ye(Gn, I, (e) => {
-		N._lock || (Ue(e), rr != null && zn(null, cr, !0, Oi.setSeries));
+	N && qe && be(Zn, F, (e) => {
+		M._lock || (We(e), er != null && mn(null, tr, !0, Z.setSeries));
 	});
-	function fr(e, t, n) {
+	function sr(e, t, n) {
 		let r = b[t];
-		n && (e = e / q - (r.ori == 1 ? Ce : Se));
-		let i = R;
-		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / K - (r.ori == 1 ? we : Ce));
+		let i = L;
+		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Wr(10, c) : l == 4 ? Jr(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Xr(10, c) : l == 4 ? ei(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function mr(e, n) {
-		return vr(fr(e, S, n), t[0], at, ot);
+	function cr(e, n) {
+		return wr(sr(e, S, n), t[0], ot, st);
 	}
-	r.valToIdx = (e) => vr(e, t[0]), r.posToIdx = mr, r.posToVal = fr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
-		W = e.left, G = e.top, Ar(null, t, n);
+	r.valToIdx = (e) => wr(e, t[0]), r.posToIdx = cr, r.posToVal = sr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Er(null, t, n);
 	};
-	function hr(e, t) {
-		J(ln, Ln, K.left = e), J(ln, Nn, K.width = t);
+	function lr(e, t) {
+		q(un, Un, G.left = e), q(un, zn, G.width = t);
 	}
-	function yr(e, t) {
-		J(ln, Fn, K.top = e), J(ln, Pn, K.height = t);
+	function mr(e, t) {
+		q(un, Vn, G.top = e), q(un, Bn, G.height = t);
 	}
-	let br = D.ori == 0 ? hr : yr, xr = D.ori == 1 ? hr : yr;
-	function Sr() {
-		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
-			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+	let gr = D.ori == 0 ? lr : mr, vr = D.ori == 1 ? lr : mr;
+	function br() {
+		if (N && j.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && pe) continue;
+			let t = j.values[e], n = 0;
+			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function Cr(e, t) {
+	function xr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ae[t] = e;
-		}) : yi(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && kr(e, ae[e]);
-			Sr();
+			oe[t] = e;
+		}) : wi(e.idx) || oe.fill(e.idx), j.idx = oe[0]), N && j.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && Tr(e, oe[e]);
+			br();
 		}
-		Le = !1, t !== !1 && wi("setLegend");
+		Re = !1, t !== !1 && hi("setLegend");
 	}
-	r.setLegend = Cr;
-	function kr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? ct : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+	r.setLegend = xr;
+	function Tr(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
+		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), j.values[e] = o;
 	}
-	function Ar(e, n, a) {
-		nn = W, rn = G, [W, G] = N.move(r, W, G), N.left = W, N.top = G, oe && (Xt && lr(Xt, Br(W), 0, R, z), Zt && lr(Zt, 0, Br(G), R, z));
-		let o, s = at > ot;
-		tr = Xr, nr = null;
-		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
-		if (W < 0 || it == 0 || s) {
-			o = N.idx = null;
+	function Er(e, n, a) {
+		rn = U, an = W, [U, W] = M.move(r, U, W), M.left = U, M.top = W, se && (Zt && hr(Zt, Kr(U), 0, L, R), Qt && hr(Qt, 0, Kr(W), L, R));
+		let o, s = ot > st;
+		Gn = ni, $n = null;
+		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
+		if (U < 0 || at == 0 || s) {
+			o = M.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && lr(t, -10, -10, R, z);
+				let t = Ye[e];
+				t != null && hr(t, -10, -10, L, R);
 			}
-			Ke && zn(null, cr, !0, e == null && Oi.setSeries), M.live && (ae.fill(o), Le = !0);
+			qe && mn(null, tr, !0, e == null && Z.setSeries), j.live && (oe.fill(o), Re = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? W : G, n = fr(e, S), o = N.idx = vr(n, t[0], at, ot), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = sr(e, S), o = M.idx = wr(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ke && S != null) {
-						let t = D.ori == 1 ? W : G, n = Rr(Ge.dist(r, e, x, _, t));
-						if (n < tr) {
-							let r = Ge.bias;
+				let g = v[e], _ = oe[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = M.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Re = Re || S != y || x != _, oe[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (qe && S != null) {
+						let t = D.ori == 1 ? U : W, n = Wr(Ke.dist(r, e, x, _, t));
+						if (n < Gn) {
+							let r = Ke.bias;
 							if (r != 0) {
-								let i = fr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (tr = n, nr = e);
-							} else tr = n, nr = e;
+								let i = sr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (Gn = n, $n = e);
+							} else Gn = n, $n = e;
 						}
 					}
-					if (Le || qe) {
+					if (Re || Je) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = We.bbox;
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == nr && tr <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == $n && Gn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, V[e] = l, pr(t, a, o, y), dr(t, v, g), lr(t, Vr(c), Vr(l), R, z));
+							let t = Ye[e];
+							t != null && (Xe[e] = c, B[e] = l, yr(t, a, o, y), _r(t, v, g), hr(t, qr(c), qr(l), L, R));
 						}
 					}
 				}
 			}
-			if (qe) {
-				let e = Ge.prox;
-				if (Le || (rr == null ? tr <= e : tr > e || nr != rr)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, V[0] = u, pr(e, d, f, p), dr(e, m, h), lr(e, Vr(s), Vr(u), R, z));
+			if (Je) {
+				let e = Ke.prox;
+				if (Re || (er == null ? Gn <= e : Gn > e || $n != er)) {
+					let e = Ye[0];
+					e != null && (Xe[0] = s, B[0] = u, yr(e, d, f, p), _r(e, m, h), hr(e, qr(s), qr(u), L, R));
 				}
 			}
 		}
-		if (K.show && an) {
+		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = Oi.scales, [r, i] = Oi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (sn = s._x, cn = s._y, sn || cn) {
+				let [t, n] = Z.scales, [r, i] = Z.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && sn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), br(Hr(v, y), Rr(y - v))) : br(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), xr(Hr(v, y), Rr(y - v))) : xr(0, l);
-				} else Gr();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), gr(Jr(v, y), Wr(y - v))) : gr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), vr(Jr(v, y), Wr(y - v))) : vr(0, l);
+				} else zr();
 			} else {
-				let e = Rr(nn - Qt), t = Rr(rn - $t);
+				let e = Wr(rn - $t), t = Wr(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				sn = on.x && e >= on.dist, cn = on.y && t >= on.dist;
-				let n = on.uni;
-				n == null ? on.x && on.y && (sn || cn) && (sn = cn = !0) : sn && cn && (sn = e >= n, cn = t >= n, !sn && !cn && (t > e ? cn = !0 : sn = !0));
+				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
+				let n = sn.uni;
+				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				sn && (D.ori == 0 ? (r = en, i = W) : (r = tn, i = G), br(Hr(r, i), Rr(i - r)), cn || xr(0, l)), cn && (D.ori == 1 ? (r = en, i = W) : (r = tn, i = G), xr(Hr(r, i), Rr(i - r)), sn || br(0, c)), !sn && !cn && (br(0, 0), xr(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), gr(Jr(r, i), Wr(i - r)), ln || vr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), vr(Jr(r, i), Wr(i - r)), cn || gr(0, c)), !cn && !ln && (gr(0, 0), vr(0, 0));
 			}
 		}
-		if (on._x = sn, on._y = cn, e == null) {
+		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (ki != null) {
-					let [e, t] = Oi.scales;
-					Oi.values[0] = e == null ? null : fr(D.ori == 0 ? W : G, e), Oi.values[1] = t == null ? null : fr(D.ori == 1 ? W : G, t);
+				if (Ci != null) {
+					let [e, t] = Z.scales;
+					Z.values[0] = e == null ? null : sr(D.ori == 0 ? U : W, e), Z.values[1] = t == null ? null : sr(D.ori == 1 ? U : W, t);
 				}
-				ji(Vn, r, W, G, R, z, o);
+				ki(qn, r, U, W, L, R, o);
 			}
-			if (Ke) {
-				let e = a && Oi.setSeries, t = Ge.prox;
-				rr == null ? tr <= t && zn(nr, cr, !0, e) : tr > t ? zn(null, cr, !0, e) : nr != rr && zn(nr, cr, !0, e);
+			if (qe) {
+				let e = a && Z.setSeries, t = Ke.prox;
+				er == null ? Gn <= t && mn($n, tr, !0, e) : Gn > t ? mn(null, tr, !0, e) : $n != er && mn($n, tr, !0, e);
 			}
 		}
-		Le && (M.idx = o, Cr()), n !== !1 && wi("setCursor");
+		Re && (j.idx = o, xr()), n !== !1 && hi("setCursor");
 	}
-	let Nr = null;
+	let Dr = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Nr ?? Pr(!1), Nr;
+		return Dr ?? Or(!1), Dr;
 	} });
-	function Pr(e = !1) {
-		e ? Nr = null : (Nr = m.getBoundingClientRect(), wi("syncRect", Nr));
+	function Or(e = !1) {
+		e ? Dr = null : (Dr = m.getBoundingClientRect(), hi("syncRect", Dr));
 	}
-	function Fr(e, t, n, r, i, a, o) {
-		N._lock || an && e != null && e.movementX == 0 && e.movementY == 0 || (Ir(e, t, n, r, i, a, o, !1, e != null), e == null ? Ar(t, !0, !1) : Ar(null, !0, !0));
+	function kr(e, t, n, r, i, a, o) {
+		M._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Fr(e, t, n, r, i, a, o, !1, e != null), e == null ? Er(t, !0, !1) : Er(null, !0, !0));
 	}
-	function Ir(e, t, n, i, a, o, c, l, u) {
-		if (Nr ?? Pr(!1), Ue(e), e != null) n = e.clientX - Nr.left, i = e.clientY - Nr.top;
+	function Fr(e, t, n, i, a, o, c, l, u) {
+		if (Dr ?? Or(!1), We(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
 		else {
 			if (n < 0 || i < 0) {
-				W = -10, G = -10;
+				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = Oi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Oi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Z.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Z.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Vn) && ((n <= 1 || n >= R - 1) && (n = ci(n, R)), (i <= 1 || i >= z - 1) && (i = ci(i, z))), l ? (Qt = n, $t = i, [en, tn] = N.move(r, n, i)) : (W = n, G = i);
+		u && (t == null || t.cursor.event.type == qn) && ((n <= 1 || n >= L - 1) && (n = mi(n, L)), (i <= 1 || i >= R - 1) && (i = mi(i, R))), l ? ($t = n, en = i, [tn, nn] = M.move(r, n, i)) : (U = n, W = i);
 	}
-	let zr = {
+	let Ir = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Gr() {
-		un(zr, !1);
+	function zr() {
+		dn(Ir, !1);
 	}
-	let qr, Zr, ei, ti;
-	function oi(e, t, n, i, a, o, s) {
-		an = !0, sn = cn = on._x = on._y = !1, Ir(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Un, $n, si, !1), ji(Hn, r, en, tn, R, z, null));
-		let { left: c, top: l, width: u, height: d } = K;
-		qr = c, Zr = l, ei = u, ti = d;
+	let Br, Vr, Hr, Gr;
+	function Zr(e, t, n, i, a, o, s) {
+		on = !0, cn = ln = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !0, !1), e != null && (be(Yn, ar, $r, !1), ki(Jn, r, tn, nn, L, R, null));
+		let { left: c, top: l, width: u, height: d } = G;
+		Br = c, Vr = l, Hr = u, Gr = d;
 	}
-	function si(e, t, n, i, a, o, s) {
-		an = on._x = on._y = !1, Ir(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = qr != c || Zr != l || ei != u || ti != d;
-		if (f && p && un(K), on.setScale && f && p) {
+	function $r(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Br != c || Vr != l || Hr != u || Gr != d;
+		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), sn && fn(S, fr(e, S), fr(e + t, S)), cn) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, sr(e, S), sr(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != Xr && fn(e, fr(n + r, e), fr(n, e));
+				e != S && t.from == null && t.min != ni && pn(e, sr(n + r, e), sr(n, e));
 			}
-			Gr();
-		} else N.lock && (N._lock = !N._lock, Ar(t, !0, e != null));
-		e != null && (be(Un, $n), ji(Un, r, W, G, R, z, null));
+			zr();
+		} else M.lock && (M._lock = !M._lock, Er(t, !0, e != null));
+		e != null && (xe(Yn, ar), ki(Yn, r, U, W, L, R, null));
 	}
-	function li(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		Ue(e);
-		let s = an;
-		if (an) {
+	function ri(e, t, n, r, i, a, o) {
+		if (M._lock) return;
+		We(e);
+		let s = on;
+		if (on) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = sn, r = cn) : (n = cn, r = sn), n && r && (e = W <= 10 || W >= R - 10, t = G <= 10 || G >= z - 10), n && e && (W = W < en ? 0 : R), r && t && (G = G < tn ? 0 : z), Ar(null, !0, !0), an = !1;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Er(null, !0, !0), on = !1;
 		}
-		W = -10, G = -10, ae.fill(null), Ar(null, !0, !0), s && (an = s);
+		U = -10, W = -10, oe.fill(null), Er(null, !0, !0), s && (on = s);
 	}
-	function ui(e, t, n, i, a, o, s) {
-		N._lock || (Ue(e), ut(), Gr(), e != null && ji(Kn, r, W, G, R, z, null));
+	function oi(e, t, n, i, a, o, s) {
+		M._lock || (We(e), dt(), zr(), e != null && ki(Qn, r, U, W, L, R, null));
 	}
-	function pi() {
-		y.forEach(ds), Re(r.width, r.height, !0);
+	function si() {
+		y.forEach(gs), ze(r.width, r.height, !0);
 	}
-	gr(Xn, er, pi);
-	let vi = {};
-	vi.mousedown = oi, vi.mousemove = Fr, vi.mouseup = si, vi.dblclick = ui, vi.setSeries = (e, t, n, i) => {
-		let a = Oi.match[2];
-		n = a(r, t, n), n != -1 && zn(n, i, !0, !1);
-	}, oe && (ye(Hn, m, oi), ye(Vn, m, Fr), ye(Wn, m, (e) => {
-		Ue(e), Pr(!1);
-	}), ye(Gn, m, li), ye(Kn, m, ui), Yo.add(r), r.syncRect = Pr);
-	let Ci = r.hooks = e.hooks || {};
-	function wi(e, t, n) {
-		Vt ? Ht.push([
+	Sr(nr, or, si);
+	let fi = {};
+	fi.mousedown = Zr, fi.mousemove = kr, fi.mouseup = $r, fi.dblclick = oi, fi.setSeries = (e, t, n, i) => {
+		let a = Z.match[2];
+		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
+	}, se && (be(Jn, m, Zr), be(qn, m, kr), be(Xn, m, (e) => {
+		We(e), Or(!1);
+	}), be(Zn, m, ri), be(Qn, m, oi), es.add(r), r.syncRect = Or);
+	let pi = r.hooks = e.hooks || {};
+	function hi(e, t, n) {
+		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in Ci && Ci[e].forEach((e) => {
+		]) : e in pi && pi[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Ci[t] = (Ci[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) pi[t] = (pi[t] || []).concat(e.hooks[t]);
 	});
-	let Di = (e, t, n) => n, Oi = Ei({
+	let gi = (e, t, n) => n, Z = ji({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ii,
-			sub: ii
+			pub: ui,
+			sub: ui
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			ai,
-			ai,
-			Di
+			di,
+			di,
+			gi
 		],
 		values: [null, null]
-	}, N.sync);
-	Oi.match.length == 2 && Oi.match.push(Di), N.sync = Oi;
-	let ki = Oi.key, Ai = go(ki);
-	function ji(e, t, n, r, i, a, o) {
-		Oi.filters.pub(e, t, n, r, i, a, o) && Ai.pub(e, t, n, r, i, a, o);
+	}, M.sync);
+	Z.match.length == 2 && Z.match.push(gi), M.sync = Z;
+	let Ci = Z.key, Oi = xo(Ci);
+	function ki(e, t, n, r, i, a, o) {
+		Z.filters.pub(e, t, n, r, i, a, o) && Oi.pub(e, t, n, r, i, a, o);
 	}
-	Ai.sub(r);
-	function Ni(e, t, n, r, i, a, o) {
-		Oi.filters.sub(e, t, n, r, i, a, o) && vi[e](null, t, n, r, i, a, o);
+	Oi.sub(r);
+	function Mi(e, t, n, r, i, a, o) {
+		Z.filters.sub(e, t, n, r, i, a, o) && fi[e](null, t, n, r, i, a, o);
 	}
-	r.pub = Ni;
+	r.pub = Mi;
+	function Ni() {
+		Oi.unsub(r), es.delete(r), ye.clear(), Cr(nr, or, si), l.remove(), F?.remove(), hi("destroy");
+	}
+	r.destroy = Ni;
 	function Pi() {
-		Ai.unsub(r), Yo.delete(r), ve.clear(), _r(Xn, er, pi), l.remove(), I?.remove(), wi("destroy");
+		hi("init", e, t), ut(t || e.data, !1), A[S] ? Jt(S, A[S]) : dt(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, ze(e.width, e.height);
 	}
-	r.destroy = Pi;
-	function Fi() {
-		wi("init", e, t), lt(t || e.data, !1), j[S] ? qt(S, j[S]) : ut(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
-	}
-	return v.forEach(Ze), y.forEach(tt), n ? n instanceof HTMLElement ? (n.appendChild(l), Fi()) : n(r, Fi) : Fi(), r;
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
 }
-fs.assign = Ei, fs.fmtNum = Fr, fs.rangeNum = jr, fs.rangeLog = Tr, fs.rangeAsinh = Er, fs.orient = yo, fs.pxRatio = q, fs.join = ji, fs.fmtDate = Wi, fs.tzDate = Ki, fs.sync = go;
+_s.assign = ji, _s.fmtNum = Vr, _s.rangeNum = Lr, _s.rangeLog = jr, _s.rangeAsinh = Mr, _s.orient = wo, _s.pxRatio = K, _s.join = Ii, _s.fmtDate = Yi, _s.tzDate = Zi, _s.sync = xo;
 {
-	fs.addGap = wo, fs.clipGaps = Co;
-	let e = fs.paths = { points: Ro };
-	e.linear = Ho, e.stepped = Uo, e.bars = Go, e.spline = qo;
+	_s.addGap = ko, _s.clipGaps = Oo;
+	let e = _s.paths = { points: Uo };
+	e.linear = qo, e.stepped = Jo, e.bars = Xo, e.spline = Qo;
 }
 // src/phase.tsx
-var [ps, ms] = [420, 300], $ = {
+var [vs, ys] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function hs({ store: e, state: t }) {
-	let [n, r] = U(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (ut(() => {
+function bs({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (dt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -5701,12 +5819,12 @@ function hs({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ L("p", {
+	]), !i || !a) return /* @__PURE__ */ I("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (ps - $.left - $.right), g = (e) => ms - $.bottom - (e - d) / m * (ms - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (vs - $.left - $.right), g = (e) => ys - $.bottom - (e - d) / m * (ys - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -5715,81 +5833,81 @@ function hs({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ I("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${ps} ${ms}`,
+		children: /* @__PURE__ */ I("svg", {
+			viewBox: `0 0 ${vs} ${ys}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${Be(l)} to ${Be(u)} ${n.units[0]} and from ${Be(d)} to ${Be(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ L("rect", {
+				/* @__PURE__ */ I("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: ps - $.left - $.right,
-					height: ms - $.top - $.bottom
+					width: vs - $.left - $.right,
+					height: ys - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ I("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: ms - $.bottom
+					y2: ys - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ I("line", {
 					class: "axis",
 					x1: $.left,
-					x2: ps - $.right,
+					x2: vs - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ I("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ I("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ L("circle", {
+				x && /* @__PURE__ */ I("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					x: $.left,
-					y: ms - $.bottom + 14,
-					children: B(l, n.units[0])
+					y: ys - $.bottom + 14,
+					children: z(l, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: ps - $.right,
-					y: ms - $.bottom + 14,
+				/* @__PURE__ */ I("text", {
+					x: vs - $.right,
+					y: ys - $.bottom + 14,
 					"text-anchor": "end",
-					children: B(u, n.units[0])
+					children: z(u, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: (ps + $.left) / 2,
-					y: ms - 6,
+				/* @__PURE__ */ I("text", {
+					x: (vs + $.left) / 2,
+					y: ys - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					x: $.left - 5,
-					y: ms - $.bottom,
+					y: ys - $.bottom,
 					"text-anchor": "end",
-					children: B(d, n.units[1])
+					children: z(d, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ I("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: B(f, n.units[1])
+					children: z(f, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
-					transform: `translate(12,${(ms - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ I("text", {
+					transform: `translate(12,${(ys - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -5799,7 +5917,7 @@ function hs({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var gs = [
+var xs = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5807,16 +5925,16 @@ var gs = [
 	"--c5",
 	"--c6"
 ];
-function _s({ store: e, state: t }) {
-	let [n, r] = U(null), [i, a] = U(!1), [o, s] = U(800), c = dt(null), l = t.run, [u, d] = t.span;
-	ut(() => {
+function Ss({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = ft(null), l = t.run, [u, d] = t.span;
+	dt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (ut(() => {
+	if (dt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5843,29 +5961,29 @@ function _s({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ L(vs, {
+	]), t.running && t.soFar) return /* @__PURE__ */ I(Cs, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ I("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(ys, {
+					/* @__PURE__ */ I(ws, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
-						/* @__PURE__ */ L("input", {
+					t.runs.length > 1 && /* @__PURE__ */ I("label", { children: [
+						/* @__PURE__ */ I("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5874,15 +5992,15 @@ function _s({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ L("button", {
+					!m && /* @__PURE__ */ I("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ L("label", {
+					/* @__PURE__ */ I("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ L("span", { children: "t" }),
-							/* @__PURE__ */ L("input", {
+							/* @__PURE__ */ I("span", { children: "t" }),
+							/* @__PURE__ */ I("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -5893,24 +6011,24 @@ function _s({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ L("output", { children: p === null ? "" : B(p, "s") })
+							/* @__PURE__ */ I("output", { children: p === null ? "" : z(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(bs, {
+			t.plotted.map((r, i) => /* @__PURE__ */ I(Ts, {
 				name: r,
-				ink: gs[i % gs.length],
+				ink: xs[i % xs.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -5923,11 +6041,11 @@ function _s({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ L(hs, {
+			t.phase && /* @__PURE__ */ I(bs, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ L(ws, {
+			/* @__PURE__ */ I(ks, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -5936,14 +6054,14 @@ function _s({ store: e, state: t }) {
 		]
 	});
 }
-function vs({ state: e, soFar: t }) {
-	let n = dt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ L("div", {
+function Cs({ state: e, soFar: t }) {
+	let n = ft(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ I("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ L(bs, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ I(Ts, {
 			name: i.name,
-			ink: gs[a % gs.length],
+			ink: xs[a % xs.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -5953,7 +6071,7 @@ function vs({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ L(ws, {
+		}, i.name)), /* @__PURE__ */ I(ks, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -5961,18 +6079,18 @@ function vs({ state: e, soFar: t }) {
 		})]
 	});
 }
-function ys({ store: e, state: t, run: n }) {
+function ws({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ I("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+			t.plotted.map((n) => /* @__PURE__ */ I("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ I("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -5982,14 +6100,14 @@ function ys({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ L("datalist", {
+			/* @__PURE__ */ I("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ I("option", { value: e }))
 			})
 		]
 	});
 }
-var bs = class extends S {
+var Ts = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -6008,8 +6126,8 @@ var bs = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : gs[(t + 3) % gs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : fs.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new fs({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : xs[(t + 3) % xs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : _s.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new _s({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -6031,7 +6149,7 @@ var bs = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => xs(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Es(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -6042,7 +6160,7 @@ var bs = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Ss(t, "s")
+				values: (e, t) => Ds(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -6055,7 +6173,7 @@ var bs = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Ss(t, p)
+				values: (e, t) => Ds(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -6087,7 +6205,7 @@ var bs = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${z(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -6101,16 +6219,16 @@ var bs = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ L("figure", {
+		return /* @__PURE__ */ I("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ L("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ L("output", {
+				/* @__PURE__ */ I("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ I("output", {
 					class: "reading",
-					children: B(n, t.find((e) => !e.error)?.unit ?? "")
+					children: z(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ L("p", {
+				i && /* @__PURE__ */ I("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -6122,13 +6240,13 @@ var bs = class extends S {
 		});
 	}
 };
-function xs(e, t, n) {
+function Es(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Ss(e, t) {
+function Ds(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -6149,7 +6267,7 @@ function Ss(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Cs = [
+var Os = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -6159,21 +6277,21 @@ var Cs = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ws({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ L("span", {
+				children: e.map((e) => /* @__PURE__ */ I("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ I("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -6183,24 +6301,24 @@ function ws({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ I("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ I("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Cs[o % Cs.length],
-						children: /* @__PURE__ */ L("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						fill: Os[o % Os.length],
+						children: /* @__PURE__ */ I("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ I("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Cs[t % Cs.length],
+						fill: Os[t % Os.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ I("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -6208,10 +6326,10 @@ function ws({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ I("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ I("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -6223,20 +6341,20 @@ function ws({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Ts = {
+var As = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [Es, Ds, Os, ks] = [
+}, [js, Ms, Ns, Ps] = [
 	310,
 	17,
 	7,
 	10
 ];
-function As(e) {
+function Fs(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -6256,33 +6374,33 @@ function As(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function js({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ L("p", {
+function Is({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ I("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = As(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ds + Os) + 120, d = (u - Math.max(o.length, s.length) * Os - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = Fs(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ms + Ns) + 120, d = (u - Math.max(o.length, s.length) * Ns - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Os, r += i;
-			let [s, c] = t ? [ks, Es / 2 - ks / 2] : [Es - ks, Es / 2 + ks / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ L("g", {
+			n += Math.max(i, 1) + Ns, r += i;
+			let [s, c] = t ? [Ps, js / 2 - Ps / 2] : [js - Ps, js / 2 + Ps / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ I("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
-					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ L("rect", {
-						x: t ? 0 : Es - ks,
+					/* @__PURE__ */ I("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ I("rect", {
+						x: t ? 0 : js - Ps,
 						y: a,
-						width: ks,
+						width: Ps,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ L("text", {
-						x: t ? ks + 4 : Es - ks - 4,
+					/* @__PURE__ */ I("text", {
+						x: t ? Ps + 4 : js - Ps - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -6291,78 +6409,78 @@ function js({ store: e, state: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ I("section", {
 		class: "power-panel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ I("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ I("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${Es} ${u}`,
+				viewBox: `0 0 ${js} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
 					p(o, !0),
 					p(s, !1),
-					/* @__PURE__ */ L("rect", {
+					/* @__PURE__ */ I("rect", {
 						class: "middle-bar",
-						x: Es / 2 - ks / 2,
+						x: js / 2 - Ps / 2,
 						y: 4,
-						width: ks,
+						width: Ps,
 						height: l * d
 					})
 				]
-			}) : /* @__PURE__ */ L("p", {
+			}) : /* @__PURE__ */ I("p", {
 				class: "hint",
 				children: "No power flows."
 			}),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "element"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "does"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ I("th", {
 					scope: "col",
 					children: "power"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
+			] }) }), /* @__PURE__ */ I("tbody", { children: a.map((e) => /* @__PURE__ */ I("tr", {
 				class: t.nodes.has(e.node.name) ? "chosen" : "",
 				children: [
-					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+					/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
 						class: "link",
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ L("td", { children: (Ts[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ L("td", {
+					/* @__PURE__ */ I("td", { children: (As[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ I("td", {
 						class: "figure",
-						children: B(Math.abs(e.power), "W")
+						children: z(Math.abs(e.power), "W")
 					})
 				]
 			})) })] }),
-			r.length > 0 && /* @__PURE__ */ L("p", {
+			r.length > 0 && /* @__PURE__ */ I("p", {
 				class: "hint",
 				children: ["not determined: ", r.join(", ")]
 			}),
-			/* @__PURE__ */ L("p", {
+			/* @__PURE__ */ I("p", {
 				class: "hint",
 				children: [
 					"supplied and given back ",
-					B(c(o), "W"),
+					z(c(o), "W"),
 					", taken ",
-					B(c(s), "W")
+					z(c(s), "W")
 				]
 			})
 		]
 	});
 }
 // src/splitter.tsx
-function Ms(e) {
+function Ls(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ I("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -6391,14 +6509,14 @@ function Ms(e) {
 	});
 }
 // src/schematic.tsx
-function Ns({ store: e, state: t }) {
-	let [n, r] = U(null), [i, a] = U(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	ut(() => {
+function Rs({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	dt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Ie ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Le ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -6425,32 +6543,32 @@ function Ns({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ I("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ L("p", {
+		children: [i && /* @__PURE__ */ I("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ L("svg", {
+		}), n && /* @__PURE__ */ I("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ I("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => u(t, e.name, e.key),
 				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
+				children: [e.about && /* @__PURE__ */ I("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ I("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
+				}) : /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ L("path", {
+				}), /* @__PURE__ */ I("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -6459,7 +6577,7 @@ function Ns({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Ps = [
+var zs = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6468,7 +6586,7 @@ var Ps = [
 	["text", "Text"],
 	["equations", "Equations"],
 	["power", "Power"]
-], Fs = class extends S {
+], Bs = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6511,39 +6629,39 @@ var Ps = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ L("div", {
+		if (!n) return /* @__PURE__ */ I("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ L("main", {
+		return /* @__PURE__ */ I("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Ls, {
+				/* @__PURE__ */ I(Hs, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ I("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(un, {
+						/* @__PURE__ */ I(gn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L("div", {
+						/* @__PURE__ */ I("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ L(He, {
+							children: [/* @__PURE__ */ I(Ue, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ L(Ns, {
+							}), t.schematic && /* @__PURE__ */ I(Rs, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ L(Ms, {
+						/* @__PURE__ */ I(Ls, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -6555,60 +6673,60 @@ var Ps = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ L("aside", {
+						/* @__PURE__ */ I("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ L("div", {
+							children: [/* @__PURE__ */ I("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Ps.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: zs.map(([r, a]) => /* @__PURE__ */ I("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ I("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ L("div", {
+							}), /* @__PURE__ */ I("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(Nt, {
+									t.tab === "item" && /* @__PURE__ */ I(Pt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(Wt, {
+									t.tab === "machines" && /* @__PURE__ */ I(Xt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(W, {
+									t.tab === "model" && /* @__PURE__ */ I(ln, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(sn, {
+									t.tab === "problems" && /* @__PURE__ */ I(fn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(cn, {
+									t.tab === "table" && /* @__PURE__ */ I(pn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(K, {
+									t.tab === "text" && /* @__PURE__ */ I(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(Dt, {
+									t.tab === "equations" && /* @__PURE__ */ I(Ot, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ L(js, {
+									t.tab === "power" && /* @__PURE__ */ I(Is, {
 										store: e,
 										state: t
 									})
@@ -6617,10 +6735,10 @@ var Ps = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ L("div", {
+				t.bottom && /* @__PURE__ */ I("div", {
 					class: "bottom",
 					children: [
-						/* @__PURE__ */ L(Ms, {
+						/* @__PURE__ */ I(Ls, {
 							upright: !1,
 							label: "Height of the plots",
 							value: t.room.low || 320,
@@ -6632,31 +6750,31 @@ var Ps = [
 								low: n
 							} })
 						}),
-						t.sweep ? /* @__PURE__ */ L(en, {
+						t.sweep ? /* @__PURE__ */ I(W, {
 							store: e,
 							state: t
-						}) : /* @__PURE__ */ L(_s, {
+						}) : /* @__PURE__ */ I(Ss, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L(St, {
+						/* @__PURE__ */ I(Ct, {
 							store: e,
 							state: t
 						})
 					]
 				}),
-				/* @__PURE__ */ L("footer", { children: [
-					/* @__PURE__ */ L("span", {
+				/* @__PURE__ */ I("footer", { children: [
+					/* @__PURE__ */ I("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Is, {
+					/* @__PURE__ */ I(Vs, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ I("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -6664,34 +6782,34 @@ var Ps = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ I("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(dn, {
+				t.adding && n.view.editable && /* @__PURE__ */ I(_n, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ L("div", {
+				t.notice && /* @__PURE__ */ I("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						/* @__PURE__ */ I("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ I("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ L("button", {
+						t.notice.try && /* @__PURE__ */ I("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ I("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ L("div", {
+				!t.connected && /* @__PURE__ */ I("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -6700,79 +6818,79 @@ var Ps = [
 		});
 	}
 };
-function Is({ store: e, state: t }) {
+function Vs({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ L("span", {
+	return n.length ? /* @__PURE__ */ I("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ L("b", { children: [
+			t.cursor && /* @__PURE__ */ I("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ I("label", { children: [t.path, /* @__PURE__ */ I("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ I("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Ls({ store: e, state: t, errors: n }) {
+function Hs({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(Rs, {
+	return /* @__PURE__ */ I("header", { children: [
+		/* @__PURE__ */ I(Us, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ L("h1", {
+		/* @__PURE__ */ I("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ L("span", {
+		/* @__PURE__ */ I("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ L("span", { class: "spring" }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("span", { class: "spring" }),
+		/* @__PURE__ */ I("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -6780,22 +6898,22 @@ function Ls({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
+		i ? /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ L("button", {
+		}), /* @__PURE__ */ I("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ L("button", {
+		})] }) : /* @__PURE__ */ I("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ I("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6803,7 +6921,7 @@ function Ls({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Rs({ store: e, state: t }) {
+function Us({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6834,79 +6952,79 @@ function Rs({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ L("details", {
+	return /* @__PURE__ */ I("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ L("summary", {
+		children: [/* @__PURE__ */ I("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ I("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ I("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ L("button", {
+				].map((e) => /* @__PURE__ */ I("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ I("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ L("hr", {}),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ I("hr", {}),
+				/* @__PURE__ */ I("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ I("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ I("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ I("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ I("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ I("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ I("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ I("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ I("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function zs({ model: e, el: t }) {
-	let n = new Le(), r = new ze(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Fs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), I(null, t);
+function Ws({ model: e, el: t }) {
+	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ I(Bs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), F(null, t);
 	};
 }
-var Bs = { render: zs };
-export { Bs as default, zs as render };
+var Gs = { render: Ws };
+export { Gs as default, Ws as render };
