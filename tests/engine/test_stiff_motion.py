@@ -62,7 +62,8 @@ def test_a_ladder_with_a_switch():
     expected = voltages_of_ladder(1.05)
     for k, value in enumerate(expected):
         assert run[f"c{k}.e"].at(1.05) == pytest.approx(value, rel=1e-6), k
-    assert run.stats["steps"] < 0.1 * hb.simulate(ladder(), 1.05, solver="rk45").stats["steps"]
+    # rk45 wants as many for the first tenth
+    assert run.stats["steps"] < hb.simulate(ladder(), 0.1, solver="rk45").stats["steps"]
 
 
 def test_an_oscillator_is_left_as_it_is():
