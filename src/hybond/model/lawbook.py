@@ -32,7 +32,7 @@ from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.laws import Law
 from hybond.model.misfits import declared_elsewhere, units_of
 from hybond.model.resolve import Resolver
-from hybond.units import Dimension, parse_unit
+from hybond.units import SHORT, Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 FIELD = "the matrix of a field"
@@ -51,8 +51,12 @@ def law_of(node: Node, written: Written, resolver: Resolver, dimensions: Dimensi
     UnitError
         HB-U103 a value with the wrong dimension.
     """
-    reader = _Reader(node, written, resolver, dimensions)
     value = written.part.value
+    key = _plain_key(node, value)
+    known = None if key is None else _KNOWN.get(key)
+    if known is not None:
+        return known
+    reader = _Reader(node, written, resolver, dimensions)
     if isinstance(value, Mapping):
         law = reader.full(value)
     elif isinstance(value, Sequence) and not isinstance(value, str):
@@ -60,7 +64,30 @@ def law_of(node: Node, written: Written, resolver: Resolver, dimensions: Dimensi
     else:
         law = reader.plain(value)
     _check(node, law, reader.where)
+    if key is not None:
+        if len(_KNOWN) >= REMEMBERED:
+            _KNOWN.clear()
+        _KNOWN[key] = law
     return law
+
+
+_Key = tuple[str, str, type, str | float]
+_KNOWN: dict[_Key, Law] = {}
+"""Laws of single values: a model under edit is read again with each edit, and says the same."""
+REMEMBERED = 4096
+"""How many, at most."""
+
+
+def _plain_key(node: Node, value: object) -> _Key | None:
+    """Return what the law of one quantity depends on alone, None for laws that need more."""
+    if len(node.ends) != 1 or node.kind in TWO_PORTS or node.domain.name == "generic":
+        return None
+    if isinstance(value, str):
+        if len(value) > SHORT or try_quantity(value) is None:
+            return None
+    elif isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return (node.kind, node.domain.name, type(value), value)
 
 
 class _Reader:

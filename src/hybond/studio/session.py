@@ -197,8 +197,7 @@ class Session:
         if not isinstance(edit, dict):
             raise UsageError("there is no edit", code="HB-W101", where="edit")
         if edit.get("do") in PLACING and "keep" not in edit:
-            path = str(edit.get("level") or "")
-            edit = {**edit, "keep": {k: list(v) for k, v in self._shown.of(path).items()}}
+            edit = {**edit, "keep": self._unplaced(str(edit.get("level") or ""))}
         revision = self.document.revision
         self.document.edit(edit)
         if self.document.revision != revision:
@@ -371,6 +370,12 @@ class Session:
     def _names(self, message: Mapping[str, Any]) -> list[str]:
         level = level_of(self.document.data, str(message.get("level") or ""))
         return [] if level is None else list(table(level.data, "elements"))
+
+    def _unplaced(self, path: str) -> dict[str, list[float]]:
+        """Return where those elements of a level are shown that its data put nowhere."""
+        level = level_of(self.document.data, path)
+        given = {} if level is None else table(level.data, "layout")
+        return {k: list(v) for k, v in self._shown.of(path).items() if k not in given}
 
     def _must_write(self) -> None:
         if not self.writable:
