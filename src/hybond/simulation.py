@@ -150,6 +150,13 @@ def simulate(
             where="parameters",
             hint='parameters={"m": "2 kg", "ball.f": 1.0}',
         )
+    if watch is not None and not callable(watch):
+        raise UsageError(
+            f"watch = {watch!r} cannot be called",
+            code="HB-S131",
+            where="watch",
+            hint="watch=look, where look(run) takes what was computed so far",
+        )
     graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
     if on_error not in ("raise", "return"):
         raise UsageError(

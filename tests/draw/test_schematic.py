@@ -52,6 +52,24 @@ def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) ->
 
 
 @pytest.mark.parametrize("name", OF_PARTS)
+def test_wires_that_share_no_end_do_not_lie_on_each_other(name: str) -> None:
+    """Else two nets would read as one."""
+    _, wires = wires_of(name)
+    found = []
+    for (one, a), (other, b) in itertools.combinations(wires.items(), 2):
+        if set(one.split(" -> ")) & set(other.split(" -> ")):
+            continue
+        for (p, q), (r, s) in itertools.product(itertools.pairwise(a), itertools.pairwise(b)):
+            for k, m in ((0, 1), (1, 0)):
+                if p[k] == q[k] == r[k] == s[k]:
+                    low = max(min(p[m], q[m]), min(r[m], s[m]))
+                    high = min(max(p[m], q[m]), max(r[m], s[m]))
+                    if high > low:
+                        found.append((one, other))
+    assert not found
+
+
+@pytest.mark.parametrize("name", OF_PARTS)
 def test_all_is_on_the_paper(name: str) -> None:
     drawing, _ = wires_of(name)
     scene = drawing.scene

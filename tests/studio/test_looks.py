@@ -10,7 +10,7 @@ import pytest
 from studio.asking import asked, edit, eventually, finished
 
 import hybond as hb
-from hybond.errors import UsageError
+from hybond.errors import UnitError, UsageError
 from hybond.studio.formulas import equations, formula
 from hybond.studio.session import Session
 from hybond.studio.sweeps import MOST, values_between
@@ -71,8 +71,6 @@ def test_a_sweep_over_what_refuses_tells_it_and_goes_on() -> None:
         (-1, 1, 3, True),
         (0, 1, 1, False),
         (0, 1, MOST + 1, False),
-        ("x", 1, 3, False),
-        (0, None, 3, False),
         (0, 1, "many", False),
         (0, 1, 2.5, False),
     ],
@@ -98,7 +96,26 @@ def test_a_sweep_is_cancelled() -> None:
     asked(session, "cancel")
     ended = eventually(lambda: [m for m in told if m["tell"] == "swept"])
     assert ended[0]["cancelled"]
-    assert len([m for m in told if m["tell"] == "member"]) <= 1
+    assert not [m for m in told if m["tell"] == "member"]
+
+
+def test_a_defect_in_a_sweep_is_told_and_the_sweep_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    import hybond.studio.sweeps as sweeps
+
+    def broken(*_: Any, **__: Any) -> None:
+        raise ZeroDivisionError("oh")
+
+    monkeypatch.setattr(sweeps, "simulate", broken)
+    session = Session(None)
+    asked(session, "open", example="bouncing_ball")
+    members = swept(session, path="m", **{"from": "1 kg", "to": "2 kg", "count": 2})
+    assert [m["error"]["code"] for m in members] == ["HB-X001", "HB-X001"]
+
+
+@pytest.mark.parametrize("end", ["x", None, "3 furlong"])
+def test_an_end_that_is_no_quantity_is_refused_as_that(end: Any) -> None:
+    with pytest.raises(UnitError):
+        values_between(0, end, 3)
 
 
 def test_power_balances_at_the_cursor_and_signals_are_read_there() -> None:

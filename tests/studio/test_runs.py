@@ -102,3 +102,15 @@ def test_no_spike_is_lost_between_pixels() -> None:
     assert len(y) <= 4 * 64 + 2
     assert max(y) == result["coil.current"].y.max()
     assert min(y) == result["coil.current"].y.min()
+
+
+def test_what_cannot_watch_is_refused_and_an_ensemble_has_no_watch() -> None:
+    import hybond as hb
+
+    m = hb.Model("rc", domain="electrical", parameters={"r": 1.0})
+    m.add(c=hb.C("1 F", e="1 V"), r1=hb.R("r"), node=hb.Zero())
+    m.bond("node -> c", "node -> r1")
+    with pytest.raises(hb.UsageError, match="HB-S131"):
+        hb.simulate(m, 1.0, watch=5)  # type: ignore[arg-type]
+    with pytest.raises(hb.UsageError, match="HB-S115"):
+        hb.ensemble(m, 1.0, sets={"r": [1.0, 2.0]}, watch=lambda run: None)

@@ -209,14 +209,19 @@ class Runs:
             error, result = refusal, refusal.partial
         except KeyboardInterrupt:
             error = UsageError("the run was cancelled before it began", code="HB-W103", where="run")
-        except Exception as defect:  # a defect of ours: told as such, the studio goes on
-            error = HybondError(
-                f"{type(defect).__name__}: {defect}",
-                code="HB-X001",
-                where="run",
-                hint="this is a defect of hybond: please report it with the model",
-            )
+        except Exception as cause:  # a defect of ours: told as such, the studio goes on
+            error = defect(cause, "run")
         self._finished(running, result, error)
+
+
+def defect(cause: Exception, where: str) -> HybondError:
+    """Return the refusal that tells of a defect of hybond."""
+    return HybondError(
+        f"{type(cause).__name__}: {cause}",
+        code="HB-X001",
+        where=where,
+        hint="this is a defect of hybond: please report it with the model",
+    )
 
 
 def so_far(run: Result, running: Running) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from hybond.model.builder import Model
 from hybond.result import Result
 from hybond.simulation import simulate
 from hybond.studio.curves import curve
+from hybond.studio.runs import defect
 from hybond.units import parse_quantity
 
 MOST = 200
@@ -47,6 +48,8 @@ def values_between(low: object, high: object, count: object, *, log: bool = Fals
     ------
     UsageError
         HB-W103 for a range that is none.
+    UnitError
+        HB-U101 to HB-U105 for an end that is no quantity.
 
     Examples
     --------
@@ -55,10 +58,10 @@ def values_between(low: object, high: object, count: object, *, log: bool = Fals
     >>> values_between(1, 100, 3, log=True)
     ['1', '10', '100']
     """
+    first, last = parse_quantity(str(low)), parse_quantity(str(high))
     try:
-        first, last = parse_quantity(str(low)), parse_quantity(str(high))
         many = int(count) if isinstance(count, int | str) else 0
-    except (ValueError, HybondError):
+    except ValueError:
         many = 0
     if not 2 <= many <= MOST:
         raise UsageError(
@@ -164,6 +167,10 @@ class Sweeps:
                 told |= {"status": "error", "error": error.to_dict()}
             except KeyboardInterrupt:
                 break
+            except Exception as error:  # a defect of ours: told as such, the sweep goes on
+                told |= {"status": "error", "error": defect(error, "sweep").to_dict()}
+            if sweep.cancelled.is_set():
+                break  # what was cut off in the middle is no member
             self._tell({**told, "value": value})
         cut = sweep.cancelled.is_set()
         self._tell({"tell": "swept", "sweep": sweep.number, "cancelled": cut})

@@ -35,6 +35,7 @@ Vector = NDArray[np.float64]
 
 _OWN = {
     "parameters": "the parameters are in sets",
+    "watch": "ensemble.run(k) runs one member again: watch it there with hybond.simulate",
     "on_error": "a member that stops with an error is kept, and stops no other",
     "journal": "ensemble.run(k) runs one member again: give it one there with hybond.simulate",
 }
