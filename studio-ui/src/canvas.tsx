@@ -3,13 +3,8 @@ import { Component, createRef } from "preact";
 import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
 import { bondShape, sides, type Point } from "./geometry";
 import type { GraphNode, Strokes } from "./messages";
+import { InstantShown, Minimap, nearest, type Sight } from "./overlays";
 import { quantity, type State, type Store } from "./store";
-
-interface Sight {
-  x: number;
-  y: number;
-  k: number;
-}
 
 type Gesture =
   | { kind: "press"; node: string; start: Point; at: Point; id: number; add: boolean }
@@ -557,7 +552,7 @@ export class Canvas extends Component<Props, Own> {
           <button title="Zoom out (-)" aria-label="Zoom out" onClick={() => this.zoom(0.8)}>−</button>
           <button title="Show all (f)" aria-label="Show all" onClick={this.fit}>⤢</button>
         </div>
-        <Minimap state={state} sight={sight} />
+        <Minimap state={state} sight={sight} size={this.size} />
         {look.view.crumbs.length > 0 && (
           <nav class="crumbs" aria-label="Submodel">
             <button onClick={() => store.open("")}>{look.title || look.file}</button>
@@ -579,20 +574,6 @@ function Wire({ from, to }: { from: Point; to: Point }) {
   return <line class="wire" x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />;
 }
 
-/** Which mode of which instant the canvas shows, and the way to the next. */
-function InstantShown({ store, state }: { store: Store; state: State }) {
-  const { event, step } = state.instant!;
-  const shown = event.steps[step];
-  const values = step < event.steps.length - 1 ? "values before" : "values after";
-  return (
-    <div class={"wiretext instant " + shown.kind} role="status">
-      <button aria-label="Mode before" disabled={step === 0} onClick={() => store.showInstant(event, step - 1)}>◂</button>
-      t = {quantity(event.t, "s")}, mode {step + 1} of {event.steps.length}: <b>{shown.kind}</b> <small>({values})</small>
-      <button aria-label="Mode after" disabled={step + 1 === event.steps.length} onClick={() => store.showInstant(event, step + 1)}>▸</button>
-    </div>
-  );
-}
-
 const sub = (a: Point, b: Point): Point => [a[0] - b[0], a[1] - b[1]];
 
 const ARROWS: Record<string, Point> = {
@@ -601,35 +582,3 @@ const ARROWS: Record<string, Point> = {
   ArrowUp: [0, -1],
   ArrowDown: [0, 1],
 };
-
-/** The nearest node in a direction, those straight ahead first. */
-function nearest(nodes: GraphNode[], from: GraphNode, [dx, dy]: Point): GraphNode | undefined {
-  let best: GraphNode | undefined;
-  let least = Infinity;
-  for (const n of nodes) {
-    const along = (n.x - from.x) * dx + (n.y - from.y) * dy;
-    const aside = Math.abs((n.x - from.x) * dy - (n.y - from.y) * dx);
-    if (along <= 0.01) continue;
-    const cost = along + 2.5 * aside;
-    if (cost < least) [best, least] = [n, cost];
-  }
-  return best;
-}
-
-function Minimap({ state, sight }: { state: State; sight: Sight }) {
-  const nodes = state.look!.view.nodes;
-  if (nodes.length < 25) return null;
-  const xs = nodes.map((n) => n.x);
-  const ys = nodes.map((n) => n.y);
-  const [x0, y0] = [Math.min(...xs) - 1, Math.min(...ys) - 1];
-  const [w, h] = [Math.max(...xs) + 2 - x0, Math.max(...ys) + 2 - y0];
-  const seen = { x: -sight.x / sight.k / CELL[0], y: -sight.y / sight.k / CELL[1] };
-  return (
-    <svg class="minimap" viewBox={`${x0} ${y0} ${w} ${h}`} aria-hidden="true">
-      {nodes.map((n) => (
-        <circle cx={n.x} cy={n.y} r={w / 90} />
-      ))}
-      <rect x={seen.x} y={seen.y} width={900 / sight.k / CELL[0]} height={500 / sight.k / CELL[1]} />
-    </svg>
-  );
-}

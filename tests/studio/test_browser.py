@@ -397,9 +397,13 @@ def test_axe_finds_nothing_serious_in_light_and_dark(
     page.until(lambda: page.all("[data-event]"), "events")
     page.click('[data-event="1"]')
     page.until(lambda: page.one('[data-step="0"][aria-pressed="true"]'), "the instant")
-    for tab in ("machines", "model", "problems", "table", "text", "equations"):
+    for tab in ("machines", "problems", "table", "text", "equations", "power", "model"):
         page.click(f"#tab-{tab}")
         look(tab)
+    page.click('button[aria-label="Sweep mu"]')
+    page.click(".sweepfields button")
+    page.until(lambda: "15 runs" in page.one(".sweep [role=status]").text, "the sweep ends")
+    look("sweep")
     page.click('header button[aria-label="Dark or light"]')
     look("dark")
     assert not any(found.values()), found

@@ -1090,8 +1090,77 @@ function z(e, t) {
 	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
+// src/overlays.tsx
+function Ue({ store: e, state: t }) {
+	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
+	return /* @__PURE__ */ I("div", {
+		class: "wiretext instant " + i.kind,
+		role: "status",
+		children: [
+			/* @__PURE__ */ I("button", {
+				"aria-label": "Mode before",
+				disabled: r === 0,
+				onClick: () => e.showInstant(n, r - 1),
+				children: "◂"
+			}),
+			"t = ",
+			z(n.t, "s"),
+			", mode ",
+			r + 1,
+			" of ",
+			n.steps.length,
+			": ",
+			/* @__PURE__ */ I("b", { children: i.kind }),
+			" ",
+			/* @__PURE__ */ I("small", { children: [
+				"(",
+				a,
+				")"
+			] }),
+			/* @__PURE__ */ I("button", {
+				"aria-label": "Mode after",
+				disabled: r + 1 === n.steps.length,
+				onClick: () => e.showInstant(n, r + 1),
+				children: "▸"
+			})
+		]
+	});
+}
+function We(e, t, [n, r]) {
+	let i, a = Infinity;
+	for (let o of e) {
+		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
+		if (e <= .01) continue;
+		let c = e + 2.5 * s;
+		c < a && ([i, a] = [o, c]);
+	}
+	return i;
+}
+function Ge({ state: e, sight: t, size: n }) {
+	let r = e.look.view.nodes;
+	if (r.length < 25) return null;
+	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
+		x: -t.x / t.k / L[0],
+		y: -t.y / t.k / L[1]
+	};
+	return /* @__PURE__ */ I("svg", {
+		class: "minimap",
+		viewBox: `${o} ${s} ${c} ${l}`,
+		"aria-hidden": "true",
+		children: [r.map((e) => /* @__PURE__ */ I("circle", {
+			cx: e.x,
+			cy: e.y,
+			r: c / 90
+		})), /* @__PURE__ */ I("rect", {
+			x: u.x,
+			y: u.y,
+			width: n[0] / t.k / L[0],
+			height: n[1] / t.k / L[1]
+		})]
+	});
+}
 // src/canvas.tsx
-var Ue = class extends S {
+var Ke = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1394,7 +1463,7 @@ var Ue = class extends S {
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ke(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...Je(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1430,7 +1499,7 @@ var Ue = class extends S {
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = qe[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ye[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1441,7 +1510,7 @@ var Ue = class extends S {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? Je(r, a, o) : e;
+			let n = a ? We(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1611,7 +1680,7 @@ var Ue = class extends S {
 									target: v === t.name || e.bondFrom === t.name,
 									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ I(We, {
+								r?.kind === "wire" && /* @__PURE__ */ I(qe, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
@@ -1637,7 +1706,7 @@ var Ue = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ I(Ge, {
+				e.instant && /* @__PURE__ */ I(Ue, {
 					store: t,
 					state: e
 				}),
@@ -1676,9 +1745,10 @@ var Ue = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ I(Ye, {
+				/* @__PURE__ */ I(Ge, {
 					state: e,
-					sight: n
+					sight: n,
+					size: this.size
 				}),
 				a.view.crumbs.length > 0 && /* @__PURE__ */ I("nav", {
 					class: "crumbs",
@@ -1703,7 +1773,7 @@ var Ue = class extends S {
 		});
 	}
 };
-function We({ from: e, to: t }) {
+function qe({ from: e, to: t }) {
 	return /* @__PURE__ */ I("line", {
 		class: "wire",
 		x1: e[0],
@@ -1712,82 +1782,12 @@ function We({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-function Ge({ store: e, state: t }) {
-	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ I("div", {
-		class: "wiretext instant " + i.kind,
-		role: "status",
-		children: [
-			/* @__PURE__ */ I("button", {
-				"aria-label": "Mode before",
-				disabled: r === 0,
-				onClick: () => e.showInstant(n, r - 1),
-				children: "◂"
-			}),
-			"t = ",
-			z(n.t, "s"),
-			", mode ",
-			r + 1,
-			" of ",
-			n.steps.length,
-			": ",
-			/* @__PURE__ */ I("b", { children: i.kind }),
-			" ",
-			/* @__PURE__ */ I("small", { children: [
-				"(",
-				a,
-				")"
-			] }),
-			/* @__PURE__ */ I("button", {
-				"aria-label": "Mode after",
-				disabled: r + 1 === n.steps.length,
-				onClick: () => e.showInstant(n, r + 1),
-				children: "▸"
-			})
-		]
-	});
-}
-var Ke = (e, t) => [e[0] - t[0], e[1] - t[1]], qe = {
+var Je = (e, t) => [e[0] - t[0], e[1] - t[1]], Ye = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-};
-function Je(e, t, [n, r]) {
-	let i, a = Infinity;
-	for (let o of e) {
-		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
-		if (e <= .01) continue;
-		let c = e + 2.5 * s;
-		c < a && ([i, a] = [o, c]);
-	}
-	return i;
-}
-function Ye({ state: e, sight: t }) {
-	let n = e.look.view.nodes;
-	if (n.length < 25) return null;
-	let r = n.map((e) => e.x), i = n.map((e) => e.y), [a, o] = [Math.min(...r) - 1, Math.min(...i) - 1], [s, c] = [Math.max(...r) + 2 - a, Math.max(...i) + 2 - o], l = {
-		x: -t.x / t.k / L[0],
-		y: -t.y / t.k / L[1]
-	};
-	return /* @__PURE__ */ I("svg", {
-		class: "minimap",
-		viewBox: `${a} ${o} ${s} ${c}`,
-		"aria-hidden": "true",
-		children: [n.map((e) => /* @__PURE__ */ I("circle", {
-			cx: e.x,
-			cy: e.y,
-			r: s / 90
-		})), /* @__PURE__ */ I("rect", {
-			x: l.x,
-			y: l.y,
-			width: 900 / t.k / L[0],
-			height: 500 / t.k / L[1]
-		})]
-	});
-}
-// node_modules/preact/hooks/dist/hooks.mjs
-var Xe, B, Ze, Qe, $e = Object.is, et = 0, tt = [], nt = [], V = e, rt = V.__b, it = V.__r, at = V.diffed, ot = V.__c, st = V.unmount, ct = V.__;
+}, Xe, B, Ze, Qe, $e = Object.is, et = 0, tt = [], nt = [], V = e, rt = V.__b, it = V.__r, at = V.diffed, ot = V.__c, st = V.unmount, ct = V.__;
 function lt(e, t) {
 	V.__h && V.__h(B, e, et || t), et = 0;
 	var n = B.__H || (B.__H = {
@@ -6653,7 +6653,7 @@ var zs = [
 						}),
 						/* @__PURE__ */ I("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ I(Ue, {
+							children: [/* @__PURE__ */ I(Ke, {
 								store: e,
 								state: t
 							}), t.schematic && /* @__PURE__ */ I(Rs, {
