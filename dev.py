@@ -1,4 +1,4 @@
-"""Everything a developer runs: `python3 dev.py studio`, `demo`, `test`, `test --all` or `bench`.
+"""What a developer runs: `python3 dev.py studio`, `demo`, `test`, `test --all`, `site` or `bench`.
 
 Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and installs there.
 """
@@ -80,7 +80,8 @@ def make_environment(extra):
     code, output = quiet(PYTHON, "-m", "pip", "install", "--quiet", *wanted)
     if code:
         sys.exit(f"{output}\npip could not install hybond (exit code {code}).")
-    STAMP.write_text(f"{digest} {extra}")
+    extras = {extra, *(installed[1:] if installed[:1] == [digest] else ())} - {""}
+    STAMP.write_text(" ".join([digest, *sorted(extras)]))
 
 
 def test():
@@ -104,11 +105,14 @@ def main():
     if sys.version_info < (3, 11):  # noqa: UP036 - this file starts where hybond does not
         sys.exit("hybond needs Python 3.11 or newer; this is " + sys.version.split()[0])
     task = sys.argv[1] if len(sys.argv) > 1 else ""
-    if task not in ("studio", "demo", "test", "bench"):
+    if task not in ("studio", "demo", "test", "site", "bench"):
         sys.exit(
-            "usage: python3 dev.py studio [FILE] | demo | test [--all] [pytest options] | bench"
+            "usage: python3 dev.py studio [FILE] | demo | site | bench"
+            " | test [--all] [pytest options]"
         )
-    make_environment({"test": "dev", "studio": "studio"}.get(task, ""))
+    make_environment({"test": "dev", "studio": "studio", "site": "site"}.get(task, ""))
+    if task == "site":
+        return run(PYTHON, ROOT / "website" / "build.py", *sys.argv[2:])
     if task == "studio":
         return run(PYTHON, "-m", "hybond", "studio", *sys.argv[2:])
     if task == "demo":

@@ -1,6 +1,7 @@
 """Compiles the engine when hybond is built; without a compiler it is built without."""
 
 import importlib
+import platform
 import sys
 import sysconfig
 import types
@@ -44,5 +45,7 @@ class EngineHook(BuildHookInterface):
             return
         build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
         build_data["pure_python"] = False
-        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-        build_data["tag"] = f"py3-none-{platform}"
+        system = sysconfig.get_platform()
+        # a Python for two processors: the library is for the one that it was compiled on
+        system = system.replace("universal2", platform.machine())
+        build_data["tag"] = f"py3-none-{system.replace('-', '_').replace('.', '_')}"
