@@ -80,14 +80,19 @@ def _switching(machine: Machine, graph: FlatGraph, read: bool) -> Iterator[Hint]
             "connect it, or let the machine switch another junction",
         )
     held = frozenset(machine.on[0]).intersection(*machine.on)
-    named = f"in:{machine.index}:"
-    other = any(named in name for m in graph.machines for r in m.rules for name in names(r.guard))
-    laws = (n.law.expressions for n in graph.nodes if n.law is not None)
-    other = other or any(n.startswith(named) for es in laws for e in es for n in names(e))
-    if held == frozenset(switched) and not (read or other):
+    if held == frozenset(switched) and not read and not _asked_for(machine, graph):
         yield Hint(
             "HB-H107",
             where,
             f"the machine {machine.path!r} switches nothing, and nobody reads its state",
             "list in states the junctions that each switches ON",
         )
+
+
+def _asked_for(machine: Machine, graph: FlatGraph) -> bool:
+    """Whether a guard or a law asks for the state of a machine."""
+    named = f"in:{machine.index}:"
+    if any(named in name for m in graph.machines for r in m.rules for name in names(r.guard)):
+        return True
+    laws = (n.law.expressions for n in graph.nodes if n.law is not None)
+    return any(n.startswith(named) for es in laws for e in es for n in names(e))

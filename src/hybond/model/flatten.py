@@ -66,12 +66,16 @@ def _flatten(
     model: Model, overrides: Mapping[str, Value], slots: Slots | None, asked: Mapping[str, Value]
 ) -> FlatGraph:
     opened = open_model(model, overrides, slots)
+    written = len(opened.bonds)  # after these come bonds of laws and behind switched elements
     with_laws = open_laws(opened)
     switched = switched_by(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
     ends = ends_of(raw_nodes, raw_bonds)
     domains = domains_of(raw_nodes, raw_bonds, opened)
-    bonds = tuple(Bond(k, b.tail, b.head, b.name, domains[k]) for k, b in enumerate(raw_bonds))
+    bonds = tuple(
+        Bond(k, b.tail, b.head, b.name, domains[k], b.where if k < written else "")
+        for k, b in enumerate(raw_bonds)
+    )
     nodes = [
         Node(
             index=k,

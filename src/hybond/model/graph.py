@@ -106,6 +106,8 @@ class Bond:
     name: str
     """As written: ``contact -> v`` or ``b3: contact -> v``."""
     domain: Domain
+    where: str = ""
+    """Where it is written: ``graph.bonds[2]``; empty if it is none that was written."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -131,7 +131,7 @@ def numbers_of(known: Meaning, path: str) -> dict[str, int]:
     """Return the numbers of the bonds of a level in the graph, by what the page calls them."""
     prefix = f"{path}.graph.bonds[" if path else "graph.bonds["
     found, last, arrow = {}, "", 0
-    for k, written in enumerate(known.bonds):
+    for k, written in enumerate(() if known.graph is None else known.graph.bonds):
         arrow = arrow + 1 if written.where == last else 0
         last = written.where
         if written.where.startswith(prefix):

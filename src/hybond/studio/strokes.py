@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hybond.causality.arrays import compile_arrays
 from hybond.causality.dynamics import causality_of, dynamics
 from hybond.causality.explain import conflict_error
 from hybond.causality.reference import reference_mode
@@ -18,7 +19,6 @@ from hybond.errors import HybondError
 from hybond.files.load import from_data
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode
-from hybond.model.hierarchy import WrittenBond, open_model
 from hybond.model.kinds import TWO_PORTS
 from hybond.names import join
 from hybond.studio.chains import links, node_of
@@ -37,8 +37,6 @@ class Meaning:
         What the strokes are of.
     whole : bool
         Whether that is the model; else it is what can be told of it.
-    bonds : tuple
-        The bonds as written, in the order of the graph's.
     error : HybondError or None
         Why it is not the model.
     """
@@ -46,7 +44,6 @@ class Meaning:
     model: Model | None
     graph: FlatGraph | None
     whole: bool
-    bonds: tuple[WrittenBond, ...] = ()
     error: HybondError | None = None
 
 
@@ -65,15 +62,15 @@ def meaning(data: Data, *, base: str | None, where: str) -> Meaning:
     try:
         model = from_data(data, base=base, where=where)
         graph = model.flatten()
-        return Meaning(model, graph, True, tuple(open_model(model, {}).bonds))
+        return Meaning(model, graph, True)
     except HybondError as error:
         told = error
     try:
         drawn = from_data(skeleton(data), base=base, where=where)
         graph = drawn.flatten()
-        return Meaning(model, graph, False, tuple(open_model(drawn, {}).bonds), told)
+        return Meaning(model, graph, False, told)
     except HybondError:
-        return Meaning(model, None, False, (), told)
+        return Meaning(model, None, False, told)
 
 
 def skeleton(data: Data) -> Data:
@@ -143,20 +140,22 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     graph = known.graph
     if graph is None:
         return {"bonds": {}, "nodes": {}, "conflicts": []}
-    reference = reference_mode(graph)
+    arrays = compile_arrays(graph)
+    reference = reference_mode(graph, arrays=arrays)
     mode = graph.start_mode if mode is None else mode
-    causality = causality_of(graph, mode, reference=reference)
+    causality = causality_of(graph, mode, reference=reference, arrays=arrays)
     shown = sketch(
         graph,
         mode=mode,
         causality=causality,
-        dynamic_bonds=dynamics(graph, reference).dynamic,
+        dynamic_bonds=dynamics(graph, reference, arrays=arrays).dynamic,
         title=False,
     )
     bonds: dict[str, Any] = {}
     prefix = join(path, "graph.bonds[")
     last, arrow_of = "", 0
-    for written, arrow in zip(known.bonds, shown.arrows):
+    written_bonds = [b for b in graph.bonds if b.where]
+    for written, arrow in zip(written_bonds, shown.arrows, strict=True):
         arrow_of = arrow_of + 1 if written.where == last else 0
         last = written.where
         if not written.where.startswith(prefix):
