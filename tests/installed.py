@@ -1,4 +1,4 @@
-"""What an installed hybond must do: run by its library; see `[tool.cibuildwheel]` in pyproject.toml.
+"""What an installed hybond must do: run by its library (`[tool.cibuildwheel]`, pyproject.toml).
 
 `python tests/installed.py examples` ends with 0, or says what is wrong.
 """

@@ -90,15 +90,7 @@ function MachineEditor({ store, state, name, machine }: Props & { name: string; 
                 const { [s]: _, ...rest } = machine.states;
                 return write({ ...machine, states: rest, start: machine.start === s ? Object.keys(rest)[0] : machine.start });
               }
-              write({
-                states: Object.fromEntries(Object.entries(machine.states).map(([k, v]) => [k === s ? to : k, v])),
-                start: machine.start === s ? to : machine.start,
-                rules: rules.map((r) => {
-                  const rule = readRule(r);
-                  if (!rule) return r;
-                  return `${rule.source === s ? to : rule.source} -> ${rule.target === s ? to : rule.target} when ${rule.guard}`;
-                }),
-              });
+              void store.edit({ do: "rename state", machine: name, old: s, new: to });
             }}
           />
           <span class="on">ON</span>

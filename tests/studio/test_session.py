@@ -168,6 +168,24 @@ def test_renaming_goes_through_bonds_guards_and_signals(tmp_path: Path) -> None:
     assert len(after.events) == len(before.events)
 
 
+def test_renaming_a_state_goes_through_laws_and_guards_that_ask_for_it() -> None:
+    session = Session(None, text=(EXAMPLES / "falling_rod.toml").read_text())
+    before = hb.simulate(hb.loads(session.document.text))
+    edit(session, do="rename state", machine="tip", old="left", new="slips_left")
+    text = session.document.text
+    assert 'tip.state == "left"' not in text and 'tip.state == "slips_left"' in text
+    after = hb.simulate(hb.loads(text))
+    assert after.final == before.final
+    assert len(after.events) == len(before.events) == 3
+    for wrong in ("right", "no name", ""):
+        answer = session.handle(
+            {"id": 1, "ask": "edit"}
+            | {"edit": {"do": "rename state", "machine": "tip", "old": "slips_left", "new": wrong}}
+        )
+        assert answer["error"]["code"] == "HB-W101", wrong
+    assert session.document.text == text
+
+
 def test_a_copy_pasted_is_a_second_circuit_with_names_of_its_own() -> None:
     session = Session(None)
     asked(session, "open", example="diode_inductor")

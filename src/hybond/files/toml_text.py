@@ -92,6 +92,8 @@ def key_text(key: str) -> str:
 
 
 def _text(value: str) -> str:
+    if '"' in value and value.isprintable() and not {"'", "\\"} & set(value):
+        return f"'{value}'"  # a guard that asks for the name of a state
     # The escapes of JSON are escapes of TOML; but TOML also forbids a bare DEL.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 

@@ -214,38 +214,72 @@ def _rename(level: Level, edit: Message) -> None:
     word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
     for key in ("elements", "signals", "inputs", "blocks", "parameters", "experiment"):
         if key in level.data:
-            level.data[key] = _reworded(level.data[key], word, name, old)
+            level.data[key] = _replaced(level.data[key], word, name)
     for machine in table(level.data, "machines").values():
-        _rename_in_machine(machine, word, name, old)
+        _rename_in_machine(machine, word, name)
     ports = table(level.data, "ports")
     for port, target in ports.items():
         if isinstance(target, str) and node_of(target) == old:
             ports[port] = name + target[len(old) :]
 
 
-def _reworded(value: Any, word: re.Pattern[str], name: str, old: str) -> Any:
-    """Return data with a name replaced in all its texts; keys stay."""
+def _replaced(value: Any, what: re.Pattern[str], by: str) -> Any:
+    """Return data with a pattern replaced in all its texts; keys stay."""
     if isinstance(value, str):
-        return word.sub(name, value)
+        return what.sub(by, value)
     if isinstance(value, list):
-        return [_reworded(v, word, name, old) for v in value]
+        return [_replaced(v, what, by) for v in value]
     if isinstance(value, dict):
         return {
-            k: v if k in ("submodel", "title", "domain") else _reworded(v, word, name, old)
+            k: v if k in ("submodel", "title", "domain") else _replaced(v, what, by)
             for k, v in value.items()
         }
     return value
 
 
-def _rename_in_machine(machine: Any, word: re.Pattern[str], name: str, old: str) -> None:
+def _rename_in_machine(machine: Any, word: re.Pattern[str], name: str) -> None:
     """Rename what a machine controls and reads; its states are words of its own."""
     if not isinstance(machine, dict):
         return
-    machine["states"] = _reworded(machine.get("states", {}), word, name, old)
+    machine["states"] = _replaced(machine.get("states", {}), word, name)
     rules = machine.get("rules")
     if isinstance(rules, list):
         parts = [r.partition(" when ") if isinstance(r, str) else (r, "", "") for r in rules]
         machine["rules"] = [a + b + word.sub(name, c) if b else a for a, b, c in parts]
+
+
+def _rename_state(level: Level, edit: Message) -> None:
+    """Give a state another name, also in rules, start, and wherever it is asked for by name."""
+    machine, old, new = str(edit.get("machine")), str(edit.get("old")), str(edit.get("new"))
+    known = table(level.data, "machines").get(machine)
+    states = table(known, "states") if isinstance(known, dict) else {}
+    if not isinstance(known, dict) or old not in states:
+        raise refused(f"{machine!r} has no state {old!r}", where=f"machines.{machine}")
+    if new == old:
+        return
+    if not NAME.match(new) or new in states:
+        raise refused(
+            f"{machine!r} has a state {new!r} already" if new in states else f"{new!r} is no name",
+            where=f"machines.{machine}.states",
+        )
+    known["states"] = {new if k == old else k: v for k, v in states.items()}
+    if known.get("start") == old:
+        known["start"] = new
+    rules = known.get("rules")
+    if isinstance(rules, list):
+        arrow = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
+        parts = [r.partition(" when ") if isinstance(r, str) else (r, "", "") for r in rules]
+        known["rules"] = [arrow.sub(new, a) + b + c if b else a for a, b, c in parts]
+    name = re.escape(machine)
+    asked = re.compile(rf"(?<![\w.])({name}\.state\s*[!=]=\s*)(['\"]){re.escape(old)}\2")
+    asking = re.compile(rf"(['\"]){re.escape(old)}\1(\s*[!=]=\s*{name}\.state)(?!\w)")
+    for key in ("elements", "signals", "inputs", "blocks", "machines", "experiment"):
+        if key in level.data:
+            found = _replaced(level.data[key], asked, rf"\g<1>\g<2>{new}\g<2>")
+            level.data[key] = _replaced(found, asking, rf"\g<1>{new}\g<1>\g<2>")
+    reference = table(table(level.data, "causality"), "reference")
+    if reference.get(machine) == old:
+        reference[machine] = new
 
 
 def _set(level: Level, edit: Message) -> None:
@@ -288,7 +322,7 @@ def _paste(level: Level, edit: Message) -> None:
             for old, new in names.items():
                 if old != new:
                     word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
-                    words = _reworded(words, word, new, old)
+                    words = _replaced(words, word, new)
             _section(level, section)[names[name]] = words
     bonds = renamed(bonds_of(given), {k: v for k, v in names.items()})
     if bonds:
@@ -308,6 +342,7 @@ EDITS: dict[str, Callable[[Level, Message], None]] = {
     "reverse": _reverse,
     "write bond": _write_bond,
     "rename": _rename,
+    "rename state": _rename_state,
     "set": _set,
     "paste": _paste,
 }

@@ -2709,42 +2709,40 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ I("div", {
+			c.map((t) => /* @__PURE__ */ I("div", {
 				class: "row state",
 				children: [
 					/* @__PURE__ */ I("input", {
 						type: "radio",
 						name: `start-${n}`,
-						"aria-label": `${n} starts in ${e}`,
+						"aria-label": `${n} starts in ${t}`,
 						title: "start state",
-						checked: r.start === e,
+						checked: r.start === t,
 						disabled: a,
 						onChange: () => u({
 							...r,
-							start: e
+							start: t
 						})
 					}),
 					/* @__PURE__ */ I(At, {
-						label: `State ${e} of ${n}`,
-						value: e,
+						label: `State ${t} of ${n}`,
+						value: t,
 						disabled: a,
-						onWrite: (t) => {
-							let n = t.trim();
-							if (!n) {
-								let { [e]: t, ...n } = r.states;
+						onWrite: (i) => {
+							let a = i.trim();
+							if (!a) {
+								let { [t]: e, ...n } = r.states;
 								return u({
 									...r,
 									states: n,
-									start: r.start === e ? Object.keys(n)[0] : r.start
+									start: r.start === t ? Object.keys(n)[0] : r.start
 								});
 							}
-							u({
-								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
-								start: r.start === e ? n : r.start,
-								rules: l.map((t) => {
-									let r = Yt(t);
-									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
-								})
+							e.edit({
+								do: "rename state",
+								machine: n,
+								old: t,
+								new: a
 							});
 						}
 					}),
@@ -2753,16 +2751,16 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 						children: "ON"
 					}),
 					/* @__PURE__ */ I(At, {
-						label: `Junctions that state ${e} of ${n} switches on`,
-						value: (r.states[e] ?? []).join(", "),
+						label: `Junctions that state ${t} of ${n} switches on`,
+						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
 						list: p,
 						placeholder: "none",
-						onWrite: (t) => u({
+						onWrite: (e) => u({
 							...r,
 							states: {
 								...r.states,
-								[e]: t.split(/[\s,]+/).filter(Boolean)
+								[t]: e.split(/[\s,]+/).filter(Boolean)
 							}
 						})
 					})
