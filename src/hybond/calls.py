@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from hybond.errors import HybondError, UsageError
+from hybond.errors import FileError, HybondError, UsageError
 from hybond.names import did_you_mean
 
 P = ParamSpec("P")
 T = TypeVar("T")
+C = TypeVar("C")
 
 
 def called(
@@ -44,18 +47,77 @@ def called(
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         signature = inspect.signature(function)
+        name = function.__name__
+        if name.startswith("__"):  # of a class, or of a room that can be called
+            name = example.partition("(")[0].rpartition(".")[2]
 
         @wraps(function)
         def call(*args: P.args, **options: P.kwargs) -> T:
             try:
                 signature.bind(*args, **options)
             except TypeError:
-                why, hint = _misfit(function.__name__, signature, args, options)
+                why, hint = _misfit(name, signature, args, options)
                 remedy = f"{hint} As in {example}" if hint else example
-                raise kind(why, code=code, where=function.__name__, hint=remedy) from None
+                raise kind(why, code=code, where=name, hint=remedy) from None
             return function(*args, **options)
 
         return call
+
+    return decorate
+
+
+def named_file(path: Any, example: str) -> Path:
+    """Return the path that a name says, and refuse what is no name of a file.
+
+    Parameters
+    ----------
+    path : str or path
+    example : str
+        A call that fits, for the remedy.
+
+    Raises
+    ------
+    FileError
+        HB-F102.
+
+    Examples
+    --------
+    >>> named_file("ball.toml", 'hb.load("ball.toml")').suffix
+    '.toml'
+    """
+    if isinstance(path, str | os.PathLike):
+        return Path(path)
+    raise FileError(
+        f"{path!r} is not the name of a file", code="HB-F102", where="path", hint=example
+    )
+
+
+def fits(example: str, *, code: str = "HB-S130") -> Callable[[type[C]], type[C]]:
+    """Return a decorator of a class that is made with the arguments that it has, and no others.
+
+    Parameters
+    ----------
+    example : str
+        A call that fits, for the remedy.
+    code : str
+        The code of the refusal.
+
+    Examples
+    --------
+    >>> @fits('Pair(1, 2)')
+    ... class Pair:
+    ...     def __init__(self, a: int, b: int) -> None:
+    ...         self.sum = a + b
+    >>> Pair(1)
+    Traceback (most recent call last):
+        ...
+    hybond.errors.UsageError: HB-S130 at Pair: the b is missing
+      try: Pair(1, 2)
+    """
+
+    def decorate(kind: type[C]) -> type[C]:
+        kind.__init__ = called(example, code=code)(kind.__init__)  # type: ignore[method-assign]
+        return kind
 
     return decorate
 

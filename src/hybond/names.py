@@ -18,7 +18,7 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
-    choices = list(known)
+    choices, name = list(known), str(name)
     near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
     # who forgets a capital means the name that is otherwise the same
     same = [c for c in choices if c.lower() == name.lower()]

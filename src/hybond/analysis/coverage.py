@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.calls import called
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import DivergenceOfTime, HybondError, UsageError
 from hybond.model.builder import Model
@@ -110,6 +111,7 @@ class Coverage:
         return "\n".join(lines)
 
 
+@called("hb.coverage(model)")
 def coverage(
     model: Model | FlatGraph,
     quantity: str,

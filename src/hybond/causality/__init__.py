@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from hybond.calls import called
+
 if TYPE_CHECKING:
     from hybond.causality.report import CausalityReport
     from hybond.model.builder import Model
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
 
 class _Room(ModuleType):
+    @called("hb.causality(model)")
     def __call__(
         self, model: Model | FlatGraph, mode: Mapping[str, str] | Mode | None = None
     ) -> CausalityReport:

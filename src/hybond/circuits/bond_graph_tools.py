@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from hybond.calls import called, named_file
 from hybond.circuits.circuit import Conversion
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.notices import Notice
@@ -67,6 +68,7 @@ class _Node:
     """Of a submodel: port to the node that stands for it."""
 
 
+@called('hb.read_bond_graph("rc.bg")')
 def read_bond_graph(path: str | os.PathLike[str], *, strict: bool = False) -> Conversion:
     r"""Read a ``.bg`` file of BondGraphTools.
 
@@ -103,7 +105,7 @@ def read_bond_graph(path: str | os.PathLike[str], *, strict: bool = False) -> Co
     >>> rc.model.bonds
     ['V -> i -> R', 'i -> C']
     """
-    file = Path(path)
+    file = named_file(path, 'hb.read_bond_graph("rc.bg")')
     data = _read(read_text(file, str(file)), str(file))
     reader = _Reader(data, str(file))
     model = reader.run()

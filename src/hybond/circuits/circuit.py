@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from hybond.calls import called, named_file
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
 from hybond.circuits.fitting import Tangent
@@ -58,6 +59,7 @@ class Conversion:
     """Diodes that were taken as tangents: `fits(run, conversion.diodes)` says which do not fit."""
 
 
+@called('hb.read_circuit("buck.cir")')
 def read_circuit(
     path: str | os.PathLike[str], *, diode_current: float | str = 1.0, strict: bool = False
 ) -> Conversion:
@@ -99,6 +101,7 @@ def read_circuit(
     'line 3: R1 in a 1'
     """
     current = _current(diode_current)
+    path = named_file(path, 'hb.read_circuit("buck.cir")')
     notices = Notices()
     made, model, lines = _made(path, notices, current)
     if strict and notices.found:

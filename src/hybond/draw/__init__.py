@@ -10,6 +10,7 @@ import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from hybond.calls import called
 from hybond.draw.badges import Badge
 from hybond.draw.drawing import Drawing, draw, draw_mode
 from hybond.draw.hybrid import draw_hybrid, draw_modes
@@ -33,6 +34,7 @@ __all__ = [
 
 
 class _Room(ModuleType):
+    @called("hb.draw(model)")
     def __call__(self, graph: Model | FlatGraph, **options: Any) -> Drawing:
         """Draw a bond graph; see `hybond.draw.drawing.draw`."""
         return draw(graph, **options)

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hybond.calls import called
 from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
 from hybond.draw.layout import layout
@@ -88,6 +89,7 @@ class Drawing:
         return ax
 
 
+@called("hb.draw(model)")
 def draw(
     graph: Model | FlatGraph,
     *,
@@ -201,6 +203,7 @@ def _positions(
     return layout(kinds, bonds, pinned=dict(pins))
 
 
+@called('hb.draw_mode(model, {"floor": "touching"})')
 def draw_mode(
     graph: Model | FlatGraph,
     mode: AnyMode,

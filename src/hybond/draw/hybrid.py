@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from hybond.calls import called
 from hybond.causality.dynamics import causality_of, dynamics
 from hybond.causality.modes import changed
 from hybond.causality.reference import reference_mode
@@ -26,6 +27,7 @@ MOST_PANELS = 16
 """Pictures side by side."""
 
 
+@called("hb.draw_hybrid(model)")
 def draw_hybrid(
     graph: Model | FlatGraph,
     reference: AnyMode | None = None,
@@ -84,6 +86,7 @@ def draw_hybrid(
     return finished(shown, legend=legend)
 
 
+@called("hb.draw_modes(model)")
 def draw_modes(
     graph: Model | FlatGraph,
     modes: Sequence[AnyMode] | None = None,

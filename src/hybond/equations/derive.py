@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
+from hybond.calls import called
 from hybond.equations.booleans import Naming
 from hybond.equations.element_rows import laws_of
 from hybond.equations.mixed import MixedRow, cleared, closing_row, mixed_row
@@ -22,6 +23,7 @@ T = TypeVar("T")
 
 
 @uncollected
+@called("hb.state_equations(model)")
 def state_equations(
     model: Model | FlatGraph,
     *,

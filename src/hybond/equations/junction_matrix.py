@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from hybond.calls import called
 from hybond.causality.reference import reference_mode
 from hybond.equations.booleans import Cube, Naming
 from hybond.equations.display import Display
@@ -251,6 +252,7 @@ def _silenced(form: SwitchForm[Any], region: Region[Any]) -> list[set[int]]:
     return dead
 
 
+@called("hb.junction_matrix(model)")
 def junction_matrix(
     model: Model | FlatGraph, *, reference: AnyMode | None = None, symbolic: bool = True
 ) -> JunctionMatrix:

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from hybond.calls import called
 from hybond.export.targets import TARGETS, export
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ __all__ = ["TARGETS", "export"]
 
 
 class _Room(ModuleType):
+    @called('hb.export(model, to="c", path="ball.c")')
     def __call__(
         self, model: Model, *, to: str, path: str | Path | None = None, **options: Any
     ) -> str | bytes:

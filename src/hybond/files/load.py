@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from hybond.calls import called, named_file
 from hybond.errors import FileError
 from hybond.files.check import check_plain
 from hybond.files.decode import read_file_data
@@ -15,6 +16,7 @@ from hybond.files.submodel_files import Reading
 from hybond.model.builder import Model
 
 
+@called('hb.load("ball.toml")')
 def load(path: str | os.PathLike[str]) -> Model:
     r"""Read a model file; its suffix says whether it is TOML or JSON.
 
@@ -44,14 +46,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     >>> model.name, model.elements["mass"]
     ('block', Part(kind='I', value='1 kg', options={}))
     """
-    if not isinstance(path, str | os.PathLike):
-        raise FileError(
-            f"{path!r} is not the name of a file",
-            code="HB-F102",
-            where="path",
-            hint='hb.load("ball.toml")',
-        )
-    file = Path(path)
+    file = named_file(path, 'hb.load("ball.toml")')
     format = format_of(file)
     source = Source(str(file), read_text(file, str(file)), format)
     reading = Reading(file.parent)
@@ -59,6 +54,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     return _read(parse(source), Place(source), reading, file.stem)
 
 
+@called("hb.loads(text)")
 def loads(
     text: str,
     *,

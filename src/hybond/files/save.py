@@ -8,7 +8,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from hybond.errors import FileError
+from hybond.calls import called, named_file
+from hybond.errors import FileError, UsageError
 from hybond.files.check import check_plain
 from hybond.files.decode import read_file_data
 from hybond.files.edit import edit_toml, same
@@ -21,9 +22,11 @@ from hybond.files.submodel_files import Reading, is_file
 from hybond.files.toml_text import toml_text
 from hybond.files.whole import write_whole
 from hybond.model.builder import Model
+from hybond.model.given import check_model
 from hybond.model.parts import SubmodelPart
 
 
+@called("hb.dumps(model)")
 def dumps(model: Model, *, format: Format = "toml", inline: bool = False) -> str:
     """Return a model as the text of a model file, freshly laid out.
 
@@ -70,6 +73,7 @@ def dumps(model: Model, *, format: Format = "toml", inline: bool = False) -> str
     return _text(_checked_data(model, inline=inline), format)
 
 
+@called('hb.save(model, "ball.toml")')
 def save(model: Model, path: str | os.PathLike[str]) -> None:
     r"""Write a model to a file ending in ``.toml`` or ``.json``.
 
@@ -105,7 +109,7 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
     m = 2  # kilograms
     g = "9.81 m/s^2"
     """
-    file = Path(path)
+    file = named_file(path, 'hb.save(model, "ball.toml")')
     format = format_of(file)
     data = _checked_data(model)
     if data["name"] == file.stem:
@@ -132,8 +136,16 @@ def _text(data: dict[str, Any], format: Format) -> str:
     return toml_text(data)
 
 
-def _checked_data(model: Model, *, inline: bool = False) -> dict[str, Any]:
+def _checked_data(model: Any, *, inline: bool = False) -> dict[str, Any]:
     """Return the data of a model, after reading it once as a reader will."""
+    if not isinstance(model, Model):
+        check_model(model)
+        raise UsageError(
+            "a flat graph is not written: it is what a model means",
+            code="HB-S130",
+            where="model",
+            hint="save the model that it was made of",
+        )
     data = to_data(model, inline=inline)
     _canonical(data, Source(f"model {model.name}"), model.name)
     return data

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
+from hybond.calls import fits
 from hybond.errors import HybondError, ModelError
 from hybond.model.domains import no_such_domain
 from hybond.model.kinds import KINDS
@@ -36,6 +37,7 @@ RESERVED = frozenset(
 )
 
 
+@fits('hb.Model("oscillator", domain="translational")')
 class Model:
     """A hybrid bond graph under construction.
 

@@ -22,7 +22,7 @@ once and every mode evaluates the same tree:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral as Whole
 from typing import TYPE_CHECKING, Any, Literal
@@ -300,7 +300,7 @@ class FlatGraph:
             HB-M144 for a machine or state that does not exist, or a tuple that is no mode.
         """
         if not isinstance(states, Mapping):
-            mode = tuple(states)
+            mode = tuple(states) if isinstance(states, Sequence) else (states,)
             sizes = [len(m.states) for m in self.machines]
             numbers = all(isinstance(k, Whole) for k in mode)
             if (

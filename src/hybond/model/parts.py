@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hybond.calls import called
+from hybond.calls import called, fits
 from hybond.errors import ModelError
 
 Value = Any
@@ -39,6 +39,7 @@ class SubmodelPart:
     """Input of the submodel to what it is here: an expression of signals, a condition, a value."""
 
 
+@fits('hb.Integral("v.f", start="3 m")')
 @dataclass(frozen=True, slots=True)
 class Integral:
     """An integrated signal: ``s' = rate``, from `start`."""
@@ -47,6 +48,7 @@ class Integral:
     start: Value = 0.0
 
 
+@fits('hb.Sampled("c.e", every="1 ms")')
 @dataclass(frozen=True, slots=True)
 class Sampled:
     """A sampled signal: set to `value` at ``phase + n*every``, n = 0, 1, ..., and held between.
@@ -103,6 +105,7 @@ class BlockPart:
     """Units of those inputs and parameters that have one."""
 
 
+@fits('hb.Input(constant="5 N")')
 @dataclass(frozen=True, slots=True)
 class InputPart:
     """An input. Exactly one of `constant`, `table`, `pwm`, `function` is given."""

@@ -14,12 +14,15 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from hybond.calls import called
+
 if TYPE_CHECKING:
     from hybond.model.builder import Model
     from hybond.studio.widget import Studio
 
 
 class _Room(ModuleType):
+    @called("hb.studio(model)")
     def __call__(self, model: Model | str | Path | None = None, *, height: int = 640) -> Studio:
         """Open the studio in a notebook; see `hybond.studio.widget.studio`."""
         from hybond.studio.widget import studio

@@ -28,6 +28,7 @@ from hybond.analysis.complementarity.ports import LawPort, Port, law_ports
 from hybond.analysis.complementarity.rows import Derived, derive_rows
 from hybond.analysis.complementarity.start import nonlinear_nodes, start_values
 from hybond.analysis.complementarity.tangent import Tangent, tangent
+from hybond.calls import called
 from hybond.causality.orientation import base_mode
 from hybond.equations.booleans import Naming
 from hybond.equations.display import Display
@@ -163,6 +164,7 @@ class ComplementarityForm:
 
 
 @uncollected
+@called("hb.complementarity(model)")
 def complementarity(
     model: Model | FlatGraph, mode: AnyMode | None = None, *, symbolic: bool = True
 ) -> ComplementarityForm:

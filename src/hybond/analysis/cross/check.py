@@ -21,6 +21,7 @@ from hybond.analysis.cross.runs import (
     watched,
 )
 from hybond.analysis.cross.verdict import Level, Verdict, agreed, hopeful, level_of, verdict_of
+from hybond.calls import called
 from hybond.causality.orientation import base_mode
 from hybond.errors import UsageError
 from hybond.model.builder import Model
@@ -138,6 +139,7 @@ class CrossCheck:
         return self.text()
 
 
+@called('hb.cross_check(model, "1 s")')
 def cross_check(
     model: Model | FlatGraph,
     until: float | str | None = None,

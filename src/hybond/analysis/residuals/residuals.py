@@ -21,6 +21,7 @@ from hybond.analysis.residuals.origins import origin, rank, unobserved
 from hybond.analysis.residuals.regions import Found, global_rows
 from hybond.analysis.residuals.sensor_rows import Known, SensorRows, sensor_rows
 from hybond.analysis.residuals.unit_pivots import UnitPivots
+from hybond.calls import called
 from hybond.equations.booleans import Naming
 from hybond.equations.display import Display
 from hybond.equations.mixed import MixedRow
@@ -312,6 +313,7 @@ class Residuals(Sequence[Residual]):
         return self.to_markdown()
 
 
+@called('hb.residuals(model, sensors=["c.e"])')
 def residuals(
     model: Model | FlatGraph,
     *,

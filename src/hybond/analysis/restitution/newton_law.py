@@ -14,6 +14,7 @@ from hybond.analysis.restitution.branches import Branch, opens, trees_at
 from hybond.analysis.restitution.closing_speed import cannot, closing_speed
 from hybond.analysis.restitution.contact import Contact, find_contact
 from hybond.analysis.restitution.contact_phase import compressive_sign, directional
+from hybond.calls import called
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.builder import Model
 from hybond.model.constructors import Sf
@@ -21,6 +22,7 @@ from hybond.model.graph import FlatGraph, Machine
 from hybond.model.parts import Integral, MachinePart, Part, Sampled, SubmodelPart, Value
 
 
+@called('hb.newton_law_model(model, "contact", 0.9)')
 def newton_law_model(model: Model, junction: str, eps: Value, *, state: str | None = None) -> Model:
     """Return the model with the compliant contact at `junction` replaced by an impact law.
 

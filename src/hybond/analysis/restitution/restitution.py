@@ -22,6 +22,7 @@ from hybond.analysis.restitution.half_period import (
     half_period,
     loaded_half_period,
 )
+from hybond.calls import called
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Binary, Expr, Name, Number, to_text
@@ -166,6 +167,7 @@ class Restitution:
         return self.markdown()
 
 
+@called('hb.restitution(model, "contact")')
 def restitution(
     model: Model | FlatGraph,
     junction: str,

@@ -22,6 +22,7 @@ from hybond.analysis.structure.paths import Paths, paths
 from hybond.analysis.structure.report import StructureReport, listed
 from hybond.analysis.structure.rows import ModeStructure, Property, StiffWords
 from hybond.analysis.structure.stiffness import resistors_around, stiffness
+from hybond.calls import called
 from hybond.causality.assign import assign
 from hybond.causality.dynamics import causality_of
 from hybond.causality.reachable import reachable
@@ -47,6 +48,7 @@ _CANONICAL = re.compile(r"\b([sxu]):(\d+)")
 Modes = Literal["reachable", "start"] | Sequence[Mode | Mapping[str, str]]
 
 
+@called("hb.structure(model)")
 def structure(
     model: Model | FlatGraph,
     *,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.calls import called
 from hybond.errors import EquationError, UsageError
 from hybond.export.linear.linear_mode import Extended, extended
 from hybond.export.linear.proper import Proper, proper
@@ -82,6 +83,7 @@ class StateSpace:
         )
 
 
+@called('hb.state_space(model, outputs=["c.e"])')
 def state_space(
     model: Model | FlatGraph,
     outputs: Sequence[str] = (),
@@ -130,6 +132,13 @@ def state_space(
     (2, 2)
     """
     graph = graph_of(model)
+    if isinstance(outputs, str) or not isinstance(outputs, Iterable):
+        raise UsageError(
+            f"outputs = {outputs!r} is no list of names",
+            code="HB-S130",
+            where="outputs",
+            hint='outputs=["c.e"]',
+        )
     wanted = graph.mode_of({} if mode is None else mode)
     system = extended(graph, wanted, tuple(outputs))
     chosen = _chosen(system, inputs)
