@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from hybond.calls import called
@@ -136,6 +136,13 @@ def draw_modes(
     """
     graph = graph_of(graph)
     first_mode = None if reference is None else graph.mode_of(reference)
+    if modes is not None and (isinstance(modes, str | Mapping) or not isinstance(modes, Iterable)):
+        raise UsageError(
+            f"modes = {modes!r} is no list of modes",
+            code="HB-S130",
+            where="modes",
+            hint='modes=[{"floor": "away"}, {"floor": "touching"}]',
+        )
     wanted = None if modes is None else [graph.mode_of(mode) for mode in modes]
     if columns is not None and columns < 1:
         raise UsageError(
