@@ -25,7 +25,7 @@ LAYERS = [
     ["progress", "run_options", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["simulation", "result"],
+    ["simulation", "measures", "result"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

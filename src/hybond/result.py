@@ -5,7 +5,6 @@ from __future__ import annotations
 import bisect
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +15,7 @@ from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
 from hybond.files.whole import whole, write_arrays
+from hybond.measures.signal import Signal
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
@@ -36,51 +36,6 @@ ROWS = 20
 """Values that a notebook shows of the end of a run."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
-
-
-@dataclass(frozen=True)
-class Signal:
-    """One signal of a run: pieces that are smooth, jumps between them.
-
-    Parameters
-    ----------
-    name, unit : str
-    """
-
-    name: str
-    unit: str
-    run: Result
-
-    @property
-    def t(self) -> Vector:
-        """Times of all pieces joined, s, shape (n,); at an event twice, left limit first."""
-        return self._points[0]
-
-    @property
-    def y(self) -> Vector:
-        """The values there, shape (n,)."""
-        return self._points[1]
-
-    @cached_property
-    def _points(self) -> tuple[Vector, Vector]:
-        pieces = self.run.pieces(self.name)
-        if not pieces:
-            return np.zeros(0), np.zeros(0)
-        return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
-
-    def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
-        """Return the value at `t`: a float for a float, an array for a sequence.
-
-        At an event `side` says which limit; the right one is after all that happened there.
-        """
-        found = self.run.sample(t, [self.name], side=side)[self.name]
-        return float(found[0]) if np.ndim(t) == 0 else found
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"
 
 
 class Result:

@@ -1,0 +1,265 @@
+"""A signal over a window as polynomials: as short as it takes to know it to a tolerance.
+
+Between two jumps a run is smooth, and each of its steps is a polynomial. What is asked of it may
+be less smooth (``abs(L.f)``): pieces are halved until their polynomial says what the signal is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import NumericsError, UsageError
+from hybond.measures.chebyshev import NODES, WEIGHTS, coefficients, tails
+from hybond.measures.window import Window
+from hybond.model.expressions import Expr
+
+if TYPE_CHECKING:
+    from hybond.result import Result
+
+Vector = NDArray[np.float64]
+Whole = NDArray[np.intp]
+Functions = Callable[[Vector, Vector], Vector]
+"""Of values and times, shape (pieces, nodes), to rows of functions, shape (k, pieces, nodes)."""
+
+TOLERANCE = 1e-10
+"""Of an integral, as a part of the integral of the magnitude; of extremes, as a part of the
+largest value."""
+NOISE = 1e-14
+"""Part of the largest value that counts as rounding."""
+ROUNDS = 64
+"""How often a piece is halved."""
+LIMIT = 1_000_000
+"""Pieces more than the run has steps, at the most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Stretches of time within segments of a run, in order.
+
+    Parameters
+    ----------
+    segment : array of int, shape (n,)
+    low, high : arrays, shape (n,)
+        Where each begins and ends, s.
+    """
+
+    segment: Whole
+    low: Vector
+    high: Vector
+
+    def __len__(self) -> int:
+        return len(self.low)
+
+    @property
+    def half(self) -> Vector:
+        """Half the length of each, s."""
+        return np.asarray(0.5 * (self.high - self.low))
+
+    def times(self) -> Vector:
+        """Return Chebyshev's points of each, shape (n, 11)."""
+        t = 0.5 * (self.low + self.high)[:, None] + self.half[:, None] * NODES
+        t[:, 0], t[:, -1] = self.low, self.high
+        return np.asarray(t)
+
+    def at(self, which: Whole, x: Vector) -> Vector:
+        """Return the times of points between -1 and 1 in some of the pieces."""
+        low, high = self.low[which], self.high[which]
+        return np.clip(0.5 * (low + high) + 0.5 * (high - low) * x, low, high)
+
+    def part(self, chosen: NDArray[np.bool_]) -> Pieces:
+        """Return some of them."""
+        return Pieces(self.segment[chosen], self.low[chosen], self.high[chosen])
+
+    def halved(self) -> Pieces:
+        """Return the halves of all."""
+        middle = 0.5 * (self.low + self.high)
+        return Pieces(
+            np.repeat(self.segment, 2),
+            np.column_stack([self.low, middle]).ravel(),
+            np.column_stack([middle, self.high]).ravel(),
+        )
+
+    @staticmethod
+    def joined(parts: list[Pieces]) -> tuple[Pieces, Whole]:
+        """Return all in the order of time, and the places that they had one after the other."""
+        segment = np.concatenate([p.segment for p in parts])
+        low = np.concatenate([p.low for p in parts])
+        high = np.concatenate([p.high for p in parts])
+        order = np.lexsort((low, segment))
+        return Pieces(segment[order], low[order], high[order]), order
+
+
+def pieces_of(run: Result, window: Window) -> Pieces:
+    """Return the steps of a run within a window; where impacts come to rest, what lies between."""
+    segments = run.segments
+    starts = run.trace.segments.times
+    first = max(int(np.searchsorted(starts, window.start, side="right")) - 1, 0)
+    last = int(np.searchsorted(starts, window.end, side="left"))
+    which, low, high = [], [], []
+    for k in range(first, last):
+        until = starts[k + 1] if k + 1 < len(starts) else math.inf
+        t = segments[k].t
+        if t[-1] < until < math.inf:
+            t = np.append(t, until)
+        t = t[(t > window.start) & (t < window.end)]
+        begin, end = max(starts[k], window.start), min(until, run.t_end, window.end)
+        cuts = np.concatenate([[begin], t[t > begin], [end]])
+        cuts = cuts[np.append(cuts[:-1] < cuts[1:], True)]
+        which.append(np.full(len(cuts) - 1, k, dtype=np.intp))
+        low.append(cuts[:-1])
+        high.append(cuts[1:])
+    return Pieces(np.concatenate(which), np.concatenate(low), np.concatenate(high))
+
+
+class Reader:
+    """Reads an expression of a run at points of its segments.
+
+    Parameters
+    ----------
+    name : str or Expr
+        As written, or in canonical names.
+    """
+
+    def __init__(self, run: Result, name: str | Expr) -> None:
+        self.run = run
+        self.name = name if isinstance(name, str) else "signal"
+        self.expression = run.expression(name) if isinstance(name, str) else name
+
+    def __call__(self, segment: Whole, t: Vector) -> Vector:
+        """Return values at times of segments whose numbers are in order, shape (n,)."""
+        if not len(t):
+            return np.zeros(0)
+        run = self.run
+        (found,) = run.signals.of_points(run.trace.segments, segment, t, [self.expression])
+        bad = np.flatnonzero(~np.isfinite(found))
+        if len(bad):
+            raise NumericsError(
+                f"{self.name} is {found[bad[0]]} at t = {t[bad[0]]:.9g} s",
+                code="HB-R103",
+                where=self.name,
+                hint="measure a window, or an expression, in which it has values",
+            )
+        return found
+
+    def of(self, pieces: Pieces) -> Vector:
+        """Return values at Chebyshev's points of pieces, shape (n, 11)."""
+        t = pieces.times()
+        return self(np.repeat(pieces.segment, t.shape[1]), t.ravel()).reshape(t.shape)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Pieces over a whole window that are known to a tolerance.
+
+    Parameters
+    ----------
+    values : array, shape (pieces, 11)
+        Of the signal.
+    functions : array, shape (functions, pieces, 11)
+        Of what is integrated.
+    """
+
+    pieces: Pieces
+    values: Vector
+    functions: Vector
+
+    def integral(self, values: Vector) -> float:
+        """Return the integral of values at the points of the pieces."""
+        return float((values @ WEIGHTS) @ self.pieces.half)
+
+    def integrals(self) -> list[float]:
+        """Return the integrals of the functions."""
+        return [self.integral(f) for f in self.functions]
+
+
+def integrable(
+    reader: Reader,
+    window: Window,
+    functions: Functions,
+    *,
+    shared: int = 1,
+    tolerance: float = TOLERANCE,
+) -> Known:
+    """Return a signal over a window in pieces on which functions of it can be integrated.
+
+    Parameters
+    ----------
+    functions : callable
+    shared : int
+        How many functions are measured against the magnitude of the first.
+    tolerance : float
+        Of each integral, as a part of the integral of the function's magnitude.
+
+    Raises
+    ------
+    NumericsError
+        HB-R103 for a signal without value, HB-R104 for one that cannot be known so well.
+    """
+    check_tolerance(tolerance)
+    todo = pieces_of(reader.run, window)
+    allowed = len(todo) + LIMIT
+    done: list[tuple[Pieces, Vector, Vector]] = []
+    for _ in range(ROUNDS):
+        values = reader.of(todo)
+        made = functions(values, todo.times())
+        tail = tails(coefficients(made))
+        size = np.abs(made).max(axis=2)
+        now = (np.abs(made) @ np.abs(WEIGHTS)) @ todo.half
+        before = sum(
+            ((np.abs(f) @ np.abs(WEIGHTS)) @ p.half for p, _, f in done), np.zeros(len(now))
+        )
+        sums = now + before
+        sums[:shared] = np.maximum(sums[:shared], sums[0])
+        peak = np.maximum(size.max(axis=1), max((np.abs(f).max() for _, _, f in done), default=0.0))
+        fine = tail <= tolerance * (sums / window.length)[:, None]
+        fine |= tail * todo.half <= 1e-2 * tolerance * sums[:, None]
+        fine |= tail <= NOISE * peak[:, None]
+        short = todo.half <= 8.0 * np.spacing(np.abs(todo.high))
+        ok = fine.all(axis=0) | short
+        done.append((todo.part(ok), values[ok], made[:, ok]))
+        todo = todo.part(~ok).halved()
+        if not len(todo):
+            break
+        if len(todo) + sum(len(p) for p, _, _ in done) > allowed:
+            break
+    if len(todo):
+        raise unknown(reader.name, tolerance)
+    pieces, order = Pieces.joined([p for p, _, _ in done])
+    return Known(
+        pieces,
+        np.concatenate([v for _, v, _ in done])[order],
+        np.concatenate([f for _, _, f in done], axis=1)[:, order],
+    )
+
+
+def unknown(name: str, tolerance: float) -> NumericsError:
+    """Return the refusal of a signal that is too rough."""
+    return NumericsError(
+        f"{name} is too rough to be known to {tolerance:g}",
+        code="HB-R104",
+        where=name,
+        hint="give tolerance=1e-6, or measure a shorter window",
+    )
+
+
+def check_tolerance(tolerance: object) -> None:
+    """Refuse what is no tolerance.
+
+    Raises
+    ------
+    UsageError
+        HB-R101.
+    """
+    if not isinstance(tolerance, float) or not 1e-13 <= tolerance <= 0.1:
+        raise UsageError(
+            f"tolerance = {tolerance!r}",
+            code="HB-R101",
+            where="tolerance",
+            hint="from 1e-13 to 0.1; 1e-10 if it is left out",
+        )
