@@ -111,7 +111,7 @@ class _Points:
 def _points(reader: Reader, level: float, window: Window, tolerance: float) -> _Points:
     """Return ends of pieces, and extremes within those that may get to the level."""
     check_tolerance(tolerance)
-    todo = pieces_of(reader.run, window)
+    todo = pieces_of(reader, window)
     allowed = len(todo) + LIMIT
     peak = abs(level)
     kept: list[tuple[Pieces, Vector, Vector]] = []

@@ -91,7 +91,7 @@ def _best(
     polynomial does beyond one.
     """
     check_tolerance(tolerance)
-    todo = pieces_of(reader.run, window)
+    todo = pieces_of(reader, window)
     allowed = len(todo) + LIMIT
     best = -np.inf
     peak = 0.0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hybond.errors import NumericsError, UsageError
 from hybond.measures.chebyshev import NODES, WEIGHTS, coefficients, tails
 from hybond.measures.window import Window
-from hybond.model.expressions import Expr
+from hybond.model.expressions import Expr, Name
 
 if TYPE_CHECKING:
     from hybond.result import Result
@@ -95,9 +95,18 @@ class Pieces:
         return Pieces(segment[order], low[order], high[order]), order
 
 
-def pieces_of(run: Result, window: Window) -> Pieces:
+PARTS = 400
+"""Parts of a window in which an expression is looked at, besides the steps of the run: between
+them it might be what no point of a step shows."""
+
+
+def pieces_of(reader: Reader, window: Window) -> Pieces:
     """Return the steps of a run within a window; where impacts come to rest, what lies between."""
+    run = reader.run
     segments = run.segments
+    even = np.linspace(window.start, window.end, PARTS + 1)[1:-1]
+    if isinstance(reader.expression, Name):
+        even = np.zeros(0)
     starts = run.trace.segments.times
     first = max(int(np.searchsorted(starts, window.start, side="right")) - 1, 0)
     last = int(np.searchsorted(starts, window.end, side="left"))
@@ -107,10 +116,10 @@ def pieces_of(run: Result, window: Window) -> Pieces:
         t = segments[k].t
         if t[-1] < until < math.inf:
             t = np.append(t, until)
-        t = t[(t > window.start) & (t < window.end)]
         begin, end = max(starts[k], window.start), min(until, run.t_end, window.end)
-        cuts = np.concatenate([[begin], t[t > begin], [end]])
-        cuts = cuts[np.append(cuts[:-1] < cuts[1:], True)]
+        own = slice(*np.searchsorted(even, [begin, end]).tolist())
+        t = np.concatenate([t[(t > begin) & (t < end)], even[own]])
+        cuts = np.unique(np.concatenate([[begin], t, [end]]))
         which.append(np.full(len(cuts) - 1, k, dtype=np.intp))
         low.append(cuts[:-1])
         high.append(cuts[1:])
@@ -202,31 +211,33 @@ def integrable(
         HB-R103 for a signal without value, HB-R104 for one that cannot be known so well.
     """
     check_tolerance(tolerance)
-    todo = pieces_of(reader.run, window)
+    todo = pieces_of(reader, window)
     allowed = len(todo) + LIMIT
     done: list[tuple[Pieces, Vector, Vector]] = []
+    before: Vector = np.zeros(1)
+    peak: Vector = np.zeros(1)
+    made_of_done = 0
     for _ in range(ROUNDS):
         values = reader.of(todo)
         made = functions(values, todo.times())
         tail = tails(coefficients(made))
         size = np.abs(made).max(axis=2)
-        now = (np.abs(made) @ np.abs(WEIGHTS)) @ todo.half
-        before = sum(
-            ((np.abs(f) @ np.abs(WEIGHTS)) @ p.half for p, _, f in done), np.zeros(len(now))
-        )
-        sums = now + before
+        passing = (np.abs(made) @ WEIGHTS) * todo.half
+        sums = passing.sum(axis=1) + before
         sums[:shared] = np.maximum(sums[:shared], sums[0])
-        peak = np.maximum(size.max(axis=1), max((np.abs(f).max() for _, _, f in done), default=0.0))
+        peak = np.maximum(size.max(axis=1), peak)
         fine = tail <= tolerance * (sums / window.length)[:, None]
         fine |= tail * todo.half <= 1e-2 * tolerance * sums[:, None]
         fine |= tail <= NOISE * peak[:, None]
         short = todo.half <= 8.0 * np.spacing(np.abs(todo.high))
         ok = fine.all(axis=0) | short
         done.append((todo.part(ok), values[ok], made[:, ok]))
+        before = before + passing[:, ok].sum(axis=1)
+        made_of_done += int(ok.sum())
         todo = todo.part(~ok).halved()
         if not len(todo):
             break
-        if len(todo) + sum(len(p) for p, _, _ in done) > allowed:
+        if len(todo) + made_of_done > allowed:
             break
     if len(todo):
         raise unknown(reader.name, tolerance)

@@ -80,6 +80,11 @@ class Measurement(float):
         return self.about.t
 
     @property
+    def side(self) -> str:
+        """Of an extreme: which limit, where it is one at a jump."""
+        return self.about.side
+
+    @property
     def impulses(self) -> float:
         """The sum of the areas of impulses that it includes."""
         return self.about.impulses
