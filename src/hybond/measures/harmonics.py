@@ -152,8 +152,8 @@ def spectrum_of(
     angle = known.pieces.times() - window.start
     lines = []
     for k in range(1, harmonics + 1):
-        real = known.integral(known.values * np.cos(k * omega * angle))
-        imaginary = -known.integral(known.values * np.sin(k * omega * angle))
+        real = known.integral(known.functions[0] * np.cos(k * omega * angle))
+        imaginary = -known.integral(known.functions[0] * np.sin(k * omega * angle))
         struck = sum(i.area * cmath.exp(-1j * k * omega * (i.t - window.start)) for i in found)
         lines.append((complex(real, imaginary) + struck) * 2.0 / window.length)
     line = np.array(lines)

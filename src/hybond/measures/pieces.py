@@ -164,18 +164,15 @@ class Reader:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Pieces over a whole window that are known to a tolerance.
+    """Functions of time over pieces on which they are polynomials, to a tolerance.
 
     Parameters
     ----------
-    values : array, shape (pieces, 11)
-        Of the signal.
     functions : array, shape (functions, pieces, 11)
-        Of what is integrated.
+        Values at Chebyshev's points.
     """
 
     pieces: Pieces
-    values: Vector
     functions: Vector
 
     def integral(self, values: Vector) -> float:
@@ -186,6 +183,10 @@ class Known:
         """Return the integrals of the functions."""
         return [self.integral(f) for f in self.functions]
 
+    def of_pieces(self) -> Vector:
+        """Return the integrals over each piece, shape (functions, pieces)."""
+        return np.asarray((self.functions @ WEIGHTS) * self.pieces.half)
+
 
 def integrable(
     reader: Reader,
@@ -195,13 +196,13 @@ def integrable(
     shared: int = 1,
     tolerance: float = TOLERANCE,
 ) -> Known:
-    """Return a signal over a window in pieces on which functions of it can be integrated.
+    """Return functions of a signal over a window in pieces on which they can be integrated.
 
     Parameters
     ----------
     functions : callable
     shared : int
-        How many functions are measured against the magnitude of the first.
+        The first of them are measured against the largest of them.
     tolerance : float
         Of each integral, as a part of the integral of the function's magnitude.
 
@@ -211,42 +212,59 @@ def integrable(
         HB-R103 for a signal without value, HB-R104 for one that cannot be known so well.
     """
     check_tolerance(tolerance)
-    todo = pieces_of(reader, window)
+
+    def rows(pieces: Pieces) -> Vector:
+        return functions(reader.of(pieces), pieces.times())
+
+    return resolved(
+        rows, pieces_of(reader, window), name=reader.name, shared=shared, tolerance=tolerance
+    )
+
+
+def resolved(
+    rows: Callable[[Pieces], Vector],
+    todo: Pieces,
+    *,
+    name: str,
+    shared: int,
+    tolerance: float = TOLERANCE,
+) -> Known:
+    """Return rows of functions in pieces as short as it takes; arguments as `integrable`.
+
+    Parameters
+    ----------
+    rows : callable
+        Functions at Chebyshev's points of pieces, shape (functions, pieces, 11).
+    """
     allowed = len(todo) + LIMIT
-    done: list[tuple[Pieces, Vector, Vector]] = []
+    length = float(2.0 * todo.half.sum())
+    done: list[tuple[Pieces, Vector]] = []
     before: Vector = np.zeros(1)
     peak: Vector = np.zeros(1)
-    made_of_done = 0
+    count = 0
     for _ in range(ROUNDS):
-        values = reader.of(todo)
-        made = functions(values, todo.times())
+        made = rows(todo)
         tail = tails(coefficients(made))
-        size = np.abs(made).max(axis=2)
         passing = (np.abs(made) @ WEIGHTS) * todo.half
         sums = passing.sum(axis=1) + before
-        sums[:shared] = np.maximum(sums[:shared], sums[0])
-        peak = np.maximum(size.max(axis=1), peak)
-        fine = tail <= tolerance * (sums / window.length)[:, None]
+        sums[:shared] = sums[:shared].max()
+        peak = np.maximum(np.abs(made).max(axis=(1, 2)), peak)
+        peak[:shared] = peak[:shared].max()
+        fine = tail <= tolerance * (sums / length)[:, None]
         fine |= tail * todo.half <= 1e-2 * tolerance * sums[:, None]
         fine |= tail <= NOISE * peak[:, None]
         short = todo.half <= 8.0 * np.spacing(np.abs(todo.high))
         ok = fine.all(axis=0) | short
-        done.append((todo.part(ok), values[ok], made[:, ok]))
+        done.append((todo.part(ok), made[:, ok]))
         before = before + passing[:, ok].sum(axis=1)
-        made_of_done += int(ok.sum())
+        count += int(ok.sum())
         todo = todo.part(~ok).halved()
-        if not len(todo):
-            break
-        if len(todo) + made_of_done > allowed:
+        if not len(todo) or len(todo) + count > allowed:
             break
     if len(todo):
-        raise unknown(reader.name, tolerance)
-    pieces, order = Pieces.joined([p for p, _, _ in done])
-    return Known(
-        pieces,
-        np.concatenate([v for _, v, _ in done])[order],
-        np.concatenate([f for _, _, f in done], axis=1)[:, order],
-    )
+        raise unknown(name, tolerance)
+    pieces, order = Pieces.joined([p for p, _ in done])
+    return Known(pieces, np.concatenate([f for _, f in done], axis=1)[:, order])
 
 
 def unknown(name: str, tolerance: float) -> NumericsError:

@@ -29,7 +29,7 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.result import names_of, read_name
+from hybond.measures.naming import names_of, read_name
 from hybond.simulation import notices
 
 Vector = NDArray[np.float64]
