@@ -39,6 +39,8 @@ DISPLAY: dict[str, set[str]] = {
     "hybond.model.builder.Model.draw": {"draw"},
     "hybond.model.builder.Model.check": {"hints"},
     "hybond.result.Result.plot": {"draw"},
+    "hybond.result.Result.plot_losses": {"draw"},
+    "hybond.result.Result.sankey": {"draw"},
 }
 
 EXEMPT = {"hybond", "hybond.__main__"}

@@ -36,9 +36,7 @@ def waves() -> hb.Result:
 def second_order() -> hb.Result:
     """Return a step of 1 V onto 1 H, 0.4 ohm and 1 F in series: damping 0.2, 1 rad/s."""
     m = hb.Model("rlc", domain="electrical")
-    m.add(
-        u=hb.Se("1 V"), line=hb.One(), l=hb.I("1 H"), r=hb.R("0.4 ohm"), c=hb.C("1 F", e="0 V")
-    )
+    m.add(u=hb.Se("1 V"), line=hb.One(), l=hb.I("1 H"), r=hb.R("0.4 ohm"), c=hb.C("1 F", e="0 V"))
     m.bond("u -> line", "line -> l", "line -> r", "line -> c")
     return hb.simulate(m, until="40 s", rtol=1e-12)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -145,9 +146,7 @@ def test_what_comes_before_the_first_instant_belongs_to_the_run() -> None:
 def test_windows_meet_without_gap(ball: hb.Result) -> None:
     whole = float(ball["contact.e"].integral())
     cuts = [0.0, *ball.events.t[1:4].tolist(), 7.0, 20.0]
-    parts = [
-        float(ball["contact.e"].integral(start=a, end=b)) for a, b in zip(cuts, cuts[1:])
-    ]
+    parts = [float(ball["contact.e"].integral(start=a, end=b)) for a, b in pairwise(cuts)]
     assert sum(parts) == pytest.approx(whole, rel=1e-12)
 
 

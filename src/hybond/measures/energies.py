@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.measures.pieces import TOLERANCE, Known, Pieces, Reader, pieces_of, resolved
+from hybond.errors import UsageError
+from hybond.measures.pieces import TOLERANCE, Known, Pieces, resolved, steps_of
 from hybond.measures.window import Window
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph, Node
@@ -21,6 +22,23 @@ Vector = NDArray[np.float64]
 
 AT_ONCE = 4_000_000
 """Numbers that are integrated at once."""
+
+
+def check_located(run: Result) -> None:
+    """Refuse a run of time-stepping.
+
+    Raises
+    ------
+    UsageError
+        HB-R113: its steps do not tell jumps from motion.
+    """
+    if run.segments and run.segments[0].bonds is not None:
+        raise UsageError(
+            "steps of time-stepping do not tell what is lost in jumps from what is dissipated",
+            code="HB-R113",
+            where="losses",
+            hint="take a solver that locates events; run.energies and run.audit know the totals",
+        )
 
 
 def power_nodes(graph: FlatGraph) -> list[Node]:
@@ -58,12 +76,19 @@ class Passed:
 
 
 def energies_into(
-    run: Result, nodes: Sequence[Node], window: Window, *, tolerance: float = TOLERANCE
+    run: Result,
+    nodes: Sequence[Node],
+    window: Window,
+    *,
+    parts: int = 0,
+    tolerance: float = TOLERANCE,
 ) -> Passed:
     """Return the energy that goes into elements while time passes.
 
     Parameters
     ----------
+    parts : int
+        Stretches that are even, besides the steps of the run.
     tolerance : float
         As a part of the energy that passes through the largest of them.
 
@@ -84,15 +109,13 @@ def energies_into(
         powers = _powers(run, bonds, np.repeat(pieces.segment, t.shape[1]), t.ravel())
         return np.asarray((signs @ powers).reshape(len(nodes), *t.shape))
 
-    parts: list[Known] = []
-    for stretch in _stretches(pieces_of(Reader(run, Name("time")), window), len(bonds)):
-        parts.append(
-            resolved(rows, stretch, name="power", shared=len(nodes), tolerance=tolerance)
-        )
+    known: list[Known] = []
+    for stretch in _stretches(steps_of(run, window, parts), len(bonds)):
+        known.append(resolved(rows, stretch, name="power", shared=len(nodes), tolerance=tolerance))
     return Passed(
-        np.concatenate([p.pieces.low for p in parts]),
-        np.concatenate([p.pieces.high for p in parts]),
-        np.concatenate([p.of_pieces() for p in parts], axis=1),
+        np.concatenate([p.pieces.low for p in known]),
+        np.concatenate([p.pieces.high for p in known]),
+        np.concatenate([p.of_pieces() for p in known], axis=1),
     )
 
 
@@ -107,7 +130,9 @@ def _stretches(pieces: Pieces, bonds: int) -> Iterator[Pieces]:
 def _powers(run: Result, bonds: Sequence[int], segment: NDArray[np.intp], t: Vector) -> Vector:
     """Return effort times flow of bonds at points of segments, shape (bonds, points)."""
     asked = np.unique(segment)
-    sliding = [k for k in asked.tolist() if run.trace.slidings and run.segments[k].sliding is not None]
+    sliding = [
+        k for k in asked.tolist() if run.trace.slidings and run.segments[k].sliding is not None
+    ]
     names = [Name(f"{v}:{b}") for v in "ef" for b in bonds]
     if not sliding:
         values = np.array(run.signals.of_points(run.trace.segments, segment, t, names))

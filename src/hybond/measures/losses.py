@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import UsageError
-from hybond.measures.energies import energies_into, power_nodes
+from hybond.measures.energies import check_located, energies_into, power_nodes
 from hybond.measures.jumps import jumps_in, owner_of
 from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
@@ -268,14 +268,7 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     NumericsError
         HB-R103, HB-R104.
     """
-    first = run.trace.segments
-    if first and any(first[k].bonds is not None for k in (0, len(first) - 1)):
-        raise UsageError(
-            "steps of time-stepping do not tell what is lost in jumps from what is dissipated",
-            code="HB-R113",
-            where="losses",
-            hint="take a solver that locates events; run.energies and run.audit know the totals",
-        )
+    check_located(run)
     graph = run.graph
     nodes = power_nodes(graph)
     passed = energies_into(run, nodes, window, tolerance=tolerance)
@@ -330,11 +323,9 @@ class _Book:
                     name = name.rpartition(".")[0]
             old = found.get(name, Row(name, kind))
             sums = {c: getattr(old, c) + self._sums[k].get(c, 0.0) for c in COLUMNS}
-            found[name] = Row(name, old.kind if not (node and node.hidden) else old.kind, **sums)
+            found[name] = Row(name, old.kind, **sums)
         least = 1e-15 * through
-        return tuple(
-            r for r in found.values() if any(abs(getattr(r, c)) > least for c in COLUMNS)
-        )
+        return tuple(r for r in found.values() if any(abs(getattr(r, c)) > least for c in COLUMNS))
 
 
 def _stored(run: Result, nodes: Sequence[Node], window: Window) -> list[tuple[Node, float]]:
@@ -375,5 +366,3 @@ def _right(run: Result, t: float) -> Vector:
         state, _ = run.signals._rest(segment, t)
         return np.asarray(state, dtype=float)
     return np.asarray(segment.at(t), dtype=float)
-
-

@@ -101,12 +101,20 @@ them it might be what no point of a step shows."""
 
 
 def pieces_of(reader: Reader, window: Window) -> Pieces:
-    """Return the steps of a run within a window; where impacts come to rest, what lies between."""
-    run = reader.run
+    """Return the steps of a run within a window, and those of an expression in even parts too."""
+    return steps_of(reader.run, window, 0 if isinstance(reader.expression, Name) else PARTS)
+
+
+def steps_of(run: Result, window: Window, parts: int = 0) -> Pieces:
+    """Return the steps of a run within a window; where impacts come to rest, what lies between.
+
+    Parameters
+    ----------
+    parts : int
+        Even parts of the window that are cut as well.
+    """
     segments = run.segments
-    even = np.linspace(window.start, window.end, PARTS + 1)[1:-1]
-    if isinstance(reader.expression, Name):
-        even = np.zeros(0)
+    even = np.linspace(window.start, window.end, max(parts, 1) + 1)[1:-1]
     starts = run.trace.segments.times
     first = max(int(np.searchsorted(starts, window.start, side="right")) - 1, 0)
     last = int(np.searchsorted(starts, window.end, side="left"))
