@@ -41,13 +41,9 @@ def test_a_capacitor_charged_through_a_resistor() -> None:
 
 
 def test_capacitors_joined_lose_at_the_switch() -> None:
-    # 10 V on 1.2 F meets 6/4.8 ... whatever: C1 C2 / (C1 + C2) (u1 - u2)^2 / 2
+    # 1 F at 10 V and 2 F at 4 V: C1 C2 / (C1 + C2) (u1 - u2)^2 / 2
     run = run_of("capacitors_joined")
-    c1, c2 = (run.graph.parameters.get(k) for k in ("C1", "C2"))
-    before = [float(run[f"{c}.e"].at(1.0, side="left")) for c in ("C1", "C2")]
-    sizes = [float(run[f"{c}.q"].at(0.5)) / float(run[f"{c}.e"].at(0.5)) for c in ("C1", "C2")]
-    del c1, c2
-    wanted = 0.5 * sizes[0] * sizes[1] / sum(sizes) * (before[0] - before[1]) ** 2
+    wanted = 0.5 * 2 / 3 * 6**2
     found = run.losses()
     assert found["join"].lost == pytest.approx(wanted, rel=1e-12)
     assert found["join"].kind == "switch"
@@ -115,10 +111,10 @@ def test_friction_is_lost_at_its_junction() -> None:
     m.add(
         mass=hb.I("2 kg", f="3 m/s"),
         v=hb.One(),
-        ground=hb.Sf("0 m/s"),
-        slip=hb.Zero(law="coulomb", friction="4 N"),
+        rub=hb.Zero(),
+        slip=hb.One(law="coulomb", limit="4 N", breakaway="5 N"),
     )
-    m.bond("v -> mass", "v -> slip", "ground -> slip")
+    m.bond("v -> mass", "v -> rub -> slip")
     found = hb.simulate(m, until="4 s").losses()
     assert found["slip"].dissipated == pytest.approx(9.0, rel=1e-9)
     assert found["mass"].stored == pytest.approx(-9.0, rel=1e-9)

@@ -33,7 +33,7 @@ _INTEGRALS: Vector = np.array(
 )
 WEIGHTS: Vector = _TO_COEFFICIENTS @ _INTEGRALS
 """Of an integral from -1 to 1 (Clenshaw and Curtis)."""
-_TO_FINE: Vector = np.polynomial.chebyshev.chebvander(_FINE, DEGREE).T
+_TO_FINE: Vector = np.asarray(np.polynomial.chebyshev.chebvander(_FINE, DEGREE).T, dtype=np.float64)
 
 
 def coefficients(values: Vector) -> Vector:
