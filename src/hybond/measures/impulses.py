@@ -76,6 +76,9 @@ def _factor(run: Result, name: str, e: Expr, variable: str, event: Event, struck
         return float(slope.value)
     if set(names(slope)) & set(struck):  # type: ignore[call-overload]
         raise _meaningless(run, name, event, "it is not linear in what has an impulse")
+    if event.t == run.t_begin and any(n[:2] in ("e:", "f:", "x:") for n in names(slope)):
+        # what it was before the run is not known
+        raise _meaningless(run, name, event, "what it multiplies an impulse with begins there")
     k = run._segment_at(event.t, "right")
     beside = sorted({k, max(k - 1, 0)} if event.t > run.t_begin else {k})
     at = np.full(len(beside), event.t)
