@@ -39,8 +39,8 @@ DISPLAY: dict[str, set[str]] = {
     "hybond.model.builder.Model.draw": {"draw"},
     "hybond.model.builder.Model.check": {"hints"},
     "hybond.result.Result.plot": {"draw"},
-    "hybond.result.Result.plot_losses": {"draw"},
-    "hybond.result.Result.sankey": {"draw"},
+    "hybond.measures.measuring.Measuring.plot_losses": {"draw"},
+    "hybond.measures.measuring.Measuring.sankey": {"draw"},
 }
 
 EXEMPT = {"hybond", "hybond.__main__"}

@@ -15,11 +15,9 @@ from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
 from hybond.files.whole import whole, write_arrays
-from hybond.measures.asked import asked_of_experiment, measured, read_measure
-from hybond.measures.losses import Losses, losses_of
+from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
 from hybond.measures.signal import Signal
-from hybond.measures.window import Time, window_of
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
@@ -41,7 +39,7 @@ POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
 
-class Result:
+class Result(Measuring):
     """A run: segments of motion, events between them, signals by name.
 
     Attributes
@@ -333,81 +331,6 @@ class Result:
         """Return the worst imbalance of power and energy over the run."""
         return audit(self.graph, self.trace, self.signals)
 
-    # -- measurements
-
-    def measure(self, *texts: str) -> Any:
-        """Return measurements by text: ``run.measure("rms(out.e, period=20 us, periods=5)")``.
-
-        Parameters
-        ----------
-        *texts : str
-            A function of a signal, with arguments as the methods of `Signal` have them. Without
-            any, what ``[experiment] measure`` asks for.
-
-        Returns
-        -------
-        Measurement or dict
-            Of one text its measurement, else ``{text: measurement}``.
-
-        Raises
-        ------
-        UsageError
-            HB-R120, HB-R121 for a text that asks for nothing; and those of the methods.
-
-        Examples
-        --------
-        >>> import hybond as hb
-        >>> m = hb.Model("rc", domain="electrical")
-        >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
-        >>> m.bond("node -> c", "node -> r")
-        >>> run = hb.simulate(m, until="1 s")
-        >>> print(run.measure("mean(c.e)"))
-        6.32121 V
-        """
-        if not texts:
-            return measured(self, asked_of_experiment(self.graph))
-        found = measured(self, [read_measure(text) for text in texts])
-        return found[texts[0].strip()] if len(texts) == 1 else found
-
-    def losses(
-        self,
-        *,
-        start: Time | None = None,
-        end: Time | None = None,
-        period: Time | None = None,
-        periods: int | None = None,
-        depth: int | None = None,
-    ) -> Losses:
-        """Return where the energy came from and where it went, element by element.
-
-        Parameters
-        ----------
-        start, end, period, periods
-            The window, as for `Signal.mean`; by default the whole run.
-        depth : int, optional
-            Add up submodels: paths of more than so many words.
-
-        Raises
-        ------
-        UsageError
-            HB-R101, HB-R102 no window of the run; HB-R113 for time-stepping.
-
-        Examples
-        --------
-        >>> import hybond as hb
-        >>> run = hb.simulate(hb.load("examples/capacitors_joined.toml"))
-        >>> print(run.losses())
-        t = 0 s to 2 s
-        element  kind     supplied  dissipated  lost in jumps  stored
-        C1       storage                                       -32 J
-        C2       storage                                       20 J
-        join     switch                         12 J
-        total                                   12 J           -12 J
-        """
-        window = window_of(self, start=start, end=end, period=period, periods=periods)
-        found = losses_of(self, window)
-        return found if depth is None else found.grouped(depth)
-
     # -- other forms
 
     def to_pandas(self, names: Sequence[str] | None = None) -> Any:
@@ -467,28 +390,6 @@ class Result:
 
         chosen = names or tuple(self.graph.experiment.get("plot", ())) or tuple(self.names[:3])
         return plot_run(self, chosen, path=path)
-
-    def plot_losses(self, path: str | None = None, *, depth: int | None = None) -> Any:
-        """Plot over time what was supplied, and where it went, stacked."""
-        from hybond.draw.losses import plot_losses
-
-        return plot_losses(self, path=path, depth=depth)
-
-    def sankey(
-        self,
-        path: str | None = None,
-        *,
-        start: Time | None = None,
-        end: Time | None = None,
-        period: Time | None = None,
-        periods: int | None = None,
-        depth: int | None = None,
-    ) -> Any:
-        """Draw who gave energy and who took it; arguments as `losses`."""
-        from hybond.draw.sankey import draw_sankey
-
-        found = self.losses(start=start, end=end, period=period, periods=periods, depth=depth)
-        return draw_sankey(found, title=self.title, path=path)
 
     def _repr_html_(self) -> str:
         rows = "".join(
