@@ -25,7 +25,7 @@ LAYERS = [
     ["progress", "run_options", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["simulation", "result"],
+    ["simulation", "measures", "result"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]
@@ -39,6 +39,8 @@ DISPLAY: dict[str, set[str]] = {
     "hybond.model.builder.Model.draw": {"draw"},
     "hybond.model.builder.Model.check": {"hints"},
     "hybond.result.Result.plot": {"draw"},
+    "hybond.measures.measuring.Measuring.plot_losses": {"draw"},
+    "hybond.measures.measuring.Measuring.sankey": {"draw"},
 }
 
 EXEMPT = {"hybond", "hybond.__main__"}

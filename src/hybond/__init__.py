@@ -48,11 +48,12 @@ if TYPE_CHECKING:
     )
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
+    from hybond.measures.signal import Signal
     from hybond.model.builder import Model
     from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
-    from hybond.result import Result, Signal
+    from hybond.result import Result
     from hybond.simulation import simulate
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
@@ -84,7 +85,7 @@ _HOME = {
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
     "Result": "hybond.result",
-    "Signal": "hybond.result",
+    "Signal": "hybond.measures.signal",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import bisect
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,10 +15,12 @@ from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError, UsageError
 from hybond.files.whole import whole, write_arrays
+from hybond.measures.measuring import Measuring
+from hybond.measures.naming import names_of, read_name
+from hybond.measures.signal import Signal
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.names import did_you_mean
 from hybond.report import EventTable
 from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
 from hybond.units import format_quantity
@@ -38,52 +39,7 @@ POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
 
-@dataclass(frozen=True)
-class Signal:
-    """One signal of a run: pieces that are smooth, jumps between them.
-
-    Parameters
-    ----------
-    name, unit : str
-    """
-
-    name: str
-    unit: str
-    run: Result
-
-    @property
-    def t(self) -> Vector:
-        """Times of all pieces joined, s, shape (n,); at an event twice, left limit first."""
-        return self._points[0]
-
-    @property
-    def y(self) -> Vector:
-        """The values there, shape (n,)."""
-        return self._points[1]
-
-    @cached_property
-    def _points(self) -> tuple[Vector, Vector]:
-        pieces = self.run.pieces(self.name)
-        if not pieces:
-            return np.zeros(0), np.zeros(0)
-        return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
-
-    def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
-        """Return the value at `t`: a float for a float, an array for a sequence.
-
-        At an event `side` says which limit; the right one is after all that happened there.
-        """
-        found = self.run.sample(t, [self.name], side=side)[self.name]
-        return float(found[0]) if np.ndim(t) == 0 else found
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"
-
-
-class Result:
+class Result(Measuring):
     """A run: segments of motion, events between them, signals by name.
 
     Attributes
@@ -457,42 +413,3 @@ class Result:
             f"<Result {self.title!r}: {self.status}, t = {self.t_end:g} s, "
             f"{len(self.events)} events>"
         )
-
-
-def names_of(graph: FlatGraph) -> list[str]:
-    """Return stored quantities, co-energy variables, signals and listed outputs of a model."""
-    found = []
-    for s in graph.storages:
-        found += [s.path, f"{s.path.rpartition('.')[0]}.{'e' if s.kind == 'C' else 'f'}"]
-    found += [i.path for i in graph.integrals]
-    found += list(graph.signals)
-    for key in ("plot", "outputs"):
-        found += [str(n) for n in graph.experiment.get(key, ())]
-    return list(dict.fromkeys(found))
-
-
-def read_name(graph: FlatGraph, name: str) -> Expr:
-    """Return a name, or any expression of names, in canonical names.
-
-    Raises
-    ------
-    UsageError
-        HB-S109 with the nearest names.
-    """
-    assert graph.read is not None
-    if not isinstance(name, str):
-        raise UsageError(
-            f"{name!r} is not the name of a signal",
-            code="HB-S109",
-            where="name",
-            hint=f'a name in quotes: run["{next(iter(names_of(graph)), "v.f")}"]',
-        )
-    try:
-        return graph.read(name)
-    except HybondError as error:
-        raise UsageError(
-            f"there is no signal {name!r}: {error.why}",
-            code="HB-S109",
-            where=name,
-            hint=error.hint or did_you_mean(name, names_of(graph)),
-        ) from None

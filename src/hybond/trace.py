@@ -62,6 +62,8 @@ class Step:
     undetermined: tuple[str, ...] = ()
     exchanged: Mapping[str, float] = field(default_factory=dict)
     """What sources and OFF junctions took from storage: impulse areas by bond."""
+    areas: Mapping[str, float] = field(default_factory=dict)
+    """Area of the impulse part of each bond variable that has one, by canonical name."""
 
 
 @dataclass(frozen=True, slots=True)

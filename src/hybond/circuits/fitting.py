@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hybond.circuits.measured import mean_product
+from hybond.measures.averages import power_integral
+from hybond.measures.window import Window
 from hybond.result import Result
 
 OFF = 1.5
@@ -85,9 +86,9 @@ def fits(run: Result, tangents: Sequence[Tangent]) -> list[Fit]:
     (0.01, 0.0935)
     """
     found = []
-    middle = 0.5 * (run.t_begin + run.t_end)
+    half = Window(0.5 * (run.t_begin + run.t_end), run.t_end)
     for tangent in tangents:
-        charge, square = (mean_product(run, f"{tangent.name}.f", middle, k) for k in (1, 2))
+        charge, square = (power_integral(run, f"{tangent.name}.f", half, k) for k in (1, 2))
         if charge <= 0.0:
             continue
         carried = square / charge

@@ -6,18 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hybond.circuits.formulas import evaluate
+from hybond.measures.averages import integral_of, mean_of, rms_of
+from hybond.measures.crossings import Edge, crossings_of
+from hybond.measures.extremes import extreme_of, range_of
+from hybond.measures.window import Window
 from hybond.model.expressions import Expr
 from hybond.result import Result
-
-PIECES = 400
-"""Parts of a run between which a mean is integrated, besides its steps."""
-BETWEEN = 8
-"""Points within each part at which extremes and crossings are looked for."""
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,109 +105,47 @@ def _one(run: Result, one: Wanted, known: Mapping[str, float | None]) -> float |
     begin, end = max(one.begin, run.t_begin), min(one.end, run.t_end)
     if end <= begin:
         return None
-    if one.kind in ("avg", "rms", "integ"):
-        t, weights = _nodes(run, begin, end)
-        y = _values(run, one.signal, t)
-        if one.kind == "rms":
-            return math.sqrt(float(weights @ y**2) / (end - begin))
-        return float(weights @ y) / (1.0 if one.kind == "integ" else end - begin)
-    low, high = (_extreme(run, one.signal, begin, end, sign) for sign in (-1.0, 1.0))
+    return _over(run, one, Window(begin, end, begin == run.t_begin))
+
+
+def _over(run: Result, one: Wanted, window: Window) -> float | None:
+    """Return a measurement over a window.
+
+    Integrals have the areas of impulses; where an impulse has no measurement, as a netlist has no
+    impulses, what is beside it is measured.
+    """
     match one.kind:
-        case "min":
-            return low[1]
-        case "max":
-            return high[1]
-        case "min_at":
-            return low[0]
-        case "max_at":
-            return high[0]
-    return high[1] - low[1]
-
-
-def mean_product(run: Result, signal: str, begin: float, power: int) -> float:
-    """Return the integral of a power of a signal from `begin` to the end of a run."""
-    t, weights = _nodes(run, begin, run.t_end)
-    return float(weights @ _values(run, signal, t) ** power)
-
-
-def _values(run: Result, signal: str, t: Vector) -> Vector:
-    return np.asarray(run[signal].at(t.tolist()), dtype=float)
+        case "avg":
+            return float(mean_of(run, one.signal, window))
+        case "integ":
+            return float(integral_of(run, one.signal, window))
+        case "rms":
+            return float(rms_of(run, one.signal, window, impulses="leave out"))
+        case "pp":
+            return float(range_of(run, one.signal, window, impulses="leave out"))
+    sign = -1.0 if one.kind.startswith("min") else 1.0
+    found = extreme_of(run, one.signal, window, sign, impulses="leave out")
+    return found.t if one.kind.endswith("_at") else float(found)
 
 
 def _at(run: Result, signal: str, t: float) -> float:
     return float(run[signal].at(t))
 
 
-def _cuts(run: Result, begin: float, end: float) -> Vector:
-    """Return times between which a run is smooth: its steps, which end at events and corners."""
-    steps = [s.t for s in run.segments if s.t[-1] >= begin and s.t[0] <= end]
-    t = np.concatenate([np.linspace(begin, end, PIECES + 1), *steps])
-    return np.unique(t[(t >= begin) & (t <= end)])
-
-
-def _nodes(run: Result, begin: float, end: float) -> tuple[Vector, Vector]:
-    """Return times and weights of an integral by Gauss."""
-    cuts = _cuts(run, begin, end)
-    middle, half = 0.5 * (cuts[1:] + cuts[:-1]), 0.5 * np.diff(cuts)
-    nodes, weights = np.polynomial.legendre.leggauss(4)
-    return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()
-
-
-def _points(run: Result, signal: str, begin: float, end: float) -> tuple[Vector, Vector]:
-    """Return a signal at its cuts, where it jumps from both sides, and at points between."""
-    cuts = _cuts(run, begin, end)
-    part = np.arange(1, BETWEEN) / BETWEEN
-    inner = (cuts[:-1, None] + np.diff(cuts)[:, None] * part).ravel()
-    left = np.asarray(run[signal].at(cuts[1:].tolist(), side="left"), dtype=float)
-    right = np.asarray(run[signal].at(cuts[:-1].tolist()), dtype=float)
-    t = np.concatenate([cuts[:-1], inner, cuts[1:]])
-    y = np.concatenate([right, _values(run, signal, inner), left])
-    # of two values at one time the left limit comes first
-    order = np.lexsort((np.repeat([1, 0, 0], [len(right), len(inner), len(left)]), t))
-    return t[order], y[order]
-
-
-def _extreme(
-    run: Result, signal: str, begin: float, end: float, sign: float
-) -> tuple[float, float]:
-    """Return time and value of the largest of `sign` times a signal."""
-    t, y = _points(run, signal, begin, end)
-    k = int(np.argmax(sign * y))
-    best = float(t[k]), float(y[k])
-    if 0 < k < len(t) - 1 and t[k - 1] < t[k] < t[k + 1]:
-        low, high = float(t[k - 1]), float(t[k + 1])
-        for _ in range(4):  # a smooth peak, between finer and finer points
-            fine = np.linspace(low, high, 33)
-            values = _values(run, signal, fine)
-            j = int(np.argmax(sign * values))
-            low, high = float(fine[max(j - 1, 0)]), float(fine[min(j + 1, 32)])
-            if sign * values[j] > sign * best[1]:
-                best = float(fine[j]), float(values[j])
-    return best
-
-
 def _instant(run: Result, instant: Instant) -> float | None:
     """Return the time of an instant, None if the run has no such one."""
     if not instant.signal:
         return instant.at
-    t, y = _points(run, instant.signal, max(instant.after, run.t_begin), run.t_end)
-    up = (y[:-1] < 0.0) & (y[1:] >= 0.0)
-    down = (y[:-1] > 0.0) & (y[1:] <= 0.0)
-    at = np.flatnonzero({"rise": up, "fall": down}.get(instant.edge, up | down))
-    if len(at) < max(instant.count, 1):
+    begin = max(instant.after, run.t_begin)
+    if not begin < run.t_end:
         return None
-    k = int(at[instant.count - 1])
-    low, high, rising = float(t[k]), float(t[k + 1]), bool(up[k])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        value = _at(run, instant.signal, middle)
-        if (value >= 0.0) if rising else (value <= 0.0):
-            high = middle
-        else:
-            low = middle
-    return high
+    # what happens at its begin belongs to it
+    window = Window(begin, run.t_end, True)
+    edge: Edge = "rise" if instant.edge == "rise" else "fall" if instant.edge == "fall" else "both"
+    found = crossings_of(run, instant.signal, 0.0, window, edge=edge)
+    if len(found) < max(instant.count, 1):
+        return None
+    return found[int(instant.count - 1)].t
 
 
 def _slope(run: Result, signal: str, t: float) -> float:

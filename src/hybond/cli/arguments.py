@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
@@ -31,6 +32,7 @@ VERBS = {
     "analyse": "analyse the structure of each mode, a contact, what sensors can tell",
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
+    "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
@@ -273,6 +275,10 @@ def parser_of_words() -> Parser:
     )
     sweep.add_argument("--out", metavar="FILE", help="write the table as .csv, .npz or .json")
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+    measure = measure_words(_verb, verbs)
+    _settings(measure)
+    _solver(measure)
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")

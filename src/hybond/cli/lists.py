@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from hybond.errors import HybondError, ModelError, UsageError
+from hybond.measures.asked import asked_of_experiment
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
 from hybond.run_options import seconds
@@ -162,9 +163,10 @@ def check_signals(graph: FlatGraph, names: Iterable[str], where: str) -> list[st
 
 
 def check_experiment(graph: FlatGraph) -> None:
-    """Refuse an experiment that asks for signals the model does not have."""
+    """Refuse an experiment that asks for signals or measurements that there are not."""
     for key in ("plot", "outputs"):
         check_signals(graph, map(str, graph.experiment.get(key, ())), f"experiment.{key}")
+    asked_of_experiment(graph)
 
 
 def mode_of(graph: FlatGraph, text: str | None) -> Mode:

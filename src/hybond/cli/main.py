@@ -95,6 +95,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.sweep import sweep
 
             return sweep(given)
+        case "measure":
+            from hybond.cli.measure import measure
+
+            return measure(given)
         case "explain":
             from hybond.cli.explain import explain
 

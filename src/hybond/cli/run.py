@@ -7,6 +7,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from hybond.cli.lists import check_experiment, check_signals, end_time, sample_times, split
+from hybond.cli.measure import measures_record, print_measures
 from hybond.cli.netlists import measurements, notes, print_measurements, read_model
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
@@ -16,6 +17,7 @@ from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.engine.outcome.step_error import GOOD
 from hybond.errors import HybondError
+from hybond.measures.asked import asked_of_experiment
 from hybond.names import in_columns
 from hybond.report import EventTable
 from hybond.result import Result
@@ -38,6 +40,7 @@ def run(given: Namespace) -> int:
     signals = check_signals(graph, split(given.signals or []), "--signals")
 
     result = simulate_with(graph, until, given)
+    asked = asked_of_experiment(graph)
     measured = measurements(result, conversion)
     suggested = notes(result, conversion)
 
@@ -48,12 +51,16 @@ def run(given: Namespace) -> int:
         record = run_record(result, given.file, times, names, [*suggested, *said])
         if conversion is not None:
             record["measurements"] = measured
+        if asked:
+            record["measures"], refused = measures_record(result, asked)
+            problems += refused
         text = to_json(record)
         given.json = False  # what fails from here on must not put a second object there
         sys.stdout.write(text)
     else:
         _print(result, times, names)
         print_measurements(measured)
+        problems += print_measures(result, asked)
         for note in suggested:
             say(f"note: {note}")
     for refusal in (result.error, *problems):

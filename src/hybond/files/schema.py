@@ -216,6 +216,7 @@ class Experiment(Struct, forbid_unknown_fields=True):
     theta: Number | UnsetType = UNSET
     plot: list[str] | UnsetType = UNSET
     outputs: list[str] | UnsetType = UNSET
+    measure: list[str] | UnsetType = UNSET
     max_writes: int | UnsetType = UNSET
     max_events: int | UnsetType = UNSET
     max_steps: int | UnsetType = UNSET

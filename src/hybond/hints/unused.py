@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from hybond.hints.uses import texts_of, used_in
@@ -34,6 +35,8 @@ def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
                 "use it in a law, a signal or a guard, or take it out",
             )
     listed = {str(n) for key in ("plot", "outputs") for n in model.experiment.get(key, ())}
+    for text in model.experiment.get("measure", ()):
+        listed |= set(re.findall(r"\w+(?:\.\w+)*", str(text)))
     for name in model.signals if listed and not prefix else ():
         if name not in used:
             yield Hint(

@@ -12,6 +12,7 @@ from hybond.engine.outcome.engines import tables_for
 from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import Settings
 from hybond.errors import HybondError
+from hybond.measures.naming import names_of, read_name
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     ARRAYS,
@@ -29,7 +30,6 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.result import names_of, read_name
 from hybond.simulation import notices
 
 Vector = NDArray[np.float64]

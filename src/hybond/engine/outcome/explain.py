@@ -88,11 +88,18 @@ class Explaining:
         hits = slice(int(found.hit[v]), int(found.hit[v + 1]))
         impulses: dict[str, float] = {}
         exchanged: dict[str, float] = {}
+        struck_bonds: dict[str, float] = {}
         if hits.stop > hits.start:
             areas = rows.hit_area[hits].tolist()
             struck = list(zip(rows.hit[hits].tolist(), areas, strict=True))
             impulses = self._impulses(struck)
             exchanged = self._exchanged(struck, mode)
+            bonds = len(self.graph.bonds)
+            struck_bonds = {
+                f"{'e' if k < bonds else 'f'}:{k % bonds}": area
+                for k, (area, floor) in struck
+                if abs(area) > floor
+            }
         energy = None
         if rows.visit[v, 4]:
             before, after, given = rows.visit_energy[v].tolist()
@@ -105,6 +112,7 @@ class Explaining:
             energy,
             self.open(found, v),
             exchanged,
+            struck_bonds,
         )
 
     def fired(self, found: Instants, v: int) -> tuple[Fired, ...]:

@@ -21,7 +21,7 @@ from hybond.engine.outcome.along import Along
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Block, Interpolants
-from hybond.model.expressions import ARRAYS, Expr, Number, compile_expression, names, uses_pre
+from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
 from hybond.trace import Segment, Trace
 
@@ -296,6 +296,24 @@ class Signals:
             self._enter(segment)
             _, values = self._look.parts(Within(steps, times), np.arange(first, last))
         return np.ascontiguousarray(values.reshape(-1, last - first).T)
+
+    def powers(self, segment: Segment, bonds: Sequence[int], t: Vector) -> Vector:
+        """Return effort times flow of bonds at times of a segment, shape (bonds, times).
+
+        While machines slide it is the mean of the products in the modes that are combined, which
+        is not the product of the means.
+        """
+        names_ = [Name(f"{v}:{b}") for v in "ef" for b in bonds]
+        if segment.sliding is None:
+            values = np.array(self.of(segment, names_, t)).reshape(2, len(bonds), len(t))
+            return np.asarray(values[0] * values[1])
+        steps, times = self._within(segment, t)
+        slots = np.array([self._slots.index[n.path] for n in names_], dtype=np.intc)
+        with self._lock:
+            self._enter(segment)
+            shares, read = self._look.parts(Within(steps, times), slots)
+        efforts, flows = read[:, :, : len(bonds)], read[:, :, len(bonds) :]
+        return np.asarray((shares[:, :, None] * efforts * flows).sum(axis=1).T)
 
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated up to the accepted points, J, shape (points, 2)."""

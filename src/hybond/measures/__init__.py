@@ -1,0 +1,1 @@
+"""Signals of a run, what is measured of them, and where its energy went."""

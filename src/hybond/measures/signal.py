@@ -1,0 +1,491 @@
+"""`Signal`: one signal of a run, its values and what is measured of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import UsageError
+from hybond.measures.averages import Impulses, integral_of, mean_of, rms_of
+from hybond.measures.crossings import Crossing, Edge, crossings_of, duty_of, period_of
+from hybond.measures.extremes import extreme_of, range_of
+from hybond.measures.harmonics import Spectrum, spectrum_of, thd_of
+from hybond.measures.pieces import TOLERANCE
+from hybond.measures.stepping_up import StepInfo, step_of
+from hybond.measures.value import About, Measurement
+from hybond.measures.window import Time, Window, frequency_of, window_of
+from hybond.units import parse_unit, try_quantity
+
+if TYPE_CHECKING:
+    from hybond.result import Result
+
+Vector = NDArray[np.float64]
+Side = Literal["left", "right"]
+
+
+@dataclass(frozen=True, slots=True)
+class Ripple:
+    """How much a signal varies about its mean, as parts of the mean.
+
+    Parameters
+    ----------
+    peak_to_peak : float
+        The maximum less the minimum.
+    rms : float
+        Of what is left without the mean: the ripple factor of a rectifier.
+    """
+
+    peak_to_peak: float
+    rms: float
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One signal of a run: pieces that are smooth, jumps between them.
+
+    What is measured is of the motion, between its points too. It is of the whole run, of a window
+    (``start="1 ms", end=0.002``), or of periods (``period="20 us", periods=5``: the last five
+    before `end`). Jumps and impulses at the end of a window belong to it, those at its start do
+    not, but for the start of the run. All results are SI; they count as floats and know `unit`,
+    `start`, `end` and `how`.
+
+    Parameters
+    ----------
+    name, unit : str
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> u = hb.simulate(m, until="1 s", rtol=1e-10)["c.e"]
+    >>> print(u.mean(), u.rms(start="0.5 s"), u.integral(period="0.2 s", periods=2))
+    6.32121 V 4.82228 V 1.80932 V·s
+    >>> u.min().t
+    1.0
+    """
+
+    name: str
+    unit: str
+    run: Result
+
+    @property
+    def t(self) -> Vector:
+        """Times of all pieces joined, s, shape (n,); at an event twice, left limit first."""
+        return self._points[0]
+
+    @property
+    def y(self) -> Vector:
+        """The values there, shape (n,)."""
+        return self._points[1]
+
+    @cached_property
+    def _points(self) -> tuple[Vector, Vector]:
+        pieces = self.run.pieces(self.name)
+        if not pieces:
+            return np.zeros(0), np.zeros(0)
+        return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
+
+    def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
+        """Return the value at `t`: a float for a float, an array for a sequence.
+
+        At an event `side` says which limit; the right one is after all that happened there.
+        """
+        found = self.run.sample(t, [self.name], side=side)[self.name]
+        return float(found[0]) if np.ndim(t) == 0 else found
+
+    # -- over a window
+
+    def integral(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the integral over time, the areas of impulses included.
+
+        `impulses` of the result is the sum of these areas, `how` says how many there are.
+
+        Parameters
+        ----------
+        start, end : float or str, optional
+            Times, s or quantities.
+        period : float or str, optional
+            A duration or a frequency.
+        periods : int, optional
+            The last ones before `end`, or the first after `start`.
+        tolerance : float
+            As a part of the integral of the magnitude, default 1e-10.
+
+        Raises
+        ------
+        UsageError
+            HB-R101, HB-R102: no window of the run; HB-R105: an expression whose impulse has no
+            meaning.
+        NumericsError
+            HB-R103: no value; HB-R104: too rough for the tolerance.
+        """
+        return integral_of(
+            self.run, self.name, self._window(start, end, period, periods), tolerance=tolerance
+        )
+
+    def mean(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the mean, the areas of impulses included; arguments as `integral`."""
+        return mean_of(
+            self.run, self.name, self._window(start, end, period, periods), tolerance=tolerance
+        )
+
+    def rms(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        impulses: Impulses = "refuse",
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the root of the mean square; other arguments as `integral`.
+
+        Parameters
+        ----------
+        impulses : {"refuse", "leave out"}
+            The square of an impulse has no integral: refuse it with HB-R106, or measure what is
+            beside it.
+        """
+        window = self._window(start, end, period, periods)
+        return rms_of(self.run, self.name, window, impulses=impulses, tolerance=tolerance)
+
+    def max(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        impulses: Impulses = "refuse",
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the maximum of the motion, with its time `t` and, at a jump, its `side`.
+
+        Arguments as `rms`.
+        """
+        window = self._window(start, end, period, periods)
+        return extreme_of(self.run, self.name, window, 1.0, impulses=impulses, tolerance=tolerance)
+
+    def min(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        impulses: Impulses = "refuse",
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the minimum of the motion, as `max`."""
+        window = self._window(start, end, period, periods)
+        return extreme_of(self.run, self.name, window, -1.0, impulses=impulses, tolerance=tolerance)
+
+    def max_at(self, **window: Any) -> float:
+        """Return when the maximum is taken first, s; arguments as `max`."""
+        t = self.max(**window).t
+        assert t is not None
+        return t
+
+    def min_at(self, **window: Any) -> float:
+        """Return when the minimum is taken first, s; arguments as `max`."""
+        t = self.min(**window).t
+        assert t is not None
+        return t
+
+    def peak_to_peak(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        impulses: Impulses = "refuse",
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the maximum less the minimum; arguments as `rms`."""
+        window = self._window(start, end, period, periods)
+        return range_of(self.run, self.name, window, impulses=impulses, tolerance=tolerance)
+
+    def ripple(
+        self,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Ripple:
+        """Return how much it varies, as parts of its mean; arguments as `integral`.
+
+        Raises
+        ------
+        UsageError
+            HB-R108 for a mean of zero.
+        """
+        window = self._window(start, end, period, periods)
+        height = range_of(self.run, self.name, window, tolerance=tolerance)
+        root = rms_of(self.run, self.name, window, tolerance=tolerance)
+        mean = abs(mean_of(self.run, self.name, window, tolerance=tolerance))
+        if not mean > 1e-9 * root:
+            raise UsageError(
+                f"the mean of {self.name} is {mean:.6g}, and ripple is a part of it",
+                code="HB-R108",
+                where=self.name,
+                hint="peak_to_peak() and rms() need no mean",
+            )
+        return Ripple(height / mean, max(root**2 - mean**2, 0.0) ** 0.5 / mean)
+
+    # -- crossings
+
+    def crossings(
+        self,
+        level: float | str = 0.0,
+        *,
+        edge: Edge = "both",
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> tuple[Crossing, ...]:
+        """Return when it crosses a level; other arguments as `integral`.
+
+        It rises when it gets from below the level to it or beyond, and falls when it gets from
+        above to it or beyond.
+
+        Parameters
+        ----------
+        level : float or str
+            SI, or a quantity of the signal's unit.
+        edge : {"both", "rise", "fall"}
+        """
+        window = self._window(start, end, period, periods)
+        at = self._level(level)
+        return crossings_of(self.run, self.name, at, window, edge=edge, tolerance=tolerance)
+
+    def period(
+        self,
+        level: float | str | None = None,
+        *,
+        edge: Edge = "rise",
+        start: Time | None = None,
+        end: Time | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the mean time between crossings of a level in one direction, s.
+
+        Parameters
+        ----------
+        level : float or str, optional
+            By default in the middle between minimum and maximum.
+
+        Raises
+        ------
+        UsageError
+            HB-R107 if there are less than two.
+        """
+        window = self._window(start, end, None, None)
+        at = self._middle(window, tolerance) if level is None else self._level(level)
+        return period_of(self.run, self.name, at, window, edge=edge, tolerance=tolerance)
+
+    def frequency(
+        self,
+        level: float | str | None = None,
+        *,
+        edge: Edge = "rise",
+        start: Time | None = None,
+        end: Time | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return one over the `period`, Hz."""
+        found = self.period(level, edge=edge, start=start, end=end, tolerance=tolerance)
+        return Measurement(1.0 / found, About("Hz", found.start, found.end, how=found.how))
+
+    def duty(
+        self,
+        level: float | str | None = None,
+        *,
+        start: Time | None = None,
+        end: Time | None = None,
+        period: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the part of the time that it is above a level, by default the middle."""
+        window = self._window(start, end, period, periods)
+        at = self._middle(window, tolerance) if level is None else self._level(level)
+        return duty_of(self.run, self.name, at, window, tolerance=tolerance)
+
+    def step_info(
+        self,
+        *,
+        initial: float | str | None = None,
+        final: float | str | None = None,
+        band: float = 0.02,
+        low: float = 0.1,
+        high: float = 0.9,
+        start: Time | None = None,
+        end: Time | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> StepInfo:
+        """Return rise time, overshoot and settling time of a step.
+
+        Parameters
+        ----------
+        initial, final : float or str, optional
+            By default the values at the begin and at the end of the window.
+        band : float
+            Of settling, around the final value, as a part of the way.
+        low, high : float
+            Parts of the way between which the rise time is.
+
+        Raises
+        ------
+        UsageError
+            HB-R108 if there is no step.
+        """
+        return step_of(
+            self.run,
+            self.name,
+            self._window(start, end, None, None),
+            initial=None if initial is None else self._level(initial),
+            final=None if final is None else self._level(final),
+            band=band,
+            low=low,
+            high=high,
+            tolerance=tolerance,
+        )
+
+    # -- harmonics
+
+    def spectrum(
+        self,
+        f: float | str | None = None,
+        *,
+        harmonics: int = 20,
+        start: Time | None = None,
+        end: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Spectrum:
+        """Return mean and harmonics, impulses included.
+
+        Parameters
+        ----------
+        f : float or str, optional
+            The fundamental: Hz, a frequency or a period. By default one over the window.
+        harmonics : int
+            How many multiples of it.
+        start, end : float or str, optional
+            A window of whole periods.
+        periods : int, optional
+            The last ones before `end` (or the first after `start`), default 1.
+
+        Raises
+        ------
+        UsageError
+            HB-R109 for a window that is not whole periods.
+        """
+        if f is None:
+            window = self._window(start, end, None, periods)
+            base = 1.0 / window.length
+        else:
+            base = frequency_of(f)
+            window = self._whole(base, start, end, periods)
+        return spectrum_of(
+            self.run, self.name, window, base, harmonics=harmonics, tolerance=tolerance
+        )
+
+    def thd(
+        self,
+        f: float | str,
+        *,
+        harmonics: int | None = None,
+        start: Time | None = None,
+        end: Time | None = None,
+        periods: int | None = None,
+        tolerance: float = TOLERANCE,
+    ) -> Measurement:
+        """Return the total harmonic distortion, as a part of the fundamental.
+
+        Parameters
+        ----------
+        f : float or str
+            The fundamental.
+        harmonics : int, optional
+            Up to which one; by default all that is left beside mean and fundamental. Others as
+            `spectrum`.
+
+        Raises
+        ------
+        UsageError
+            HB-R106 for impulses, HB-R109, HB-R110 if there is no fundamental.
+        """
+        base = frequency_of(f)
+        window = self._whole(base, start, end, periods)
+        return thd_of(self.run, self.name, window, base, harmonics=harmonics, tolerance=tolerance)
+
+    # -- what is asked
+
+    def _window(
+        self, start: Time | None, end: Time | None, period: Time | None, periods: int | None
+    ) -> Window:
+        return window_of(self.run, start=start, end=end, period=period, periods=periods)
+
+    def _whole(self, f: float, start: Time | None, end: Time | None, periods: int | None) -> Window:
+        if start is not None and end is not None and periods is None:
+            return self._window(start, end, None, None)
+        return self._window(start, end, 1.0 / f, periods)
+
+    def _middle(self, window: Window, tolerance: float) -> float:
+        low, high = (
+            extreme_of(self.run, self.name, window, sign, impulses="leave out", tolerance=tolerance)
+            for sign in (-1.0, 1.0)
+        )
+        return 0.5 * (low + high)
+
+    def _level(self, value: float | str) -> float:
+        if not isinstance(value, str):
+            return float(value)
+        found = try_quantity(value)
+        fits = found is not None and (
+            not self.unit or found.dimension in (parse_unit(self.unit)[1], parse_unit("1")[1])
+        )
+        if found is None or not fits:
+            raise UsageError(
+                f"{value!r} is not a value of {self.name}",
+                code="HB-R101",
+                where="level",
+                hint=f"a number in SI, or in {self.unit}" if self.unit else "a number in SI",
+            )
+        return float(found.value)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"

@@ -1,0 +1,141 @@
+"""Measurements as text: in Python, on the command line, in model files."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import hybond as hb
+from hybond.cli.main import main
+
+RC = """hybond = 1
+title  = "RC"
+domain = "electrical"
+
+[elements]
+c = { C = "1 mF", e = "10 V" }
+r = { R = "1 kohm" }
+n = { junction = 0 }
+
+[graph]
+bonds = ["n -> c", "n -> r"]
+
+[experiment]
+until   = "2 s"
+measure = ["mean(c.e)", "rms(r.f, start=1)"]
+"""
+
+
+@pytest.fixture
+def rc(tmp_path: Path) -> str:
+    path = tmp_path / "rc.toml"
+    path.write_text(RC, encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("mean(c.e)", 10 * (1 - math.exp(-3)) / 3),
+        (" integral( max(c.e, 5) , start = 0, end=3 s) ", None),
+        ("min_at(c.e)", 3.0),
+        ("rms(c.e, period=1 Hz, periods=3)", 10 * math.sqrt((1 - math.exp(-6)) / 6)),
+        ("rise_time(c.e, final=0 V)", math.log(9)),
+        ("settling_time(c.e, final=0, band=0.1)", math.log(10)),
+        ("overshoot(c.e, final=5)", (5 - 10 * math.exp(-3)) / 5),
+        ("max(c.e, impulses=leave out)", 10.0),
+        ('max("node -> c".e)', 10.0),
+    ],
+)
+def test_in_python(discharge: hb.Result, text: str, value: float | None) -> None:
+    found = discharge.measure(text)
+    half = math.log(2)
+    wanted = 10 - 5 + 5 * (3 - half) if value is None else value
+    assert float(found) == pytest.approx(wanted, rel=1e-9)
+
+
+def test_waves_as_text(waves: hb.Result) -> None:
+    texts = ("thd(square, 50 Hz)", "duty(pulse, 2, period=20 ms)", "frequency(half, level=0.5)")
+    found = waves.measure(*texts, "ripple_rms(half, period=20 ms)", "peak_to_peak(half)")
+    wanted = [math.sqrt(math.pi**2 / 8 - 1), 0.25, 50.0, math.sqrt(math.pi**2 / 4 - 1), 1.0]
+    assert [float(v) for v in found.values()] == pytest.approx(wanted, rel=1e-8)
+    assert list(found)[:3] == list(texts)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "hint"),
+    [
+        ("mean", "HB-R120", "mean(L.f)"),
+        ("mean()", "HB-R120", "mean"),
+        ("mean(c.e", "HB-R120", ""),
+        ("mean(max(c.e, 1)", "HB-R120", ""),
+        ("mean(c.e, 5)", "HB-R120", "periods"),
+        ("mean(c.e, start=1, start=2)", "HB-R120", "once"),
+        ("mean(c.e, tolerance=fine)", "HB-R120", "0.02"),
+        ("meen(c.e)", "HB-R121", "'mean'"),
+        ("mean(c.e, perod=1)", "HB-R121", "'period'"),
+        ("mean(c.u)", "HB-S109", "c.e"),
+        ("__import__('os')", "HB-R121", ""),
+    ],
+)
+def test_texts_that_ask_for_nothing(discharge: hb.Result, text: str, code: str, hint: str) -> None:
+    with pytest.raises(hb.UsageError) as refused:
+        discharge.measure(text)
+    assert refused.value.code == code and hint in refused.value.hint
+
+
+def test_the_experiment_asks(rc: str, capsys: pytest.CaptureFixture[str]) -> None:
+    run = hb.simulate(hb.load(rc), rtol=1e-11)
+    found = run.measure()
+    assert float(found["mean(c.e)"]) == pytest.approx(5 * (1 - math.exp(-2)), rel=1e-10)
+    assert main(["run", rc]) == 0
+    assert "mean(c.e)         = 4.32332 V" in capsys.readouterr().out
+    assert main(["run", rc, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["measures"]["mean(c.e)"]["value"] == pytest.approx(4.3233236, rel=1e-7)
+    assert record["measures"]["mean(c.e)"]["unit"] == "V"
+    assert main(["measure", rc]) == 0
+    assert "rms(r.f, start=1) = " in capsys.readouterr().out
+
+
+def test_a_file_that_asks_for_what_is_not_there(
+    rc: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path(rc).write_text(RC.replace("mean(c.e)", "maen(c.e)"), encoding="utf-8")
+    assert main(["run", rc]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("HB-R121 at ") and "rc.toml:15" in said and "'mean'" in said
+    assert main(["check", rc]) == 2
+
+
+def test_the_verb(rc: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["measure", rc, "max(c.e)", "--losses", "--set", "c.e=20 V"]) == 0
+    said = capsys.readouterr().out
+    assert "max(c.e) = 20 V" in said and "at t = 0 s" in said and "dissipated" in said
+    assert main(["measure", rc, "mean(c.e)", "--json", "--losses", "--power"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    lost = 0.05 * (1 - math.exp(-4))
+    assert record["losses"]["total"]["dissipated"] == pytest.approx(lost / 2, rel=1e-7)
+    assert record["losses"]["unit"] == "W"
+    picture = tmp_path / "losses.svg"
+    assert main(["measure", rc, "--losses", "--sankey", str(picture)]) == 0
+    assert "<svg" in picture.read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert main(["measure", rc, "--list"]) == 0
+    assert "settling_time" in capsys.readouterr().out
+
+
+def test_what_cannot_be_measured_is_said_and_the_rest_is_told(
+    rc: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["measure", rc, "frequency(c.e)", "max(c.e)"]) == 1
+    told = capsys.readouterr()
+    assert "max(c.e)       = 10 V" in told.out and "HB-R107" in told.err
+    assert main(["measure", rc, "mean(c.e)", "--period", "1 s"]) == 1
+    assert "HB-X101" in capsys.readouterr().err
+    Path(rc).write_text(RC.split("measure =")[0], encoding="utf-8")
+    assert main(["measure", rc]) == 1
+    assert "--list" in capsys.readouterr().err

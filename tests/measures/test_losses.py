@@ -1,0 +1,214 @@
+"""Energy and losses by element against closed forms; sums against the audit."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+import hybond as hb
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def run_of(name: str, until: str | None = None) -> hb.Result:
+    return hb.simulate(hb.load(EXAMPLES / f"{name}.toml"), until=until)
+
+
+def test_a_capacitor_charged_through_a_resistor() -> None:
+    # to the end of charging a resistor takes as much as is stored, whatever it is
+    m = hb.Model("rc", domain="electrical")
+    m.add(u=hb.Se("10 V"), line=hb.One(), r=hb.R("1 kohm"), c=hb.C("1 mF", e="0 V"))
+    m.bond("u -> line", "line -> r", "line -> c")
+    run = hb.simulate(m, until="2 s", rtol=1e-11)
+    found = run.losses()
+    q = 1 - math.exp(-2)
+    assert found["u"].supplied == pytest.approx(0.1 * q, rel=1e-10)
+    assert found["c"].stored == pytest.approx(0.05 * q**2, rel=1e-10)
+    assert found["r"].dissipated == pytest.approx(0.05 * (1 - math.exp(-4)), rel=1e-10)
+    assert found.lost == 0.0 and found.holds(1e-12)
+    # of a window, and of periods
+    part = run.losses(start="0.5 s", end="1.5 s")
+    wanted = 0.05 * (math.exp(-1) - math.exp(-3))
+    assert part["r"].dissipated == pytest.approx(wanted, rel=1e-10)
+    last = run.losses(period="0.25 s", periods=4).mean_power()
+    assert last["r"].dissipated == pytest.approx(
+        0.05 * (math.exp(-2) - math.exp(-4)) / 1.0, rel=1e-10
+    )
+    assert last.unit == "W" and last.mean_power() is last
+    assert found.efficiency("c") == pytest.approx(0.5 * q, rel=1e-9)
+
+
+def test_capacitors_joined_lose_at_the_switch() -> None:
+    # 1 F at 10 V and 2 F at 4 V: C1 C2 / (C1 + C2) (u1 - u2)^2 / 2
+    run = run_of("capacitors_joined")
+    wanted = 0.5 * 2 / 3 * 6**2
+    found = run.losses()
+    assert found["join"].lost == pytest.approx(wanted, rel=1e-12)
+    assert found["join"].kind == "switch"
+    # the window after the jump knows nothing of it, the one that ends there does
+    assert run.losses(start=1.0).lost == 0.0
+    assert run.losses(end=1.0).lost == pytest.approx(wanted, rel=1e-12)
+
+
+def test_a_ball_loses_at_its_contact() -> None:
+    run = run_of("bouncing_ball_newton", until="5 s")
+    bounces = 4  # at 0.78, 2.20, 3.50 and 4.67 s
+    height = 9.81 * 3
+    found = run.losses()
+    assert found["contact"].lost == pytest.approx(height * (1 - 1.1 ** (-2 * bounces)), rel=1e-9)
+    fallen = 3 - float(run["height"].at(5.0))
+    assert found["weight"].supplied == pytest.approx(9.81 * fallen, rel=1e-9)
+    assert [r.name for r in found] == ["weight", "ball", "contact"]
+
+
+def test_two_switches_in_series_only_one_of_which_closes() -> None:
+    # the one that is closed carries the same charge, and loses nothing
+    m = hb.Model("two", domain="electrical")
+    m.add(
+        a=hb.C("1 mF", e="10 V"),
+        b=hb.C("1 mF", e="0 V"),
+        na=hb.Zero(),
+        nb=hb.Zero(),
+        s1=hb.One(),
+        s2=hb.One(),
+        middle=hb.Zero(),
+    )
+    m.bond("na -> a", "nb -> b", "na -> s1 -> middle -> s2 -> nb")
+    m.machine(
+        "first",
+        states={"open": [], "closed": ["s1"]},
+        start="closed",
+        rules=[],
+    )
+    m.machine(
+        "second",
+        states={"open": [], "closed": ["s2"]},
+        start="open",
+        rules=["open -> closed when time >= 1"],
+    )
+    found = hb.simulate(m, until="2 s").losses()
+    assert found["s2"].lost == pytest.approx(0.025, rel=1e-9)
+    assert "s1" not in {r.name for r in found}
+    assert found.notes == ()
+
+
+def test_a_source_that_steps_onto_a_capacitor() -> None:
+    # half of what the source gives is lost, and there is no switch that could lose it
+    m = hb.Model("step", domain="electrical")
+    m.add(u=hb.Se("if time >= 1 then 4 V else 0 V"), n=hb.Zero(), c=hb.C("1 mF", e="0 V"))
+    m.bond("u -> n", "n -> c")
+    found = hb.simulate(m, until="2 s").losses()
+    assert found["u"].supplied == pytest.approx(16e-3, rel=1e-9)
+    assert found["u"].lost == pytest.approx(8e-3, rel=1e-9)
+    assert found["c"].stored == pytest.approx(8e-3, rel=1e-9)
+
+
+def test_friction_is_lost_at_its_junction() -> None:
+    # a block that slides to rest: all that it had goes into friction
+    m = hb.Model("block", domain="translational")
+    m.add(
+        mass=hb.I("2 kg", f="3 m/s"),
+        v=hb.One(),
+        rub=hb.Zero(),
+        slip=hb.One(law="coulomb", limit="4 N", breakaway="5 N"),
+    )
+    m.bond("v -> mass", "v -> rub -> slip")
+    found = hb.simulate(m, until="4 s").losses()
+    assert found["slip"].dissipated == pytest.approx(9.0, rel=1e-9)
+    assert found["mass"].stored == pytest.approx(-9.0, rel=1e-9)
+
+
+NAMES = (
+    "clutch",
+    "boost",
+    "diode_inductor_law",
+    "two_body_collision",
+    "newtons_cradle",
+    "tank_overflow_sliding",
+    "sliding_clutch",
+    "coulomb_friction",
+    "thyristor_rectifier",
+    "check_valve",
+    "ratchet",
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_columns_add_up(name: str) -> None:
+    run = run_of(name)
+    found = run.losses()
+    assert found.holds(1e-8)
+    # what the audit's own quadrature says of sources and resistors
+    sums = sum(run.energies(s)[-1] for s in run.segments)
+    struck = sum(
+        s.energy.source - s.energy.lost
+        for e in run.events
+        for s in e.steps
+        if s.energy is not None and s.kind != "mythical"
+    )
+    assert found.stored == pytest.approx(
+        sums[0] - sums[1] + struck, abs=1e-8 * max(found.through, 1e-30)
+    )
+    lost = sum(s.energy.lost for e in run.events for s in e.steps if s.energy is not None)
+    assert found.lost == pytest.approx(lost, abs=1e-9 * max(found.through, 1e-30))
+
+
+def test_windows_add_up_to_the_run() -> None:
+    run = run_of("clutch")
+    whole = run.losses()
+    parts = [run.losses(start=a, end=b) for a, b in ((0, 4), (4, 15), (15, 20))]
+    for row in whole:
+        for column in ("supplied", "dissipated", "lost", "stored"):
+            split = sum(getattr(p[row.name], column) for p in parts if row.name in _names(p))
+            assert split == pytest.approx(getattr(row, column), abs=1e-9)
+
+
+def _names(found: object) -> set[str]:
+    return {r.name for r in found}  # type: ignore[attr-defined]
+
+
+def test_grouped_and_other_forms() -> None:
+    run = run_of("boost")
+    found = run.losses(depth=1)
+    assert [r.name for r in found] == ["supply", "coil", "C", "light", "heavy"]
+    assert found.supplied == pytest.approx(run.losses().supplied)
+    assert run.losses()["light"].dissipated == pytest.approx(found["light"].dissipated)
+    table = found.to_pandas()
+    assert table.loc["supply", "supplied"] == found["supply"].supplied
+    assert "<td>supply</td>" in found._repr_html_()
+    assert found.to_dict()["total"]["supplied"] == found.supplied
+    assert str(found).splitlines()[-1].startswith("total")
+    # at the end of periods in which nothing is stored, all that comes in goes to the loads
+    steady = run.losses(period="20 us", periods=5)
+    assert steady.efficiency(["light", "heavy"]) == pytest.approx(1.0, rel=1e-3)
+    assert steady.efficiency(["light", "heavy"], sources="supply") > 0.99
+
+
+def test_names_that_are_not_there() -> None:
+    run = run_of("boost")
+    with pytest.raises(hb.UsageError) as refused:
+        run.losses().efficiency("heavi")
+    assert refused.value.code == "HB-R111" and "heavy" in refused.value.hint
+    with pytest.raises(hb.UsageError, match="HB-R112"):
+        run.losses().efficiency("light", sources="heavy")
+
+
+def test_time_stepping_does_not_know() -> None:
+    m = hb.load(EXAMPLES / "half_wave_rectifier.toml")
+    run = hb.simulate(m, until="5 ms", solver="moreau-jean", step="0.1 ms")
+    with pytest.raises(hb.UsageError, match="HB-R113"):
+        run.losses()
+
+
+def test_pictures(tmp_path: Path) -> None:
+    run = run_of("clutch")
+    for name, write in (("over_time", run.plot_losses), ("sankey", run.sankey)):
+        figure = write(str(tmp_path / f"{name}.png"))
+        assert (tmp_path / f"{name}.png").stat().st_size > 5000
+        texts = {t.get_text() for ax in figure.axes for t in ax.texts}
+        texts |= {
+            t.get_text() for ax in figure.axes if ax.get_legend() for t in ax.get_legend().texts
+        }
+        assert any("ohmic" in t for t in texts)
