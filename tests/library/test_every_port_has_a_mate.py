@@ -17,7 +17,13 @@ MATES = {
     "electrical": ("electrical.resistor", "plus", "minus", "electrical.ground", "pin"),
     "translational": ("translational.damper", "left", "right", "translational.frame", "flange"),
     "rotational": ("rotational.damper", "left", "right", "rotational.frame", "shaft"),
-    "hydraulic": ("hydraulic.laminar_resistance", "inlet", "outlet", "hydraulic.atmosphere", "port"),
+    "hydraulic": (
+        "hydraulic.laminar_resistance",
+        "inlet",
+        "outlet",
+        "hydraulic.atmosphere",
+        "port",
+    ),
     "magnetic": ("magnetic.loss", "north", "south", "magnetic.ground", "port"),
     "thermal_pseudo": ("thermal.conductor", "hot", "cold", "thermal.ambient", "port"),
 }
