@@ -33,12 +33,13 @@ def held(v: float, rw: float, wheel: hb.Submodel) -> list[hb.Model]:
     return every_way(m, "turn.shaft - w.shaft", "w.hub - tow.flange")
 
 
-KAPPAS = [(10.0, 10.3), (10.0, 9.0), (10.0, 0.0), (0.0, 6.0), (-8.0, -9.0), (5.0, -5.0)]
+SPEEDS = [(10.0, 10.3), (0.0, 0.0), (10.0, 9.0), (10.0, 0.0), (5.0, -5.0), (0.0, 6.0), (-8.0, -9.0)]
+"""Driven, at rest, braked, locked, against each other, spinning on the spot, backwards."""
 
 
-@pytest.mark.parametrize(("v", "rw"), [*KAPPAS, (0.0, 0.0)])
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize(("v", "rw"), SPEEDS)
 def test_in_even_motion_the_force_is_that_of_the_slip(v: float, rw: float) -> None:
-    """Driven, braked, locked, spinning on the spot, backwards, against each other, at rest."""
     kappa = (rw - v) / max(abs(v), abs(rw)) if v or rw else 0.0
     points = ([0, 0.05, 0.12, 0.3, 1], [0, 0.8, 1, 0.9, 0.7])
     table = math.copysign(np.interp(abs(kappa), *points), kappa)
@@ -50,10 +51,10 @@ def test_in_even_motion_the_force_is_that_of_the_slip(v: float, rw: float) -> No
         for kind, force in cases:
             ways = held(v, rw, wheel(kind, load, mu_load=mu_load))
             for way in ways if load == LOAD else ways[:1]:
-                run = hb.simulate(way, until=1.0)
-                assert run["w.kappa"].at(1) == pytest.approx(kappa, abs=1e-6)
-                assert run["w.force"].at(1) == pytest.approx(force, rel=1e-5, abs=1e-3)
-                assert run["w.slip"].at(1) == pytest.approx(rw - v)
+                run = hb.simulate(way, until=0.4)
+                assert run["w.kappa"].at(0.4) == pytest.approx(kappa, abs=1e-6)
+                assert run["w.force"].at(0.4) == pytest.approx(force, rel=1e-5, abs=1e-3)
+                assert run["w.slip"].at(0.4) == pytest.approx(rw - v)
 
 
 def test_slip_settles_over_the_relaxation_length() -> None:
@@ -106,7 +107,7 @@ def test_on_a_slope_it_stands_on_its_tread() -> None:
     )
     m.bond("slope.flange -> body.flange")
     for way in every_way(m, "lock.shaft - w.shaft", "w.hub - body.flange"):
-        run = hb.simulate(way, until=2.0, rtol=1e-8)
+        run = hb.simulate(way, until=2.0, rtol=1e-7)
         assert run["w.force"].at(2) == pytest.approx(1000, rel=1e-6)
         assert abs(run["body.speed"].at(2)) < 1e-6
         assert float(magic(run["w.kappa"].at(2))) == pytest.approx(1000, rel=1e-6)
@@ -122,9 +123,9 @@ def test_a_locked_wheel_slides_to_a_stop_and_rests() -> None:
         body=hb.Submodel("translational.mass", m=400, v=5.0),
     )
     m.bond("lock.shaft -> w.shaft", "w.hub -> body.flange")
-    run = hb.simulate(m, until=2.0, rtol=1e-8)
+    run = hb.simulate(m, until=3.0, rtol=1e-8)
     assert run["w.force"].at(0.5) == pytest.approx(-0.7 * LOAD, rel=1e-6)
     slows = run["body.speed"].at(0.4) - run["body.speed"].at(0.6)
     assert slows == pytest.approx(0.7 * LOAD / 400 * 0.2, rel=1e-6)
-    assert abs(run["body.speed"].at(2)) < 1e-6
-    assert abs(run["w.force"].at(2)) < 1
+    assert abs(run["body.speed"].at(3)) < 1e-6
+    assert abs(run["w.force"].at(3)) < 1e-2
