@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from library.bench import every_way
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import hybond as hb
