@@ -107,6 +107,16 @@ def test_a_gear_that_locks_itself_stops_a_load_and_cannot_be_turned_by_it() -> N
         assert run["g.torque_input"].at(1) == pytest.approx(0, abs=1e-9)
 
 
+def test_a_heavy_load_on_a_gear_that_locks_itself_jams_at_speed() -> None:
+    """There 0.5*J_b is more than J_a*9: no torque of the teeth goes with any acceleration."""
+    m = hb.Model("jam", domain="rotational")
+    m.add(a=inertia(0.2, w=6.0), g=gear(0.4, -0.5, ratio=3.0), b=inertia(5.0, w=2.0), q=torque("1"))
+    m.bond("a.shaft -> g.input", "g.output -> b.shaft", "q.shaft -> b.shaft")
+    with pytest.raises(hb.NumericsError) as refused:
+        hb.simulate(m, until=0.1)
+    assert refused.value.code == "HB-N301"
+
+
 def test_without_losses_it_is_a_gear() -> None:
     """The limit of efficiency 1; the power turns round many times."""
     for kind, given in (("lossy_gear", {"eta": 1}), ("gear", {})):
