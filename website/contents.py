@@ -18,6 +18,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "circuits",
         "drawing",
         "results",
+        "measurements",
         "ensembles",
         "blocks",
         "export",
