@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
+    from hybond.analysis.linear.linearisation import Linearisation
+    from hybond.analysis.linear.linearise import linearise
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
@@ -93,6 +95,8 @@ _HOME = {
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.analysis.complementarity.form",
     "junction_matrix": "hybond.equations.junction_matrix",
+    "Linearisation": "hybond.analysis.linear.linearisation",
+    "linearise": "hybond.analysis.linear.linearise",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
@@ -131,6 +135,7 @@ __all__ = [
     "I",
     "Input",
     "Integral",
+    "Linearisation",
     "Model",
     "ModelError",
     "NumericsError",
@@ -161,6 +166,7 @@ __all__ = [
     "export",
     "junction_matrix",
     "library",
+    "linearise",
     "load",
     "loads",
     "newton_law_model",
