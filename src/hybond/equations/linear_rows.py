@@ -261,9 +261,7 @@ class _Assembly:
 
     # -- the descriptor
 
-    def _square(
-        self, peeled: Peeling[float], rows: list[_Linear], free: list[int]
-    ) -> LinearRows:
+    def _square(self, peeled: Peeling[float], rows: list[_Linear], free: list[int]) -> LinearRows:
         """Return the rows as a square descriptor, with what determines nothing left out."""
         many = len(self.known)
         asked = [self.linear(e, name, 1.0) for name, e in self.outputs.items()]
@@ -291,9 +289,7 @@ class _Assembly:
         m, q = len(columns), len(asked)
         zero = np.zeros
         whole_e = np.block([[E[np.ix_(keep, columns)], zero((m, q))], [zero((q, m + q))]])
-        whole_a = np.block(
-            [[A[np.ix_(keep, columns)], zero((m, q))], [C[:, columns], -np.eye(q)]]
-        )
+        whole_a = np.block([[A[np.ix_(keep, columns)], zero((m, q))], [C[:, columns], -np.eye(q)]])
         paths = [s.path for s in self.graph.storages] + [i.path for i in self.graph.integrals]
         paths += [self._bond_name(k) for k in free]
         variables = (*(paths[k] for k in columns), *self.outputs)
@@ -336,4 +332,3 @@ class _Assembly:
             where=self.graph.mode_text(self.mode),
             hint="hybond analyse tells what is undetermined",
         )
-

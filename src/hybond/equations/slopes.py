@@ -137,4 +137,3 @@ def _numbers(values: Mapping[str, object]) -> list[tuple[str, object]]:
 def _followed(e: Expr) -> Expr:
     """Return a number that follows from parameters as the expression of them that it is."""
     return tree_of(e.value) if isinstance(e, Number) and is_slotted(e) else e
-

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from hybond.analysis.linear.margins import Margins, margins_of
 from hybond.analysis.linear.responses import Bode, Step, frequencies_of, span_of
 from hybond.equations.descriptor import Descriptor
-from hybond.equations.pencil import analyse, poles_of
+from hybond.equations.pencil import analyse
 from hybond.errors import EquationError, UsageError
 from hybond.export.linear.state_space import StateSpace
 from hybond.names import did_you_mean
@@ -118,7 +118,11 @@ class Linearisation:
 
     def poles(self) -> NDArray[Any]:
         """Return the eigenvalues of A, sorted by real part, 1/s; those at the origin are exact."""
-        return poles_of(self.A)
+        n = len(self.A)
+        names = tuple(str(k) for k in range(n))
+        # scaled first: what counts as zero is then no matter of units
+        pencil = Descriptor.of(np.eye(n), self.A, np.zeros((n, 0)), states=names, inputs=())
+        return pencil.poles()
 
     def zeros(self, *, input: str | None = None, output: str | None = None) -> NDArray[Any]:
         """Return the frequencies at which an output stays zero for an input that is not, 1/s.
@@ -147,9 +151,7 @@ class Linearisation:
         E[:n, :n] = np.eye(n)
         A = np.block([[self.A, self.B[:, columns]], [self.C[rows], self.D[np.ix_(rows, columns)]]])
         names = tuple(str(k) for k in range(n + p))
-        found = analyse(
-            Descriptor.of(E, A, np.zeros((n + p, 0)), states=names, inputs=())
-        ).poles
+        found = analyse(Descriptor.of(E, A, np.zeros((n + p, 0)), states=names, inputs=())).poles
         if found is None:
             raise EquationError(
                 "the output does not see the input at any frequency, or not all of them",
@@ -168,9 +170,7 @@ class Linearisation:
             size = abs(pole)
             ratio = -pole.real / size if size else float("nan")
             constant = -1.0 / pole.real if pole.real else float("inf")
-            found.append(
-                Damping(complex(pole), size / (2 * np.pi), float(ratio), float(constant))
-            )
+            found.append(Damping(complex(pole), size / (2 * np.pi), float(ratio), float(constant)))
         return tuple(found)
 
     @property
@@ -355,6 +355,9 @@ class Linearisation:
         """Plot one pair in the complex plane, with the critical point and the margins."""
         from hybond.draw.linear_plots import plot_nyquist
 
+        if frequencies is None:
+            rates = self._rates(self._output(output), self._input(input))
+            frequencies = frequencies_of(None, rates, decades=2.0, points=2000)
         found = self.bode(frequencies, input=input, output=output)
         margins = self.margins(input=input, output=output)
         return plot_nyquist(found, margins=margins, title=self._heading(), path=path)

@@ -255,7 +255,9 @@ def _held(graph: FlatGraph, rows: LinearRows, point: Point) -> list[str]:
     moving = [*rows.timed]
     for i in graph.inputs:
         still = isinstance(i.waveform, Constant | Free)
-        read = any(f"u:{i.index}" in names(e) for n in graph.nodes if n.law for e in n.law.expressions)
+        read = any(
+            f"u:{i.index}" in names(e) for n in graph.nodes if n.law for e in n.law.expressions
+        )
         if not still and read:
             moving.append(i.path)
     if not moving:

@@ -80,8 +80,10 @@ def margins_of(response: Callable[[Any], NDArray[np.complex128]], f: NDArray[Any
         if best_phase is None or abs(own) < abs(best_phase[0]):
             best_phase = own, at
     best_gain: tuple[float, float] | None = None
+    # a point that lies on the axis says nothing of a side
     clear = np.abs(values.imag) > CLEAR * np.abs(values)
-    for k in np.flatnonzero((np.diff(values.imag > 0.0) != 0) & clear[1:] & clear[:-1]):
+    f, values = f[clear], values[clear]
+    for k in np.flatnonzero(np.diff(values.imag > 0.0)):
         at = _crossing(lambda x: float(response(np.array([x]))[0].imag), f[k], f[k + 1])
         real = float(response(np.array([at]))[0].real)
         if real >= 0.0:

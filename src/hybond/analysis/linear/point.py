@@ -114,9 +114,10 @@ def of_run(run: Result, at: float | str) -> Point:
         return Point(t, segment.mode, state, found.values, said=said)
     read = run.signals.of(segment, names_at(graph), np.array([t]))
     values = {name: float(v[0]) for name, v in zip(slots_of(graph).index, read, strict=True)}
-    state = np.array([values[f"x:{s.index}"] for s in graph.storages] + [
-        values[f"s:{i.index}"] for i in graph.integrals
-    ])
+    state = np.array(
+        [values[f"x:{s.index}"] for s in graph.storages]
+        + [values[f"s:{i.index}"] for i in graph.integrals]
+    )
     return Point(t, segment.mode, state, values, landed=bool(segment.landed), said=said)
 
 

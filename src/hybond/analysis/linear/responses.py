@@ -92,7 +92,11 @@ def phase_of(response: NDArray[np.complex128]) -> Vector:
 
 
 def frequencies_of(
-    given: ArrayLike | str | None, rates: NDArray[Any], *, decades: float = 1.0
+    given: ArrayLike | str | None,
+    rates: NDArray[Any],
+    *,
+    decades: float = 1.0,
+    points: int = A_DECADE,
 ) -> Vector:
     """Return frequencies, Hz: those that are given, or some around poles and zeros.
 
@@ -110,7 +114,7 @@ def frequencies_of(
         sizes = np.abs(rates[rates != 0.0]) / (2 * np.pi)
         low, high = (sizes.min(), sizes.max()) if len(sizes) else (1.0, 1.0)
         ends = np.log10(low) - decades, np.log10(high) + decades
-        return np.logspace(*ends, int(np.ceil(A_DECADE * (ends[1] - ends[0]))) + 1)
+        return np.logspace(*ends, int(np.ceil(points * (ends[1] - ends[0]))) + 1)
     listed = given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
     if isinstance(given, np.ndarray):
         listed = np.atleast_1d(given).tolist()
