@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
+    from hybond.analysis.linear.frequency import FrequencyResponse, frequency_response
     from hybond.analysis.linear.linearisation import Linearisation
     from hybond.analysis.linear.linearise import linearise
     from hybond.analysis.residuals.residuals import residuals
@@ -96,6 +97,9 @@ _HOME = {
     "complementarity": "hybond.analysis.complementarity.form",
     "junction_matrix": "hybond.equations.junction_matrix",
     "Linearisation": "hybond.analysis.linear.linearisation",
+    **dict.fromkeys(
+        ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
+    ),
     "linearise": "hybond.analysis.linear.linearise",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
@@ -129,6 +133,7 @@ __all__ = [
     "EquationError",
     "ExpressionError",
     "FileError",
+    "FrequencyResponse",
     "G",
     "GY",
     "HybondError",
@@ -164,6 +169,7 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "frequency_response",
     "junction_matrix",
     "library",
     "linearise",

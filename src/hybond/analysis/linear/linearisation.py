@@ -238,7 +238,7 @@ class Linearisation:
             self.transfer(2j * np.pi * f)[:, i, j],
             self.inputs[j],
             self.outputs[i],
-            _ratio(self.output_units[i], self.input_units[j]),
+            unit_over(self.output_units[i], self.input_units[j]),
         )
 
     def margins(self, *, input: str | None = None, output: str | None = None) -> Margins:
@@ -467,7 +467,8 @@ def _chosen(name: str | None, known: Sequence[str], what: str) -> int:
     return known.index(name)
 
 
-def _ratio(above: str, below: str) -> str:
+def unit_over(above: str, below: str) -> str:
+    """Return the unit of a quotient, empty where it has none."""
     if above == below:
         return ""
     bottom = f"({below})" if any(c in below for c in "*/") else below
