@@ -7,7 +7,7 @@ structure leaves open; each law is differentiated as the expression that it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.equations.calculus import rate_name
 from hybond.equations.degenerate import effective
-from hybond.equations.element_parts import Parts, settings
+from hybond.equations.element_parts import Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
 from hybond.equations.slopes import Slopes
@@ -50,6 +50,8 @@ class LinearRows:
         Laws that have a kink or a jump at the point, each with what changes its sign there.
     timed : tuple of str
         What reads the time.
+    turning : callable
+        How the rows turn along the motion: see `Turning`.
     """
 
     E: Matrix
@@ -61,6 +63,24 @@ class LinearRows:
     straight: bool
     kinks: tuple[str, ...]
     timed: tuple[str, ...]
+    turning: Callable[[], Turning]
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """How fast the coefficients of rows change where the point moves, for each row as in `A`.
+
+    Parameters
+    ----------
+    A, B : array, shapes (n, n), (n, p)
+        The time derivatives of both.
+    sure : array of bool, shape (n,)
+        False where one depends on the rate of a bond variable that is not determined.
+    """
+
+    A: Matrix
+    B: Matrix
+    sure: NDArray[np.bool_]
 
 
 def linear_rows(
@@ -102,6 +122,8 @@ class _Linear:
     rates: dict[int, float] = field(default_factory=dict)
     states: dict[int, float] = field(default_factory=dict)
     inputs: dict[int, float] = field(default_factory=dict)
+    law: tuple[Expr, float] | None = None
+    """The expression that the slopes are of, and the factor that they have."""
 
 
 class _Assembly:
@@ -233,17 +255,24 @@ class _Assembly:
             e = transform(e, lambda node: Number(0.0) if isinstance(node, Pre) else node)
         if "time" in names(e):
             self.timed[where] = None
-        row = _Linear()
-        for name, slope in self.slopes.of(e, where).items():
-            kind, _, index = name.partition(":")
+        row = _Linear(law=(e, factor))
+        self._put(row, self.slopes.of(e, where), factor)
+        return row
+
+    def _put(self, row: _Linear, slopes: Mapping[str, float], factor: float) -> None:
+        for name, slope in slopes.items():
+            kind = name.partition(":")[0]
             value = factor * slope
             if name in self.place:
                 row.states[self.place[name]] = value
             elif kind in ("e", "f"):
-                row.bonds[int(index) + (self.bonds if kind == "f" else 0)] = value
+                row.bonds[self._column(name)] = value
             elif name in self.inputs:
                 row.inputs[self.inputs[name]] = value
-        return row
+
+    def _column(self, name: str) -> int:
+        kind, _, index = name.partition(":")
+        return int(index) + (self.bonds if kind == "f" else 0)
 
     def _asked_parameters(self) -> list[tuple[str, int]]:
         return [(name, j) for name, j in self.inputs.items() if name.startswith("p:")]
@@ -303,7 +332,64 @@ class _Assembly:
             self.slopes.straight,
             tuple(self.slopes.kinks),
             tuple(self.timed),
+            lambda: self._turning(peeled, [rows[i] for i in keep], whole_a[:m], column, columns, q),
         )
+
+    def _turning(
+        self,
+        peeled: Peeling[float],
+        rows: list[_Linear],
+        a: Matrix,
+        column: Mapping[int, int],
+        columns: list[int],
+        outputs: int,
+    ) -> Turning:
+        """Return how the rows turn; the rows of outputs, at the end, do not matter."""
+        many, m = len(self.known), len(columns)
+        found = [self.slopes.turning(*row.law) if row.law else None for row in rows]
+        # rates of open bond variables: what keeps the rows without rates at zero
+        moves = self._moves()
+        drift = np.array(
+            [
+                sum(c * moves[k] for k, c in row.states.items()) if f is None else f.drift
+                for row, f in zip(rows, found, strict=True)
+            ]
+        )
+        still = np.array([not row.rates for row in rows], dtype=bool)
+        open_ = a[still][:, many:m]
+        rates = np.linalg.lstsq(open_, drift[still], rcond=1e-10)[0] if open_.size else np.zeros(0)
+        null = np.zeros((0, m - many))
+        if open_.size:
+            _, sizes, vt = np.linalg.svd(open_)
+            null = vt[int((sizes > 1e-10 * sizes.max(initial=0.0)).sum()) :]
+        at = {columns[many + j]: j for j in range(m - many)}
+        sure = np.ones(m + outputs, dtype=bool)
+        A, B = np.zeros((m + outputs, m + outputs)), np.zeros((m + outputs, len(self.inputs)))
+        whole, direct = np.zeros(many + len(column)), np.zeros(len(self.inputs))
+        for i, own in enumerate(found):
+            if own is None:
+                continue
+            slopes = dict(own.slopes)
+            for (name, other), second in own.bends.items():
+                parts = peeled.reduce({self._column(other): 1.0})
+                way = np.zeros(m - many)
+                for k, c in parts.items():
+                    if column[k] in at:
+                        way[at[column[k]]] = c
+                sure[i] &= bool((np.abs(null @ way) <= 1e-9 * np.abs(way).max(initial=0.0)).all())
+                slopes[name] = slopes.get(name, 0.0) + second * float(way @ rates)
+            row = _Linear()
+            self._put(row, slopes, own.factor)
+            whole[:], direct[:] = 0.0, 0.0
+            self._write(peeled, row, column, -1.0, whole, direct)
+            A[i, :m], B[i] = whole[columns], direct
+        return Turning(A, B, sure)
+
+    def _moves(self) -> list[float]:
+        """Return the rate of each state at the point."""
+        rates = [rate_name(s) for s in self.graph.storages]
+        rates += [i.rate for i in self.graph.integrals]
+        return [self.slopes.value(configure(e, self.discrete)) for e in rates]
 
     def _write(
         self,

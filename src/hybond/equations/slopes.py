@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
+from hybond.equations.calculus import partial_time
 from hybond.equations.element_parts import configure
 from hybond.errors import EquationError
 from hybond.model.expressions import (
@@ -17,12 +19,34 @@ from hybond.model.expressions import (
     to_text,
     turning,
 )
-from hybond.model.expressions.slots import PREFIX, is_slotted, tree_of
+from hybond.model.expressions.slots import PREFIX, is_slotted, plain, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.graph import FlatGraph
 
 KINK = 1e-9
 """What turns within this part of the sizes of what it is made of has its kink at the point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bend:
+    """How an expression and its slopes change along a motion.
+
+    Parameters
+    ----------
+    drift : float
+        Its rate with bond variables held, times `factor`.
+    slopes : mapping
+        The rate of the slope by each name, bond variables held.
+    bends : mapping
+        By name and bond variable: what the rate of that adds, for each unit of it.
+    factor : float
+        What the slopes are to be multiplied by.
+    """
+
+    drift: float
+    slopes: Mapping[str, float]
+    bends: Mapping[tuple[str, str], float]
+    factor: float
 
 
 class Slopes:
@@ -46,8 +70,9 @@ class Slopes:
         self, graph: FlatGraph, values: Mapping[str, float], discrete: Mapping[str, Expr]
     ) -> None:
         self.graph = graph
-        parameters = {f"{PREFIX}{k}": v for k, v in graph.parameters.items()}
-        self.values = {**{k: float(getattr(v, "value", v)) for k, v in _numbers(parameters)}}
+        self.values = {
+            f"{PREFIX}{k}": plain(v) for k, v in graph.parameters.items() if not isinstance(v, str)
+        }
         self.values |= values
         self.discrete = discrete
         self.straight = True
@@ -102,6 +127,23 @@ class Slopes:
             )
         return value
 
+    def turning(self, e: Expr, factor: float) -> Bend:
+        """Return how the slopes of an expression change along the motion."""
+        fixed = transform(configure(e, self.discrete), _followed)
+        drift = self.value(partial_time(fixed, self.graph))
+        slopes: dict[str, float] = {}
+        bends: dict[tuple[str, str], float] = {}
+        for name in sorted(names(fixed)):
+            slope = simplify(differentiate(fixed, name))
+            if isinstance(slope, Number):
+                continue
+            slopes[name] = self.value(partial_time(slope, self.graph))
+            for other in sorted(n for n in names(slope) if n.startswith(("e:", "f:"))):
+                second = self.value(differentiate(slope, other))
+                if second:
+                    bends[name, other] = second
+        return Bend(factor * drift, slopes, bends, factor)
+
     def value(self, e: Expr) -> float:
         """Return the value of an expression, nan where it has none."""
         try:
@@ -128,10 +170,6 @@ class Slopes:
             own = max(abs(self.values.get(name, 0.0)), self._largest[name.partition(":")[0]])
             total += abs(slope) * own if math.isfinite(slope) else 0.0
         return total
-
-
-def _numbers(values: Mapping[str, object]) -> list[tuple[str, object]]:
-    return [(k, v) for k, v in values.items() if not isinstance(v, str)]
 
 
 def _followed(e: Expr) -> Expr:

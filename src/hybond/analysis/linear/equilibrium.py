@@ -52,7 +52,8 @@ def equilibrium(graph: FlatGraph, mode: Mode, *, chosen: bool) -> tuple[Point, l
         rows = linear_rows(graph, point.mode, point.values, inputs=(), outputs={})
         if rows.timed:
             raise _none(graph, point, f"{', '.join(rows.timed)} changes with time", timed=True)
-        found = proper(rows.E, rows.A, rows.B, rows.stored)
+        first = range(len(graph.storages), rows.stored)
+        found = proper(rows.E, rows.A, rows.B, rows.stored, keep=first)
         still = _still(graph, found, rows)
         move, notes, lost = _move(graph, apart, point, rates, found, still, begin)
         small = _is_rest(graph, point, rates, found, still)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from hybond.analysis.linear.linearisation import Linearisation
 from hybond.analysis.linear.point import Point, of_run, of_start, of_states
 from hybond.calls import called
 from hybond.equations.linear_rows import LinearRows, linear_rows
+from hybond.equations.moving_constraints import turned
 from hybond.errors import EquationError, UsageError
 from hybond.export.linear.proper import Proper, proper
 from hybond.model.builder import Model, graph_of
@@ -40,7 +41,7 @@ def linearise(
     *,
     inputs: Sequence[str] | str | None = None,
     outputs: Sequence[str] | str | None = None,
-    at: Sequence[float | str],
+    at: list[Any] | tuple[Any, ...] | np.ndarray[Any, Any],
     mode: AnyMode | None = None,
 ) -> tuple[Linearisation, ...]: ...
 @called('hb.linearise(model, inputs=["V"], outputs=["c.e"], at="equilibrium")')
@@ -49,7 +50,7 @@ def linearise(
     *,
     inputs: Sequence[str] | str | None = None,
     outputs: Sequence[str] | str | None = None,
-    at: float | str | States | Sequence[float | str] | None = None,
+    at: Any = None,
     mode: AnyMode | None = None,
 ) -> Linearisation | tuple[Linearisation, ...]:
     """Return how a model moves near a point of its states, in the mode that holds there.
@@ -136,7 +137,7 @@ def _of_run(
     run: Result,
     inputs: Sequence[str] | str | None,
     outputs: Sequence[str] | str | None,
-    at: float | str | States | Sequence[float | str],
+    at: Any,
     mode: AnyMode | None,
 ) -> Linearisation | tuple[Linearisation, ...]:
     if mode is not None:
@@ -157,7 +158,7 @@ def _of_run(
     graph = run.graph
     asked = inputs_of(graph, graph, inputs)
     signals = outputs_of(graph, outputs)
-    if isinstance(at, Sequence | np.ndarray) and not isinstance(at, str):
+    if isinstance(at, list | tuple | np.ndarray):
         times = at.tolist() if isinstance(at, np.ndarray) else at
         return tuple(_made(graph, of_run(run, t), asked, signals, [], steady=False) for t in times)
     return _made(graph, of_run(run, at), asked, signals, [], steady=False)
@@ -180,7 +181,13 @@ def _made(
         outputs=_signals_of(asked.graph, graph, signals),
         landed=point.landed,
     )
-    found = proper(rows.E, rows.A, rows.B, rows.stored)
+    # integrated signals first: what storage follows is told by them, and not the other way round
+    first = range(len(graph.storages), rows.stored)
+    kept = proper(rows.E, rows.A, rows.B, rows.stored, keep=first).kept
+    rows, sure = turned(rows, kept)
+    found = proper(rows.E, rows.A, rows.B, rows.stored, keep=kept)
+    if not sure or found.kept != kept:
+        notes = [*notes, "a constraint that turns with the motion is taken as frozen at the point"]
     states = tuple(rows.variables[k] for k in found.kept)
     outputs = tuple(signals)
     _check_proper(found, rows, outputs, asked.names, graph.mode_text(point.mode))
