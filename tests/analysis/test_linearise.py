@@ -20,7 +20,7 @@ def test_rlc_in_closed_form() -> None:
     R, L, C = 2.0, 0.5, 0.1
     assert lin.exact and not lin.kinks and lin.states == ("l.p", "c.q") and lin.inputs == ("V.e",)
     assert (lin.state_units, lin.input_units, lin.output_units) == (
-        ("V·s".replace("·", "*"), "C"),
+        ("V*s", "C"),
         ("V",),
         ("V", "A", "V"),
     )
@@ -106,9 +106,7 @@ def test_a_mass_behind_a_crank_follows_while_both_move() -> None:
     """Storage in derivative causality, its constraint turning with the angle."""
     J, M, a, b, T, th, w = 0.3, 2.0, 0.4, 0.1, 1.0, 0.7, 3.0
     r, r1, r2 = a * (2 + np.sin(th)), a * np.cos(th), -a * np.sin(th)
-    lin = hb.linearise(
-        crank(), inputs=["T"], outputs=["w.f"], at={"J.p": J * w, "M.p": M * r * w}
-    )
+    lin = hb.linearise(crank(), inputs=["T"], outputs=["w.f"], at={"J.p": J * w, "M.p": M * r * w})
     assert len(lin.states) == 2 and "th" in lin.states
     # (J + M r^2) w' = T - b w - M r r' w^2, in the momentum that was kept
     whole = J + M * r * r
@@ -125,7 +123,7 @@ def test_a_mass_behind_a_crank_follows_while_both_move() -> None:
         p1_th = M * (r1 * w1 + r * w1_th + r2 * w * w)
         A = [[p1_w / (M * r), p1_th - p1_w * w * r1 / r], [1 / (M * r), -w * r1 / r]]
         B = M * r * w1_T
-    assert lin.A == pytest.approx(np.array(A), rel=1e-11, abs=1e-11)
+    np.testing.assert_allclose(lin.A, A, rtol=1e-11, atol=1e-11)
     assert lin.B[:, 0] == pytest.approx([B, 0.0], rel=1e-11)
 
 
@@ -138,7 +136,7 @@ def test_a_parameter_is_an_input() -> None:
     current = (12.0 - 3.0) / 2.0
     assert lin.D[0] == pytest.approx([-current / 2.0, 2.0 / 2.0, 1.0 / 2.0], rel=1e-12)
     assert lin.B[0] == pytest.approx([-current / 2.0, 1.0, 0.5], rel=1e-12)
-    assert lin.input_units == ("ohm", "V", "V") or lin.input_units[1:] == ("V", "V")
+    assert lin.input_units[1:] == ("V", "V")
     assert lin.operating["R"] == 2.0 and lin.operating["V"] == 12.0
 
 
@@ -164,7 +162,8 @@ def test_kinks_at_the_point_are_named() -> None:
     m.add(v=hb.One(), m=hb.I("2 kg"), drag=hb.R({"e": "3 [N*s^2/m^2]*f*abs(f) + 1 [N*s/m]*f"}))
     m.bond("v -> m", "v -> drag")
     rest = hb.linearise(m, inputs=[], outputs=["v.f"])
-    assert rest.kinks == ('drag: "v -> drag".f = 0',) or len(rest.kinks) == 1
+    (kink,) = rest.kinks
+    assert kink.startswith("drag: ")
     assert rest.A[0, 0] == pytest.approx(-0.5, rel=1e-12)
     moving = hb.linearise(m, inputs=[], outputs=["v.f"], at={"m.p": "4 kg*m/s"})
     assert not moving.kinks

@@ -1,8 +1,8 @@
 """All equations of one mode as linear rows: at a point, or where no coefficient asks for one.
 
-Junctions and two-ports with a constant modulus are solved first, row by row. What elements, storage,
-integrals and outputs say follows as rows among states, inputs and the bond variables that the
-structure leaves open; each law is differentiated as the expression that it is.
+Junctions and two-ports with a constant modulus are solved first, row by row. What elements,
+storage, integrals and outputs say follows as rows among states, inputs and the bond variables that
+the structure leaves open; each law is differentiated as the expression that it is.
 """
 
 from __future__ import annotations

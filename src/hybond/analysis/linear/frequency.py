@@ -19,6 +19,7 @@ from hybond.analysis.linear.injection import injected, source_of
 from hybond.analysis.linear.periods import Window, period_of, window_of
 from hybond.analysis.linear.responses import Bode, frequencies_of
 from hybond.analysis.linear.windows import coefficients, left_over
+from hybond.analysis.linear.words import unit_over
 from hybond.calls import called
 from hybond.errors import UsageError
 from hybond.model.builder import Model
@@ -248,9 +249,7 @@ def frequency_response(
     rows = []
     for f in asked.tolist():
         window = window_of(f, own)
-        rows.append(
-            (window, _one(graph, input, output, size, window, tolerance, windows, options))
-        )
+        rows.append((window, _one(graph, input, output, size, window, tolerance, windows, options)))
     above = unit_of(read_name(graph, output), graph)
     return FrequencyResponse(
         frequencies=np.array([w.frequency for w, _ in rows]),
@@ -266,7 +265,7 @@ def frequency_response(
         tolerance=tolerance,
         input=input,
         output=output,
-        unit=_over(above, unit),
+        unit=unit_over(above, unit),
         title=graph.title or graph.name,
     )
 
@@ -336,12 +335,6 @@ def _amplitude(graph: FlatGraph, name: str, given: float | str | None) -> tuple[
             hint=f"give one: amplitude={'1 ' + unit if unit else 0.01!r}",
         )
     return SMALL * abs(value), unit
-
-
-def _over(above: str, below: str) -> str:
-    from hybond.analysis.linear.linearisation import unit_over
-
-    return unit_over(above, below)
 
 
 def _text(value: float, unit: str) -> str:

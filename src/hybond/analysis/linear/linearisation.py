@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybond.analysis.linear.damping import Damping, damping_of
 from hybond.analysis.linear.margins import Margins, margins_of
 from hybond.analysis.linear.responses import Bode, Step, frequencies_of, span_of
+from hybond.analysis.linear.words import table_of, unit_over
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 from hybond.errors import EquationError, UsageError
@@ -25,39 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Matrix = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Damping:
-    """A pole, or a pair of them, as people say it.
-
-    Parameters
-    ----------
-    pole : complex
-        1/s; of a pair the one with the positive imaginary part.
-    frequency : float
-        Natural frequency, ``abs(pole) / (2 pi)``, Hz.
-    ratio : float
-        Damping ratio: 1 and more does not swing, below 0 grows; nan at the origin.
-    time_constant : float
-        ``-1 / real part``, s: negative where it grows, infinite where it stays.
-    """
-
-    pole: complex
-    frequency: float
-    ratio: float
-    time_constant: float
-
-    def __str__(self) -> str:
-        where = f"{self.pole.real:.6g}"
-        if self.pole.imag:
-            where += f" ± {self.pole.imag:.6g}j"
-        if not self.pole:
-            return "0 1/s: it stays where it is put"
-        swing = f"{format_quantity(self.frequency, 'Hz', 5)}, damping {self.ratio:.4g}"
-        if not np.isfinite(self.time_constant):
-            return f"{where} 1/s: {swing}"
-        return f"{where} 1/s: {swing}, {format_quantity(self.time_constant, 's', 5)}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,15 +132,7 @@ class Linearisation:
 
     def damping(self) -> tuple[Damping, ...]:
         """Return natural frequency, damping ratio and time constant of each pole or pair."""
-        found = []
-        for pole in self.poles():
-            if pole.imag < 0.0:
-                continue
-            size = abs(pole)
-            ratio = -pole.real / size if size else float("nan")
-            constant = -1.0 / pole.real if pole.real else float("inf")
-            found.append(Damping(complex(pole), size / (2 * np.pi), float(ratio), float(constant)))
-        return tuple(found)
+        return damping_of(self.poles())
 
     @property
     def stable(self) -> bool:
@@ -416,10 +377,10 @@ class Linearisation:
     def _repr_html_(self) -> str:
         head = "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
         tables = [
-            _table("A", self.A, self.states, self.states),
-            _table("B", self.B, self.states, self.inputs),
-            _table("C", self.C, self.outputs, self.states),
-            _table("D", self.D, self.outputs, self.inputs),
+            table_of("A", self.A, self.states, self.states),
+            table_of("B", self.B, self.states, self.inputs),
+            table_of("C", self.C, self.outputs, self.states),
+            table_of("D", self.D, self.outputs, self.inputs),
         ]
         return head + "".join(tables)
 
@@ -465,22 +426,3 @@ def _chosen(name: str | None, known: Sequence[str], what: str) -> int:
             hint=did_you_mean(name or "", known) if known else f"name {what}s for hb.linearise",
         )
     return known.index(name)
-
-
-def unit_over(above: str, below: str) -> str:
-    """Return the unit of a quotient, empty where it has none."""
-    if above == below:
-        return ""
-    bottom = f"({below})" if any(c in below for c in "*/") else below
-    return f"{above or '1'}/{bottom}" if below else above
-
-
-def _table(name: str, m: Matrix, rows: Sequence[str], columns: Sequence[str]) -> str:
-    if not m.size:
-        return ""
-    head = "".join(f"<th>{html.escape(c)}</th>" for c in columns)
-    body = "".join(
-        f"<tr><th>{html.escape(r)}</th>" + "".join(f"<td>{v:.6g}</td>" for v in row) + "</tr>"
-        for r, row in zip(rows, m.tolist(), strict=True)
-    )
-    return f"<table><tr><th>{name}</th>{head}</tr>{body}</table>"

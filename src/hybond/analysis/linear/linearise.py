@@ -101,7 +101,8 @@ def linearise(
 
     >>> import hybond as hb
     >>> m = hb.Model("tank", domain="hydraulic", parameters={"Qn": "1 l/s"})
-    >>> m.add(Q=hb.Sf("1 l/s"), tank=hb.C("5 l/bar", q="1 l"), n=hb.Zero(), out=hb.R({"f": "Qn*sqrt(e/(25 kPa))"}))
+    >>> m.add(Q=hb.Sf("1 l/s"), tank=hb.C("5 l/bar", q="1 l"), n=hb.Zero())
+    >>> m.add(out=hb.R({"f": "Qn*sqrt(e/(25 kPa))"}))
     >>> m.bond("Q -> n -> tank", "n -> out")
     >>> lin = hb.linearise(m, inputs=["Q"], outputs=["tank.e"], at="equilibrium")
     >>> round(lin.operating["tank.e"]), lin.exact, lin.poles().round(9).tolist()

@@ -84,7 +84,7 @@ class Step:
 
 
 def phase_of(response: NDArray[np.complex128]) -> Vector:
-    """Return the phase in degrees, continued from the first value, which lies within half a turn."""
+    """Return the phase in degrees, continued from the first value without jumps of turns."""
     there = np.isfinite(response) & (response != 0.0)
     found = np.full(len(response), np.nan)
     found[there] = np.degrees(np.unwrap(np.angle(response[there])))

@@ -54,7 +54,7 @@ def coefficients(run: Result, name: str, window: Window, orders: tuple[int, ...]
         found[:, j] = _summed(terms, where, many)
         for at, area in areas[areas[:, 0] < edges[-1]]:
             found[int(at / window.length), j] += area * np.exp(-1j * turn * at)
-    return 2.0 / window.length * found
+    return np.asarray(2.0 / window.length * found)
 
 
 def _summed(terms: Complex, where: NDArray[np.int_], many: int) -> Complex:
@@ -87,7 +87,7 @@ def left_over(values: Complex) -> float:
     if newer >= older or not size:
         return float("inf")
     ratio = (newer / older) ** (1.0 / part)
-    return newer * max(ratio / (1.0 - ratio), 1.0) / size
+    return float(newer * max(ratio / (1.0 - ratio), 1.0) / size)
 
 
 ROUNDING = 1e-7

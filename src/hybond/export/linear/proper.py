@@ -28,9 +28,7 @@ class Proper:
     """Which of `v` the states are, but for what `direct` adds to them."""
 
 
-def proper(
-    E: Matrix, A: Matrix, B: Matrix, stored: int, *, keep: Sequence[int] = ()
-) -> Proper:
+def proper(E: Matrix, A: Matrix, B: Matrix, stored: int, *, keep: Sequence[int] = ()) -> Proper:
     """Reduce a descriptor; the first `stored` variables may be states, those of `keep` before all.
 
     Raises
