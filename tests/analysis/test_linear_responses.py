@@ -41,7 +41,9 @@ def test_step_and_bode_as_scipy_has_them() -> None:
 
 def test_zeros_of_as_many_inputs_as_outputs() -> None:
     m = hb.Model("two")
-    m.add(a=hb.Se(1.0), b=hb.Sf(1.0), j=hb.One(), l=hb.I(2.0), n=hb.Zero(), c=hb.C(3.0), r=hb.R(5.0))
+    m.add(
+        a=hb.Se(1.0), b=hb.Sf(1.0), j=hb.One(), l=hb.I(2.0), n=hb.Zero(), c=hb.C(3.0), r=hb.R(5.0)
+    )
     m.bond("a -> j -> l", "j -> n -> c", "b -> n", "n -> r")
     lin = hb.linearise(m, inputs=["a", "b"], outputs=["l.f", "c.e"])
     # the determinant of the transfer matrix is 1/(L C s^2 + ...): no zero at all
