@@ -147,3 +147,25 @@ def test_the_plot_has_open_circles_where_it_has_not_settled(tmp_path: Path) -> N
     circles = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
     assert [len(line.get_xdata()) for line in circles] == [1, 1]
     assert circles[1].get_markerfacecolor() == "white"
+
+
+def test_a_duty_that_is_sampled_comes_late() -> None:
+    """Pulses that end at the duty of the period's begin: each moves its edge at ``n T + D T``, so
+    that to small sines the modulator is a delay of D T (D. M. Van de Sype et al., *Small-signal
+    Laplace-domain analysis of uniformly-sampled pulse-width modulators*, PESC 2004)."""
+    m = buck()
+    m.signal(held=hb.Sampled("d", every="T", start=0.4))
+    m.machines.clear()
+    m.machine(
+        "leg",
+        states={"up": ["high"], "down": ["low"]},
+        start="up",
+        rules=["up -> down when mod(time, T)/T >= held", "down -> up when mod(time, T)/T < held"],
+    )
+    found = hb.frequency_response(
+        m, input="d", output="out.e", frequencies=["4 kHz", "20 kHz"], amplitude=0.002
+    )
+    s = 2j * np.pi * found.frequencies
+    late = 12.0 / (1 + s * 100e-6 / 2 + s * s * 1e-8) * np.exp(-s * 0.4 * 1e-5)
+    assert found.ok
+    np.testing.assert_allclose(found.response, late, rtol=1e-3)
