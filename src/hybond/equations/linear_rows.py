@@ -146,6 +146,10 @@ class _Assembly:
             )
         self.graph, self.mode, self.outputs = graph, mode, outputs
         self.landed = landed
+        # a law that reads pre() in another mode is one behind an OFF junction: it says nothing here
+        self.fieldless = any(
+            m.fieldless[k] for m, k in zip(graph.machines, mode, strict=True) if m.fieldless
+        )
         self.bonds, self.stored = len(graph.bonds), len(graph.storages)
         self.known = [f"x:{s.index}" for s in graph.storages]
         self.known += [f"s:{i.index}" for i in graph.integrals]
@@ -167,12 +171,27 @@ class _Assembly:
                 structure += junction_rows(node, self.bonds, off=off)
             elif node.kind not in STORAGES:
                 self._element(node, structure, rows)
+        for row in self._storage_rows():
+            self._sort(row, structure, rows)
         peeled = Peeling(Numbers({}), structure, 2 * self.bonds)
-        rows += self._storage_rows()
         rows += [_Linear(bonds=row) for row in peeled.constraints]
         rows += self._rate_rows()
-        free = peeled.free()
-        return self._square(peeled, rows, free)
+        return self._square(peeled, rows, peeled.free())
+
+    def _sort(self, row: _Linear, structure: list[Row[float]], rows: list[_Linear]) -> None:
+        """Put a row that gives one bond variable, by what never turns, to the structure."""
+        if row.law is not None or [abs(c) for c in row.bonds.values()] != [1.0]:
+            rows.append(row)
+            return
+        known = {self._state_column(k): c for k, c in row.states.items()}
+        known |= {self._input_column(j): c for j, c in row.inputs.items()}
+        structure.append({**row.bonds, **known})
+
+    def _state_column(self, k: int) -> int:
+        return 2 * self.bonds + k
+
+    def _input_column(self, j: int) -> int:
+        return 2 * self.bonds + len(self.known) + j
 
     # -- rows
 
@@ -199,7 +218,9 @@ class _Assembly:
             row.bonds[part.source.bond + way] = row.bonds.get(part.source.bond + way, 0.0) + 1.0
             if source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
-            rows.append(row)
+            if not names(part.source.value):
+                row.law = None
+            self._sort(row, structure, rows)
         for dynamic in part.dynamic:
             row = self.linear(dynamic.expression, node.path, 1.0)
             if node.kind in SOURCES and source is not None:
@@ -245,7 +266,7 @@ class _Assembly:
     def linear(self, e: Expr, where: str, factor: float) -> _Linear:
         """Return the slopes of an expression, times a factor."""
         if uses_pre(e):
-            if not self.landed:
+            if self.fieldless and not self.landed:
                 raise EquationError(
                     "a law that reads pre() holds at an instant and describes no motion",
                     code="HB-E671",
@@ -351,7 +372,7 @@ class _Assembly:
         moves = self._moves()
         drift = np.array(
             [
-                sum(c * moves[k] for k, c in row.states.items()) if f is None else f.drift
+                self._drift(row, moves) if f is None else f.drift
                 for row, f in zip(rows, found, strict=True)
             ]
         )
@@ -374,16 +395,23 @@ class _Assembly:
                 parts = peeled.reduce({self._column(other): 1.0})
                 way = np.zeros(m - many)
                 for k, c in parts.items():
-                    if column[k] in at:
+                    if k in column and column[k] in at:
                         way[at[column[k]]] = c
+                given = self._drift(_Linear(parts), moves)
                 sure[i] &= bool((np.abs(null @ way) <= 1e-9 * np.abs(way).max(initial=0.0)).all())
-                slopes[name] = slopes.get(name, 0.0) + second * float(way @ rates)
+                slopes[name] = slopes.get(name, 0.0) + second * (float(way @ rates) + given)
             row = _Linear()
             self._put(row, slopes, own.factor)
             whole[:], direct[:] = 0.0, 0.0
             self._write(peeled, row, column, -1.0, whole, direct)
             A[i, :m], B[i] = whole[columns], direct
         return Turning(A, B, sure)
+
+    def _drift(self, row: _Linear, moves: list[float]) -> float:
+        """Return how fast a row of constant coefficients moves with the states that it reads."""
+        first, end = self._state_column(0), self._input_column(0)
+        read = {k - first: c for k, c in row.bonds.items() if first <= k < end}
+        return sum(c * moves[k] for part in (row.states, read) for k, c in part.items())
 
     def _moves(self) -> list[float]:
         """Return the rate of each state at the point."""
@@ -400,8 +428,14 @@ class _Assembly:
         a: Matrix,
         b: Matrix,
     ) -> None:
+        inputs = self._input_column(0)
         for k, c in peeled.reduce(row.bonds).items():
-            a[column[k]] += factor * c
+            if k >= inputs:
+                b[k - inputs] += factor * c
+            elif k >= 2 * self.bonds:
+                a[k - 2 * self.bonds] += factor * c
+            else:
+                a[column[k]] += factor * c
         for k, c in row.states.items():
             a[k] += factor * c
         for k, c in row.inputs.items():

@@ -95,7 +95,7 @@ class Slopes:
         """
         fixed = transform(configure(e, self.discrete), _followed)
         found = {}
-        for name in sorted(names(fixed)):
+        for name in sorted(names(fixed) - {"time"}):
             slope = self.at(fixed, name, where)
             if slope:
                 found[name] = slope
