@@ -18,7 +18,7 @@ from hybond.equations.degenerate import effective
 from hybond.equations.element_parts import Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
-from hybond.equations.slopes import Slopes
+from hybond.equations.slopes import ConstantSlopes, Slopes
 from hybond.equations.stored_laws import stored_names
 from hybond.errors import EquationError
 from hybond.model.expressions import Expr, Number, Pre, names, substitute, uses_pre
@@ -86,7 +86,7 @@ class Turning:
 def linear_rows(
     graph: FlatGraph,
     mode: Mode,
-    values: Mapping[str, float],
+    values: Mapping[str, float] | None,
     *,
     inputs: Sequence[str],
     outputs: Mapping[str, Expr],
@@ -96,8 +96,8 @@ def linear_rows(
 
     Parameters
     ----------
-    values : mapping
-        Of every canonical name at the point.
+    values : mapping or None
+        Of every canonical name at the point. None: what needs a point is refused.
     inputs : sequence of str
         ``u:k``, ``p:path``, or ``source:node`` for what is added to the value of a source.
     outputs : mapping of str to Expr
@@ -109,7 +109,8 @@ def linear_rows(
     ------
     EquationError
         HB-E671 for what is sampled and for a law that holds at an instant, HB-A506 for a law
-        without a finite slope, HB-Q105 if the mode leaves open what is asked for.
+        without a finite slope, HB-Q105 if the mode leaves open what is asked for. Without a point
+        HB-Q103 for a law that is not linear, HB-E671 for a source or signal that is not.
     """
     return _Assembly(graph, mode, values, tuple(inputs), outputs, landed=landed).made()
 
@@ -131,7 +132,7 @@ class _Assembly:
         self,
         graph: FlatGraph,
         mode: Mode,
-        values: Mapping[str, float],
+        values: Mapping[str, float] | None,
         inputs: tuple[str, ...],
         outputs: Mapping[str, Expr],
         *,
@@ -156,9 +157,13 @@ class _Assembly:
         self.place = {name: k for k, name in enumerate(self.known)}
         self.inputs = {name: k for k, name in enumerate(inputs)}
         self.on = graph.on_nodes(mode)
-        watched = {f"at:{w.index}": values.get(f"at:{w.index}", 0.0) for w in graph.watches}
-        self.discrete = settings(graph, mode, watched)
-        self.slopes = Slopes(graph, values, self.discrete)
+        if values is None:
+            self.discrete = settings(graph, mode, {})
+            self.slopes: Slopes = ConstantSlopes(graph, self.discrete)
+        else:
+            watched = {f"at:{w.index}": values[f"at:{w.index}"] for w in graph.watches}
+            self.discrete = settings(graph, mode, watched)
+            self.slopes = Slopes(graph, values, self.discrete)
         self.parts = Parts(graph)
         self.timed: dict[str, None] = {}
 
@@ -208,13 +213,13 @@ class _Assembly:
             self._parameters(row, constant)
             if node.kind in SOURCES and source is not None:
                 row.inputs[source] = -1.0
-            if constant in part.power and not row.inputs:
-                structure.append(row.bonds)
-            else:
+            if row.inputs:
                 rows.append(row)
+            else:
+                structure.append(row.bonds)
         if part.source is not None:
             way = 0 if node.kind == "Se" else self.bonds
-            row = self.linear(part.source.value, node.path, -1.0)
+            row = self.linear(part.source.value, node.path, -1.0, given=True)
             row.bonds[part.source.bond + way] = row.bonds.get(part.source.bond + way, 0.0) + 1.0
             if source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
@@ -222,7 +227,7 @@ class _Assembly:
                 row.law = None
             self._sort(row, structure, rows)
         for dynamic in part.dynamic:
-            row = self.linear(dynamic.expression, node.path, 1.0)
+            row = self.linear(dynamic.expression, node.path, 1.0, given=node.kind in SOURCES)
             if node.kind in SOURCES and source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
             rows.append(row)
@@ -263,8 +268,8 @@ class _Assembly:
             rows.append(row)
         return rows
 
-    def linear(self, e: Expr, where: str, factor: float) -> _Linear:
-        """Return the slopes of an expression, times a factor."""
+    def linear(self, e: Expr, where: str, factor: float, *, given: bool = False) -> _Linear:
+        """Return the slopes of an expression, times a factor; whether it is given from outside."""
         if uses_pre(e):
             if self.fieldless and not self.landed:
                 raise EquationError(
@@ -277,7 +282,7 @@ class _Assembly:
         if "time" in names(e):
             self.timed[where] = None
         row = _Linear(law=(e, factor))
-        self._put(row, self.slopes.of(e, where), factor)
+        self._put(row, self.slopes.of(e, where, given=given), factor)
         return row
 
     def _put(self, row: _Linear, slopes: Mapping[str, float], factor: float) -> None:
