@@ -21,7 +21,7 @@ from hybond.analysis.linear.responses import Bode, frequencies_of
 from hybond.analysis.linear.windows import coefficients, left_over
 from hybond.analysis.linear.words import unit_over
 from hybond.calls import called
-from hybond.errors import UsageError
+from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, compile_expression
 from hybond.model.graph import FlatGraph
@@ -212,6 +212,8 @@ def frequency_response(
     UsageError
         HB-A501 for an input that there is not, HB-S109 for an output, HB-A509 for frequencies or
         an amplitude that make no sense, HB-A511 for a period that cannot be told.
+    NumericsError
+        HB-A512 for a run that stops before its end.
     HybondError
         What a run raises.
 
@@ -284,7 +286,15 @@ def _one(
     made = injected(graph, name, amplitude, window.frequency)
     many = FIRST
     while True:
-        run = simulate(made, many * window.length, **options)
+        end = many * window.length
+        run = simulate(made, end, **options)
+        if run.t_end < end * (1.0 - 1e-12):
+            raise NumericsError(
+                f"the run with the sine stopped at {run.t_end:.6g} s of {end:.6g} s",
+                code="HB-A512",
+                where=f"{window.frequency:g} Hz",
+                hint="run the model itself that long, and see what stops it",
+            )
         found = coefficients(run, output, window, (1, 2))
         left = left_over(found[:, 0])
         settled = left <= tolerance
