@@ -157,6 +157,7 @@ def test_a_mass_behind_a_crank_follows_while_both_move() -> None:
         p1_th = M * (r1 * w1 + r * w1_th + r2 * w * w)
         A = [[p1_w / (M * r), p1_th - p1_w * w * r1 / r], [1 / (M * r), -w * r1 / r]]
         B = M * r * w1_T
+    assert lin.input_units == ("N*m",)
     np.testing.assert_allclose(lin.A, A, rtol=1e-11, atol=1e-11)
     assert lin.B[:, 0] == pytest.approx([B, 0.0], rel=1e-11)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybond.analysis.linear.asked import input_unit
 from hybond.analysis.linear.injection import injected, source_of
 from hybond.analysis.linear.periods import Window, period_of, window_of
 from hybond.analysis.linear.responses import Bode, frequencies_of
@@ -288,6 +289,8 @@ def _one(
     while True:
         end = many * window.length
         run = simulate(made, end, **options)
+        if run.status == "interrupted":
+            raise KeyboardInterrupt
         if run.t_end < end * (1.0 - 1e-12):
             raise NumericsError(
                 f"the run with the sine stopped at {run.t_end:.6g} s of {end:.6g} s",
@@ -312,19 +315,18 @@ def _amplitude(graph: FlatGraph, name: str, given: float | str | None) -> tuple[
     """Return the amplitude of the sine, SI, and the unit of the input."""
     inputs = {i.path: i for i in graph.inputs}
     if name in inputs:
-        at = Name(f"u:{inputs[name].index}")
+        unit = input_unit(graph, inputs[name].index)
         wave: Waveform = inputs[name].waveform
         value = wave.value(0.0, wave.piece(0.0))
     else:
         node = graph.nodes[source_of(graph, name)]
         assert node.law is not None
-        at = Name(f"{'e' if node.kind == 'Se' else 'f'}:{node.ends[0].bond}")
+        unit = unit_of(Name(f"{'e' if node.kind == 'Se' else 'f'}:{node.ends[0].bond}"), graph)
         law = node.law.expressions[0]
         try:
             value = float(compile_expression(law, {"time": 0}, pre_offset=0)([0.0]))
         except KeyError:
             value = 0.0
-    unit = unit_of(at, graph)
     if given is not None:
         quantity = try_quantity(given) if isinstance(given, str) else None
         number = given if not isinstance(given, str) else quantity.value if quantity else np.nan
