@@ -193,3 +193,17 @@ def test_a_nonlinear_model_around_its_rest_as_its_linearisation() -> None:
         assert found.ok and off < close
         # twice the frequency comes with the amplitude, and is what makes it nonlinear
         assert 0.01 * part < found.distortion[0] < part
+
+
+def test_the_limit_of_friction_while_it_slips() -> None:
+    """An input that a law of a junction reads: the mass moves by ``m v' = F - d v - limit``."""
+    m = hb.Model("brake", domain="translational")
+    m.add(F=hb.Se("20 N"), v=hb.One(law="coulomb", limit="L"), m=hb.I("1 kg"), d=hb.R("2 N*s/m"))
+    m.bond("F -> v -> m", "v -> d")
+    m.input(L="5 N")
+    found = hb.frequency_response(m, input="L", output="v.f", frequencies=[0.5])
+    s = 2j * np.pi * 0.5
+    assert found.ok and found.response[0] == pytest.approx(-1 / (s + 2), rel=1e-6)
+    lin = hb.linearise(hb.simulate(m, until="10 s"), inputs=["L"], outputs=["v.f"])
+    assert lin.mode == {"v": "forward"}
+    assert lin.transfer(s)[0, 0] == pytest.approx(-1 / (s + 2), rel=1e-12)
