@@ -29,6 +29,7 @@ def in_series(part: hb.Submodel, volts: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("volts", [10, -10])
 @pytest.mark.parametrize("name", OFF)
 def test_a_device_that_is_off_leaks_by_its_conductance(name: str, volts: float) -> None:
@@ -81,9 +82,13 @@ BRIDGES = {
     "diode_bridge": ({"drop": 1000}, "ab"),
     "three_phase_bridge": ({"drop": 1000}, "abc"),
     "thyristor_bridge": ({}, "abc"),
+    "single_phase_thyristor_bridge": ({}, "ab"),
+    "single_phase_half_controlled_bridge": ({"drop": 1000}, "ab"),
+    "three_phase_half_controlled_bridge": ({"drop": 1000}, "abc"),
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", BRIDGES)
 def test_a_bridge_that_is_off_leaks_through_each_of_its_devices(name: str) -> None:
     """Plus has 5 ohm to ground, minus 2 ohm."""
@@ -110,10 +115,39 @@ def test_a_bridge_that_is_off_leaks_through_each_of_its_devices(name: str) -> No
         assert found == pytest.approx(0.05 * (2 * volts["a"] - plus - minus), rel=1e-12)
 
 
-def test_a_leg_that_is_off_divides_its_supply_by_its_leaks() -> None:
-    m = in_series(hb.Submodel("electrical.half_bridge", G_off="0.1 S"), 10)
-    for way in every_way(m, "hot - p.plus", "out - p.out", "cold - p.minus"):
+LEGS = {
+    "half_bridge": ({}, {}),
+    "leg": ({"diode_drop": 100}, {"enable": 0}),
+    "chopper": ({"diode_drop": 100}, {}),
+}
+
+
+@pytest.mark.parametrize("name", LEGS)
+def test_a_leg_that_is_off_divides_its_supply_by_its_leaks(name: str) -> None:
+    values, inputs = LEGS[name]
+    m = in_series(hb.Submodel(f"electrical.{name}", G_off="0.1 S", **values, inputs=inputs), 10)
+    for way in every_way(m, "hot - p.plus", "out - p.out", "cold - p.minus")[::3]:
         run = hb.simulate(way, until=1)
         assert run["p.voltage"].at(0.5) == pytest.approx(10 * 0.1 / 0.4, rel=1e-12), way.name
         assert run["p.current"].at(0.5) == pytest.approx(10 * 0.1 / 0.4 / 5, rel=1e-12)
-        assert run["p.current_lower"].at(0.5) == pytest.approx(0.25, rel=1e-12)
+        lower = run["p.current" + ("_in" if name == "chopper" else "_upper")].at(0.5)
+        assert lower == pytest.approx(0.75, rel=1e-12)
+
+
+def test_bridges_of_legs_and_a_tapped_rectifier_leak() -> None:
+    """From 10 V: two leaks of 0.1 S to a and b each, and 5 ohm between those."""
+    for name, values in (("h_bridge", {}), ("asymmetric_bridge", {"diode_drop": 100})):
+        inputs = {"enable": 0} if name == "h_bridge" else {}
+        part = hb.Submodel(f"electrical.{name}", G_off="0.1 S", **values, inputs=inputs)
+        m = in_series(part, 10)
+        m.bond("hot -> p.plus", "cold -> p.minus", "out -> p.a", "cold -> p.b")
+        run = hb.simulate(m, until=1)
+        # b is at ground, a has 0.1 S to 10 V, and 0.1 S and 5 ohm to ground
+        assert run["p.voltage"].at(0.5) == pytest.approx(10 * 0.1 / 0.4, rel=1e-12), name
+    part = hb.Submodel("electrical.centre_tap_thyristor_rectifier", G_off="0.1 S")
+    m = in_series(part, 10)
+    m.bond("hot -> p.a", "hot -> p.b", "p.plus -> out", "cold -> p.minus", "p.tap -> cold")
+    run = hb.simulate(m, until=1)
+    assert run["p.voltage"].at(0.5) == pytest.approx(10 * 0.2 / 0.4, rel=1e-12)
+    assert run["p.current"].at(0.5) == pytest.approx(1, rel=1e-12)
+    assert run["p.current_a"].at(0.5) == pytest.approx(0.5, rel=1e-12)

@@ -75,6 +75,7 @@ def test_with_a_current_that_does_not_pause_the_mean_follows_the_cosine(
         assert run["q.current"].at(np.linspace(0.04, 0.06, 50)).min() > 0
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("degrees", [30, 120])
 def test_a_half_controlled_bridge_lets_a_coil_go_on_without_voltage(degrees: float) -> None:
     m = single_phase(HALF, degrees, hertz=50, R=1, L=0.5)
@@ -130,7 +131,7 @@ def test_a_line_that_changes_its_frequency_is_followed_a_half_wave_later() -> No
     assert fired.tolist() == [0, 0, 1, 0, 0, 1]
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("coil", [0.0, 0.3])
 @pytest.mark.parametrize("degrees", [0, 50, 100, 150])
 def test_three_phases_half_controlled_have_the_mean_of_the_textbook(
@@ -154,3 +155,23 @@ def test_three_phases_half_controlled_have_the_mean_of_the_textbook(
         assert mean(run, 0.04, 0.06) == pytest.approx(expected, rel=1e-7), way.name
         currents = sum(run[f"q.current_{x}"].at(0.0533) for x in "abc")
         assert currents == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize(("degrees", "hertz"), [(0, 50), (45, 60), (80, 400)])
+def test_a_six_pulse_bridge_is_fired_after_its_line(degrees: float, hertz: float) -> None:
+    m = hb.Model("rectifier", domain="electrical", parameters={"alpha": math.radians(degrees)})
+    m.add(s=hb.Submodel("electrical.three_phase_source", amplitude=100, frequency=hertz))
+    u = {f"u_{x}{y}": f"s.{x}.e - s.{y}.e" for x, y in ("ab", "bc", "ca")}
+    m.add(f=hb.Submodel("control.line_six_pulse", inputs={**u, "alpha": "alpha"}))
+    gates = {f"gate_{k}": f"f.gate_{k}" for k in range(1, 7)}
+    m.add(q=hb.Submodel("electrical.thyristor_bridge", inputs=gates), star=hb.Zero(), x=hb.Zero())
+    m.add(r=hb.Submodel("electrical.resistor", R=1), zero=hb.Submodel("electrical.ground"))
+    m.add(l=hb.Submodel("electrical.inductor", L=0.5), n=hb.Zero())
+    m.bond("star -> s.neutral", "zero.pin -> star", "s.a -> q.a", "s.b -> q.b", "s.c -> q.c")
+    m.bond("q.plus -> l.plus", "l.minus -> x -> r.plus", "r.minus -> n -> q.minus")
+    m.signal(area=hb.Integral("q.voltage"))
+    run = hb.simulate(m, until=3 / hertz, rtol=1e-9, atol=1e-11)
+    expected = 300 * math.sqrt(3) / math.pi * math.cos(math.radians(degrees))
+    assert mean(run, 2 / hertz, 3 / hertz) == pytest.approx(expected, rel=1e-7)
+    assert run["f.frequency"].at(2.5 / hertz) == pytest.approx(hertz, rel=1e-9)
