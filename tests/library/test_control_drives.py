@@ -163,3 +163,40 @@ def test_microsteps_go_round_a_circle() -> None:
     held = np.floor(4 * t) / 4
     assert run["p.a"].at(t) == pytest.approx(np.cos(np.pi / 2 * held), abs=1e-12)
     assert run["p.b"].at(t) == pytest.approx(np.sin(np.pi / 2 * held), abs=1e-12)
+
+
+@pytest.mark.parametrize(("l_d", "l_q"), [(2e-3, 4e-3), (3e-3, 3e-3), (5e-3, 2e-3)])
+def test_no_other_angle_of_the_current_makes_more_torque(l_d: float, l_q: float) -> None:
+    run = alone("control.mtpa", 2, current="40 [A/s]*time - 30 [A]", L_d=l_d, L_q=l_q)
+    for t in (0.2, 1.2, 2):
+        amperes = 40 * t - 30
+        angle = np.linspace(0, math.pi, 20001) * math.copysign(1, amperes)
+        d, q = abs(amperes) * np.cos(angle), abs(amperes) * np.sin(angle)
+        torque = 0.1 * q + (l_d - l_q) * d * q
+        best = np.argmax(np.abs(torque))
+        assert run["p.d"].at(t) == pytest.approx(d[best], abs=2e-4 * abs(amperes))
+        assert run["p.q"].at(t) == pytest.approx(q[best], abs=2e-4 * abs(amperes))
+
+
+def test_perturb_and_observe_climbs_to_the_power_of_the_data_sheet() -> None:
+    m = hb.Model("solar", domain="electrical")
+    m.add(s=hb.Submodel("electrical.solar_module"), sink=hb.Se("track.out"), zero=hb.Se(0))
+    given = {"every": 0.01, "step": 0.25, "start": 25, "high": 40}
+    inputs = {"power": "s.delivered"}
+    m.add(track=hb.Submodel("control.mppt", inputs=inputs, **given), top=hb.Zero(), low=hb.Zero())
+    m.bond("sink -> top -> s.plus", "s.minus -> low", "zero -> low")
+    run = hb.simulate(m, until=1)
+    volts = run["track.out"].at(np.arange(60) * 0.01 + 0.405)
+    assert np.abs(volts - 30.4).max() <= 2 * 0.25
+    assert run["s.delivered"].at(0.99) == pytest.approx(30.4 * 8.24, rel=1e-3)
+
+
+def test_a_sampled_rate_limiter_goes_by_equal_steps() -> None:
+    u = "if time < 1 then 1 else -1"
+    run = alone("control.sampled_rate_limiter", 2, u=u, every=0.1, rise=4, fall=2.5)
+    y = 0.0
+    for k in range(20):
+        # at an instant the input still is what it was before
+        aim = 1 if 0.1 * k < 1.05 else -1
+        y += min(max(aim - y, -0.25), 0.4)
+        assert run["p.out"].at(0.1 * k + 0.05) == pytest.approx(y, abs=1e-12), k
