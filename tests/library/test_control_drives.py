@@ -1,11 +1,13 @@
 """What drives motors: axes, current control, encoders, commutation, against closed forms."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 from library.alone import alone
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import hybond as hb
 
@@ -36,12 +38,13 @@ def test_inverse_park_makes_three_phases() -> None:
         assert run[f"p.{phase}"].at(t) == pytest.approx(expected, abs=1e-12), phase
 
 
-def controlled(v_max: str) -> hb.Model:
-    """A machine driven at a speed, its currents controlled with ideal voltages."""
-    m = hb.Model("drive", domain="electrical")
+@cache
+def controlled(part: str) -> hb.Model:
+    """A machine driven at a speed, its currents controlled with ideal voltages up to `top`."""
+    m = hb.Model("drive", domain="electrical", parameters={"top": "1000 V"})
     m.add(m=hb.Submodel("electrical.pmsm"))
-    wanted = {"d": "-2 [A]", "q": "6 [A]", "i_d": "m.i_d", "i_q": "m.i_q", "v_max": v_max}
-    m.add(reg=hb.Submodel("control.dq_current", inputs={"speed": "4*m.speed", **wanted}))
+    wanted = {"d": "-2 [A]", "q": "6 [A]", "i_d": "m.i_d", "i_q": "m.i_q", "v_max": "top"}
+    m.add(reg=hb.Submodel(f"control.{part}", inputs={"speed": "4*m.speed", **wanted}))
     turned = {"d": "reg.v_d", "q": "reg.v_q", "angle": "m.electrical_angle"}
     m.add(u=hb.Submodel("control.inverse_park", inputs=turned))
     for phase in "abc":
@@ -53,7 +56,8 @@ def controlled(v_max: str) -> hb.Model:
 
 
 def test_decoupled_currents_follow_by_an_exponential() -> None:
-    run = hb.simulate(controlled("1000 [V]"), until="6 ms", rtol=1e-9, atol=1e-11)
+    """A step of what `"control.dq_current"` wants, with the machine's own values."""
+    run = hb.simulate(controlled("dq_current"), until="6 ms", rtol=1e-8, atol=1e-10)
     for t in (0.0005, 0.002, 0.006):
         part = 1 - math.exp(-1000 * t)
         found = [run["m.i_d"].at(t), run["m.i_q"].at(t)]
@@ -77,11 +81,40 @@ def test_a_voltage_that_does_not_suffice_keeps_its_direction_and_does_not_wind_u
             1000 * r * e_q + (v_q - raw[1]) / tracking,
         ]
 
-    run = hb.simulate(controlled(f"{top} [V]"), until="10 ms", rtol=1e-9, atol=1e-11)
+    run = hb.simulate(
+        controlled("dq_current"), until="10 ms", rtol=1e-8, atol=1e-10, parameters={"top": top}
+    )
     told = solve_ivp(rates, (0, 0.01), [0] * 4, rtol=1e-9, atol=1e-12, t_eval=[0.001, 0.01])
     for k, name in enumerate(("m.i_d", "m.i_q", "reg.integral_d", "reg.integral_q")):
         assert run[name].at([0.001, 0.01]) == pytest.approx(told.y[k], rel=1e-5, abs=1e-6), name
     assert run["reg.scale"].at(0.001) < 0.9
+
+
+def test_a_sampled_current_controller_does_what_its_program_says() -> None:
+    """`"control.sampled_dq_current"` on a machine whose axes are linear at a constant speed."""
+    r, l_d, l_q, psi, w, top, h = 0.5, 2e-3, 4e-3, 0.1, 200.0, 24.5, 1e-4
+    a = np.array([[-r / l_d, w * l_q / l_d], [-w * l_d / l_q, -r / l_q]])
+    step = expm(a * h)
+    run = hb.simulate(
+        controlled("sampled_dq_current"),
+        until="4 ms",
+        rtol=1e-8,
+        atol=1e-10,
+        parameters={"top": top},
+    )
+    i, s = np.zeros(2), np.zeros(2)
+    for k in range(40):
+        error = np.array([-2, 6]) - i
+        s = s + 1000 * r * h * error
+        raw = 1000 * np.array([l_d, l_q]) * error + s
+        raw += w * np.array([-l_q * i[1], l_d * i[0] + psi])
+        part = min(1, top / math.hypot(*raw))
+        s = s + (part - 1) * raw * h / 1e-3
+        rest = -np.linalg.solve(a, (part * raw - [0, w * psi]) / [l_d, l_q])
+        i = rest + step @ (i - rest)
+        at = (k + 1) * h - 1e-9
+        assert [run[f"reg.v_{x}"].at(at) for x in "dq"] == pytest.approx(part * raw, rel=1e-6), k
+        assert [run[f"m.i_{x}"].at(at) for x in "dq"] == pytest.approx(i, rel=1e-3, abs=1e-5)
 
 
 def test_an_encoder_shows_quarters_of_its_lines() -> None:
@@ -104,7 +137,10 @@ def test_a_decoder_counts_what_it_can_tell(speed: float, seen: bool) -> None:
     eyes = {"a": "e.a", "b": "e.b"}
     m.add(d=hb.Submodel("control.quadrature_decoder", every=0.1, start=100, inputs=eyes))
     run = hb.simulate(m, until=2)
-    places = [math.floor(8 * (0.1 + speed * (t if t < 1 else 2 - t)) / (2 * math.pi)) for t in np.arange(20) * 0.1]
+    places = [
+        math.floor(8 * (0.1 + speed * (t if t < 1 else 2 - t)) / (2 * math.pi))
+        for t in np.arange(20) * 0.1
+    ]
     moved = np.diff(places)
     told = np.where(moved % 4 == 3, -1, np.where(moved % 4 == 2, 0, moved % 4))
     assert bool(np.all(told == moved)) == seen
@@ -142,7 +178,10 @@ def test_volts_follow_hertz_up_to_the_limit() -> None:
 
 def test_commutation_follows_the_flat_parts() -> None:
     # one electrical turn a second; the table of every textbook, from 30 degrees on
-    halls = {f"hall_{p}": f"sin(2*pi*time - {lag}) > 0" for p, lag in zip("abc", ("pi/6", "5*pi/6", "-pi/2"))}
+    halls = {
+        f"hall_{p}": f"sin(2*pi*time - {lag}) > 0"
+        for p, lag in zip("abc", ("pi/6", "5*pi/6", "-pi/2"))
+    }
     table = [(1, 6), (1, 2), (3, 2), (3, 4), (5, 4), (5, 6)]
     run = alone("control.six_step", 1, **halls)
     back = alone("control.six_step", 1, reverse=1, **halls)

@@ -1,6 +1,7 @@
 """Filters, limits and means over windows against closed forms."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -24,7 +25,12 @@ def test_a_second_order_filter_is_four_fractions(damping: float) -> None:
     run = alone("control.second_order", 0.5, u=1, frequency=3, damping=damping)
     t = np.linspace(0, 0.5, 26)
     below = [1, 2 * damping * w, w * w]
-    above = {"low": [w * w], "band": [2 * damping * w, 0], "high": [1, 0, 0], "notch": [1, 0, w * w]}
+    above = {
+        "low": [w * w],
+        "band": [2 * damping * w, 0],
+        "high": [1, 0, 0],
+        "notch": [1, 0, w * w],
+    }
     for name, top in above.items():
         _, y = signal.step((top, below), T=t)
         assert run[f"p.{name}"].at(t) == pytest.approx(y, abs=2e-6), name
@@ -62,7 +68,7 @@ def test_what_integrates_a_quantiser_has_the_area_of_its_stairs() -> None:
     run = hb.simulate(m, until=1)
     # levels 0, 0.5, ..., 3 change at 3*t = 0.25 + 0.5*k
     edges = [0, *((0.25 + 0.5 * k) / 3 for k in range(6)), 1]
-    area = sum(0.5 * k * (b - a) for k, (a, b) in enumerate(zip(edges, edges[1:])))
+    area = sum(0.5 * k * (b - a) for k, (a, b) in enumerate(pairwise(edges)))
     assert run["area"].at(1) == pytest.approx(area, rel=1e-9)
 
 
@@ -124,8 +130,8 @@ def test_an_integrator_waits_at_its_stops() -> None:
 
 
 def test_a_clamped_pi_controller_waits_then_slides_along_its_limit() -> None:
-    # with error = 3 - time and kp = 1 the output waits at 2 until t = 1, and the gain takes 1/s off;
-    # an integral of 0.5*error is too slow to slide along the limit, and is free from there
+    # with error = 3 - time and kp = 1 the output waits at 2 until t = 1, and the gain takes 1/s
+    # off; an integral of 0.5*error is too slow to slide along the limit, and is free from there
     given = {"kp": 1, "ki": 0.5, "low": -1, "high": 2}
     run = alone("control.pi_clamped", 3, error="3 - time", **given)
     assert run["p.integral"].at([0.5, 1]) == pytest.approx([0, 0], abs=1e-9)

@@ -97,7 +97,9 @@ def test_commutated_by_its_halls_a_motor_runs_up_to_half_the_voltage_per_phase()
     m.bond("V -> top", "zero -> bottom")
     run = hb.simulate(m, until="0.15 s")
     assert run["m.speed"].at(0.15) == pytest.approx(24 / (2 * K), rel=2e-3)
-    assert run["m.torque"].at(0.003) == pytest.approx(2 * K * run["m.current_c"].at(0.003), rel=1e-6)
+    assert run["m.torque"].at(0.003) == pytest.approx(
+        2 * K * run["m.current_c"].at(0.003), rel=1e-6
+    )
 
 
 SIDES = ("a - m.a_plus", "m.a_minus - zero", "b - m.b_plus", "m.b_minus - zero")
@@ -112,7 +114,12 @@ def stepper(a: str, b: str, kind: type = hb.Se, **values: object) -> hb.Model:
 
 
 def test_a_stepper_rests_where_its_currents_point() -> None:
-    for volts_a, volts_b, steps in ((3, 0, 0), (2, 2, 0.5), (0, 3, 1), (-1.5, 1.5 * math.sqrt(3), 4 / 3)):
+    for volts_a, volts_b, steps in (
+        (3, 0, 0),
+        (2, 2, 0.5),
+        (0, 3, 1),
+        (-1.5, 1.5 * math.sqrt(3), 4 / 3),
+    ):
         start = (steps - 0.3) * math.pi / 100
         m = stepper(str(volts_a), str(volts_b), detent=1e-9, angle0=start, drag=5e-3)
         for way in every_way(m, *SIDES)[:: 5 if steps == 0.5 else 15]:

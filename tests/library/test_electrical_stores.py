@@ -86,7 +86,9 @@ def test_a_supercapacitor_sags_into_its_slow_branch() -> None:
     part.elements["depth"] = hb.C("C_slow", e=0)
     run = hb.simulate(
         every_way(at_load(hb.Submodel(part, v0=2.0), hb.Sf(0)), *JOINTS)[1],
-        until=600, rtol=1e-8, solver="radau",
+        until=600,
+        rtol=1e-8,
+        solver="radau",
     )
     told = solve_ivp(rates, (0, 600), [2, 0], method="Radau", rtol=1e-9, atol=1e-11)
     found = [run[f"s.{n}"].at(600) for n in ("inside", "voltage")]

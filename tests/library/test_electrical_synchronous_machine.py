@@ -1,4 +1,4 @@
-"""The machine with field winding and dampers against its five linear equations and two reactions."""
+"""A machine with field winding and dampers against its linear equations and two reactions."""
 
 import math
 
@@ -49,9 +49,9 @@ def test_its_windings_follow_five_linear_equations() -> None:
     a = -inverse @ (LOSS + TURN @ FLUX)
     rest = -np.linalg.solve(a, inverse @ volts)
     m = on_the_grid(-120, 290, 30)
-    for way in every_way(m, *JOINTS, "w - m.shaft")[:3]:
-        run = hb.simulate(way, until="0.06 s", rtol=1e-8)
-        for t in (0.004, 0.06):
+    for way in every_way(m, *JOINTS, "w - m.shaft")[:2]:
+        run = hb.simulate(way, until="0.03 s", rtol=1e-7)
+        for t in (0.004, 0.03):
             now = rest - expm(a * t) @ rest
             found = [run[f"m.{n}"].at(t) for n in ("i_d", "i_q", "i_f", "i_kd", "i_kq")]
             assert found == pytest.approx(now, rel=1e-5, abs=1e-4), way.name
