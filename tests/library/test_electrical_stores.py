@@ -146,6 +146,16 @@ def test_a_solar_module_keeps_what_its_data_sheet_says() -> None:
     assert power[1] > max(power[0], power[2])
 
 
+@pytest.mark.parametrize(
+    ("data", "where"), [({"V_mp": 18.0}, "a"), ({"I_mp": 9.0}, "a"), ({"V_mp": 34.5}, "R_s")]
+)
+def test_data_that_no_diode_has_is_refused(data: dict[str, float], where: str) -> None:
+    m = at_load(hb.Submodel("electrical.solar_module", **data), hb.R(3))
+    with pytest.raises(hb.ModelError, match="has no finite value") as caught:
+        every_way(m, *JOINTS)[0].flatten()
+    assert (caught.value.code, caught.value.where) == ("HB-M110", f"s.{where}")
+
+
 def test_a_solar_module_on_a_resistance_and_on_a_capacitor() -> None:
     a, r_s, i_0 = model_of(SHEET)
 
