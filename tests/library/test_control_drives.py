@@ -239,3 +239,15 @@ def test_a_sampled_rate_limiter_goes_by_equal_steps() -> None:
         aim = 1 if 0.1 * k < 1.05 else -1
         y += min(max(aim - y, -0.25), 0.4)
         assert run["p.out"].at(0.1 * k + 0.05) == pytest.approx(y, abs=1e-12), k
+
+
+@pytest.mark.parametrize("behind", [0.5, -1.1])
+def test_three_phases_have_constant_powers(behind: float) -> None:
+    volts = {f"v_{p}": f"3 [V] + {t}" for p, t in phases("20 [V]", "(90*time)").items()}
+    amperes = {f"i_{p}": t for p, t in phases("4 [A]", f"(90*time - {behind})").items()}
+    run = alone("control.three_phase_power", 1, **volts, **amperes)
+    t = np.linspace(0, 1, 9)
+    assert run["p.active"].at(t) == pytest.approx(1.5 * 80 * math.cos(behind), rel=1e-12)
+    assert run["p.reactive"].at(t) == pytest.approx(1.5 * 80 * math.sin(behind), rel=1e-12)
+    assert run["p.factor"].at(0.3) == pytest.approx(math.cos(behind))
+    assert run["p.active"].unit == "W"

@@ -169,3 +169,24 @@ def test_crossings_of_zero_are_timed() -> None:
         assert run["p.period"].at(between) == pytest.approx(rises[k] - rises[k - 1], rel=1e-9)
         assert run["p.frequency"].at(between) == pytest.approx(1 / (rises[k] - rises[k - 1]))
     assert run["p.period"].at([0.01, rises[1] - 0.01]).tolist() == [0, 0]
+
+
+def test_a_biquad_is_the_filter_of_its_coefficients() -> None:
+    b, a = signal.butter(2, 0.2)
+    given = {"b0": b[0], "b1": b[1], "b2": b[2], "a1": a[1], "a2": a[2]}
+    run = alone("control.sampled_biquad", 1, u="1 + sin(30*time)", every=0.025, **given)
+    expected = signal.lfilter(b, a, 1 + np.sin(30 * 0.025 * np.arange(40)))
+    assert run["p.out"].at(0.025 * np.arange(40) + 0.01) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_sampled_pid_controller_does_what_its_program_says() -> None:
+    given = {"kp": 2, "ki": 5, "kd": 0.1, "filter": 0.03, "low": -1, "high": 2.5}
+    run = alone("control.sampled_pid", 2, error="cos(3*time)", every=0.05, **given)
+    integral = rate = 0.0
+    for k in range(40):
+        error, last = math.cos(0.15 * k), math.cos(0.15 * (k - 1))
+        rate = (0.03 * rate + (error - last if k else 0)) / 0.08
+        integral = min(max(integral + 5 * 0.05 * error, -1), 2.5)
+        out = min(max(2 * error + integral + 0.1 * rate, -1), 2.5)
+        assert run["p.out"].at(0.05 * k + 0.02) == pytest.approx(out, abs=1e-12), k
+        assert run["p.rate"].at(0.05 * k + 0.02) == pytest.approx(rate, abs=1e-12), k
