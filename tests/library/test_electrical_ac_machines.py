@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from library.bench import every_way
-from scipy.integrate import solve_ivp
+from scipy.integrate import simpson, solve_ivp
 
 import hybond as hb
 
@@ -17,7 +17,7 @@ LAGS = (0, 2 * math.pi / 3, 4 * math.pi / 3)
 def on_three_phases(part: str, volts: list[str], speed: float | None, **values: float) -> hb.Model:
     """A machine on three stiff sources, its shaft free, or driven at a speed."""
     m = hb.Model("drive", domain="electrical")
-    m.add(m=hb.Submodel(f"electrical.{part}", **values))
+    m.add(m=hb.Submodel(part, **values))
     for phase, text in zip("abc", volts):
         m.add(**{f"V_{phase}": hb.Se(text), phase: hb.Zero()})
         m.bond(f"V_{phase} -> {phase}")
@@ -55,7 +55,7 @@ def test_a_salient_machine_in_the_steady_state_has_the_torque_of_the_textbook() 
         [[PM["r"], -w * PM["l_q"]], [w * PM["l_d"], PM["r"]]], [v_d, v_q - w * PM["psi"]]
     )
     torque = 1.5 * 4 * (0.1 * i_q + (2e-3 - 4e-3) * i_d * i_q)
-    m = on_three_phases("pmsm", volts, 50.0)
+    m = on_three_phases("electrical.pmsm", volts, 50.0)
     for way in every_way(m, *THREE, "w - m.shaft")[::3]:
         run = hb.simulate(way, until="0.2 s", rtol=1e-7)
         found = [run[f"m.{n}"].at(0.2) for n in ("i_d", "i_q", "v_d", "v_q", "torque")]
@@ -73,7 +73,7 @@ def test_a_salient_machine_runs_up_as_parks_equations_do_and_keeps_energy() -> N
         behind = 60 * t * t - PM["p"] * x[3]
         return park(30 * math.cos(behind), 30 * math.sin(behind), x)
 
-    m = on_three_phases("pmsm", cosines(30, "60*time^2"), None, speed0=3, angle0=0.2)
+    m = on_three_phases("electrical.pmsm", cosines(30, "60*time^2"), None, speed0=3, angle0=0.2)
     run = hb.simulate(every_way(m, *THREE)[5], until="0.15 s", rtol=1e-9, atol=1e-11)
     at = [0.03, 0.15]
     told = solve_ivp(rates, (0, 0.15), [0, 0, 3, 0.2], rtol=1e-9, atol=1e-11, t_eval=at)
@@ -83,12 +83,25 @@ def test_a_salient_machine_runs_up_as_parks_equations_do_and_keeps_energy() -> N
     assert audit.energy < 1e-7 and audit.power < 1e-12
 
 
+def test_parks_axes_and_the_field_of_energy_are_one_machine() -> None:
+    runs = []
+    for part in ("electrical.pmsm", "electrical.pmsm_park"):
+        m = on_three_phases(part, cosines(30, "60*time^2"), None, speed0=3, angle0=0.2)
+        way = every_way(m, *THREE)[0 if part == "electrical.pmsm" else 7]
+        runs.append(hb.simulate(way, until="0.1 s", rtol=1e-8, atol=1e-10))
+    for name in ("i_d", "i_q", "flux_d", "flux_q", "v_d", "v_q", "torque", "power", "heat"):
+        one, two = (run[f"m.{name}"].at(0.1) for run in runs)
+        assert one == pytest.approx(two, rel=1e-5), name
+    assert runs[1].audit().energy < 1e-7
+
+
 def test_a_salient_machine_without_salience_is_the_synchronous_motor() -> None:
     same = {"psi": 0.08, "L_d": 3e-3, "L_q": 3e-3, "angle0": 0.1}
     other = {"psi": 0.08, "L": 3e-3, "angle0": 0.1}
     volts = cosines(20, "80*time")
-    one = hb.simulate(every_way(on_three_phases("pmsm", volts, None, **same), *THREE)[0], until=0.1)
-    two = on_three_phases("synchronous_motor", volts, None, **other)
+    m = on_three_phases("electrical.pmsm", volts, None, **same)
+    one = hb.simulate(every_way(m, *THREE)[0], until=0.1)
+    two = on_three_phases("electrical.synchronous_motor", volts, None, **other)
     run = hb.simulate(every_way(two, *THREE)[0], until=0.1)
     for name in ("i_d", "i_q", "speed", "current_b"):
         assert one[f"m.{name}"].at(0.1) == pytest.approx(run[f"m.{name}"].at(0.1), rel=1e-4), name
@@ -114,7 +127,9 @@ def test_an_induction_machine_has_the_current_and_torque_of_its_equivalent_circu
     slip: float,
 ) -> None:
     w = 100 * math.pi
-    m = on_three_phases("induction_machine", cosines(311, "100*pi*time"), w / 2 * (1 - slip))
+    m = on_three_phases(
+        "electrical.induction_machine", cosines(311, "100*pi*time"), w / 2 * (1 - slip)
+    )
     current, torque = circuit(slip, 311, w)
     for way in every_way(m, *THREE, "w - m.shaft")[:: 3 if slip == 0.03 else 15]:
         run = hb.simulate(way, until="0.8 s", rtol=1e-6)
@@ -133,7 +148,10 @@ def test_the_steepest_torque_is_where_kloss_has_it() -> None:
     steep = IM["R_r"] / leak
     for slip in (steep, 0.3 * steep):
         m = on_three_phases(
-            "induction_machine", cosines(volts, "100*pi*time"), w / 2 * (1 - slip), R_s=1e-9
+            "electrical.induction_machine",
+            cosines(volts, "100*pi*time"),
+            w / 2 * (1 - slip),
+            R_s=1e-9,
         )
         # its flux would keep a constant part for hours: begin with the steady state's
         part = hb.library.part("electrical.induction_machine")
@@ -162,7 +180,7 @@ def test_an_induction_machine_starts_as_the_textbooks_equations_do() -> None:
         torque = 1.5 * IM["p"] * (stator.conjugate() * i_s).imag
         return [ds.real, ds.imag, dr.real, dr.imag, torque / IM["J"]]
 
-    m = on_three_phases("induction_machine", cosines(311, "100*pi*time"), None)
+    m = on_three_phases("electrical.induction_machine", cosines(311, "100*pi*time"), None)
     run = hb.simulate(every_way(m, *THREE)[2], until="0.1 s", rtol=1e-9, atol=1e-10)
     told = solve_ivp(rates, (0, 0.1), [0] * 5, rtol=1e-9, atol=1e-11).y[:, -1]
     i_s, i_r = inverse @ [complex(*told[:2]), complex(*told[2:4])]
@@ -177,7 +195,7 @@ def test_an_induction_machine_starts_as_the_textbooks_equations_do() -> None:
 def test_star_points_that_float_leave_the_currents_alone() -> None:
     # common voltage of the three phases drives nothing
     lifted = [f"7 + {v}" for v in cosines(30, "80*time")]
-    for part, name in (("pmsm", "i_q"), ("induction_machine", "i_beta")):
+    for part, name in (("electrical.pmsm", "i_q"), ("electrical.induction_machine", "i_beta")):
         low, high = (
             hb.simulate(every_way(on_three_phases(part, v, None), *THREE)[0], until="20 ms")
             for v in (cosines(30, "80*time"), lifted)
@@ -185,3 +203,47 @@ def test_star_points_that_float_leave_the_currents_alone() -> None:
         assert high[f"m.{name}"].at(0.02) == pytest.approx(low[f"m.{name}"].at(0.02), rel=1e-6)
         total = sum(high[f"m.current_{p}"].at(0.02) for p in "abc")
         assert total == pytest.approx(0, abs=1e-12)
+
+
+def rectified(part: str | hb.Model, **values: float) -> hb.Result:
+    """Run a generator at a constant speed on a diode bridge and a resistance."""
+    m = hb.Model("generator", domain="electrical")
+    m.add(m=hb.Submodel(part, **values), bridge=hb.Submodel("electrical.three_phase_bridge"))
+    m.add(top=hb.Zero(), low=hb.Zero(), zero=hb.Se(0), load=hb.R(5), i=hb.One())
+    m.add(drive=hb.Sf(100, domain="rotational"), w=hb.One(domain="rotational"))
+    m.bond("drive -> w -> m.shaft", "bridge.plus -> top -> i -> low -> bridge.minus")
+    m.bond("i -> load", "zero -> low", *(f"m.{p} -> bridge.{p}" for p in "abc"))
+    return hb.simulate(m, until="20 ms", rtol=1e-8)
+
+
+def test_diodes_open_phases_of_a_field_as_those_of_single_coils() -> None:
+    # one is coils in phases, the other a field at rest; HB-J111 with coils that turn, pmsm_park
+    one = rectified("electrical.synchronous_motor", L=2e-3)
+    two = rectified("electrical.pmsm", L_d=2e-3, L_q=2e-3)
+    for name in ("load.f", "m.torque", "m.current_a", "m.i_d"):
+        for t in (0.002, 0.0111, 0.02):
+            assert two[name].at(t) == pytest.approx(one[name].at(t), rel=1e-5, abs=1e-5), name
+    salient = rectified("electrical.pmsm")
+    assert salient.audit().energy < 1e-7
+    assert len([e for e in salient.events if e.cause == "guard"]) >= 12
+
+
+def test_a_machine_that_has_flux_feeds_a_bridge() -> None:
+    part = hb.library.part("electrical.induction_machine")
+    coils = part.elements["field_a"].value
+    part.elements["field_a"] = hb.I(coils, f=[0, 10])
+    run = rectified(part)
+    t = np.linspace(0, 0.02, 4001)
+    work, heat = run["load.e*load.f"].at(t), run["m.heat"].at(t)
+    shaft = -100 * run["m.torque"].at(t)
+    # what the shaft gives and the field loses is in the load and in the windings
+    stored = [
+        sum(
+            0.75 * (2e-3 * run[f"m.i_{x}"].at(t) ** 2 + 2e-3 * run[f"m.i_r_{x}"].at(t) ** 2)
+            + 0.75 * 69.3e-3 * (run[f"m.i_{x}"].at(t) + run[f"m.i_r_{x}"].at(t)) ** 2
+            for x in ("alpha", "beta")
+        )
+        for t in (1e-9, 0.02)
+    ]
+    given = simpson(shaft, dx=5e-6) + stored[0] - stored[1]
+    assert simpson(work + heat, dx=5e-6) == pytest.approx(given, rel=1e-4)

@@ -43,6 +43,15 @@ def on_the_grid(v_d: float, v_q: float, field: float) -> hb.Model:
     return m
 
 
+def begun(i_d: float, i_q: float, field: float) -> hb.Model:
+    """The part with currents that flow at the start, where its field faces winding a."""
+    part = hb.library.part("electrical.synchronous_machine")
+    stored = FLUX @ [i_d, i_q, field, 0, 0] * [1.5, 1.5, 1, 1.5, 1.5]
+    law = part.elements["field"].value
+    part.elements["field"] = hb.C(law, q=[*stored, 0], domain="rotational")
+    return part
+
+
 def test_its_windings_follow_five_linear_equations() -> None:
     volts = np.array([-120, 290, 30, 0, 0])
     inverse = np.linalg.inv(FLUX)
@@ -70,9 +79,7 @@ def test_its_power_is_that_of_two_reactions() -> None:
     emf = W * M * amperes
     v_d, v_q = volts * math.sin(load), volts * math.cos(load)
     i_d, i_q = (v_q - emf) / (W * L_D), -v_d / (W * L_Q)
-    part = hb.library.part("electrical.synchronous_machine")
-    part.elements["field_d"] = hb.I(part.elements["field_d"].value, f=[i_d, amperes, 0])
-    part.elements["field_q"] = hb.I(part.elements["field_q"].value, f=[i_q, 0])
+    part = begun(i_d, i_q, amperes)
     m = on_the_grid(v_d, v_q, R_F * amperes)
     m.elements["m"] = hb.Submodel(part, R=1e-12)
     run = hb.simulate(every_way(m, *JOINTS, "w - m.shaft")[1], until="20 ms", rtol=1e-8)
@@ -87,15 +94,17 @@ def test_its_power_is_that_of_two_reactions() -> None:
 
 def test_at_no_load_the_field_gives_the_voltage() -> None:
     m = hb.Model("no load", domain="electrical")
-    m.add(m=hb.Submodel("electrical.synchronous_machine"), hot=hb.Zero(), cold=hb.Zero())
+    m.add(m=hb.Submodel(begun(0, 0, 5)), hot=hb.Zero(), cold=hb.Zero())
     m.add(E=hb.Se(25), zero=hb.Se(0), drive=hb.Sf(W / 2, domain="rotational"))
     m.add(w=hb.One(domain="rotational"), star=hb.Zero())
     m.bond("E -> hot", "zero -> cold", "drive -> w", "cold -> star")
     for phase in "abc":
-        m.add(**{phase: hb.Zero(), f"r_{phase}": hb.Submodel("electrical.resistor", R=1e7)})
+        m.add(**{phase: hb.Zero(), f"r_{phase}": hb.Submodel("electrical.resistor", R=1e4)})
         m.bond(f"{phase} -> r_{phase}.plus", f"r_{phase}.minus -> star")
-    run = hb.simulate(every_way(m, *JOINTS, "w - m.shaft")[0], until="4 s", solver="radau")
-    t = 3.999 + np.arange(4) * 2.5e-4
+    run = hb.simulate(
+        every_way(m, *JOINTS, "w - m.shaft")[0], until="20 ms", rtol=1e-6, solver="radau"
+    )
+    t = np.array([0.003, 0.008, 0.0131, 0.02])
     emf = -W * M * 25 / R_F * np.sin(W * t)
-    assert run["r_a.voltage"].at(t) == pytest.approx(emf, abs=0.05)
-    assert run["m.i_f"].at(4) == pytest.approx(5, rel=1e-5)
+    assert run["r_a.voltage"].at(t) == pytest.approx(emf, abs=0.3)
+    assert run["m.i_f"].at(0.02) == pytest.approx(5, rel=1e-3)
