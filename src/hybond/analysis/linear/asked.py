@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hybond.errors import EquationError, UsageError
+from hybond.measures.naming import read_name
 from hybond.model.builder import Model
 from hybond.model.expressions import Expr, Name, Number, names
 from hybond.model.expressions.slots import PREFIX, Slots
@@ -14,7 +15,6 @@ from hybond.model.graph import FlatGraph, Node
 from hybond.model.kinds import SOURCES
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
-from hybond.result import read_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ from hybond.analysis.linear.windows import coefficients, left_over
 from hybond.analysis.linear.words import unit_over
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
+from hybond.measures.naming import read_name
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, compile_expression
 from hybond.model.graph import FlatGraph
@@ -30,7 +31,6 @@ from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.result import read_name
 from hybond.run_options import seconds_of
 from hybond.simulation import simulate
 from hybond.units import format_quantity, try_quantity
