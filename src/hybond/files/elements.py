@@ -25,8 +25,8 @@ _MEANT = {
 """What words mean that are no kinds."""
 
 
-def read_element(data: Any, place: Place) -> Part | SubmodelPart:
-    """Return the element that `data` describes.
+def read_element(data: Any, place: Place, *, array: bool = False) -> Part | SubmodelPart:
+    """Return the element that `data` describes; in an array a list has a value for each member.
 
     Raises
     ------
@@ -55,6 +55,8 @@ def read_element(data: Any, place: Place) -> Part | SubmodelPart:
             hint="junction = 0 or junction = 1",
         )
     check(data, ELEMENTS[kind], place)
+    if not array:
+        _check_single(data, kind, place)
     if kind == "submodel":
         return SubmodelPart(value, dict(data.get("parameters", {})), dict(data.get("inputs", {})))
     options = {key: option for key, option in data.items() if key != kind}
@@ -100,9 +102,25 @@ def _kind(data: dict[str, Any], place: Place) -> str:
     )
 
 
+def _check_single(data: dict[str, Any], kind: str, place: Place) -> None:
+    """Refuse lists of values where there are no members to have one each."""
+    given = {kind: data[kind]} if kind != "submodel" else {}
+    for key in ("parameters", "inputs"):
+        given |= data.get(key, {})
+    for key, value in given.items():
+        if isinstance(value, list) and not any(isinstance(row, list) for row in value):
+            raise (place / key).refuse(
+                f"{describe(value)}, where there is one element",
+                code="HB-F114",
+                hint='a list is for arrays: "cell[1..3]" = ...; a field takes [[a, b], [c, d]]',
+            )
+
+
 def _check_value(kind: str, value: Any, place: Place) -> None:
     if isinstance(value, list):
-        if not value or any(len(row) != len(value) for row in value):
+        if value and not any(isinstance(row, list) for row in value):
+            return  # of an array
+        if not all(isinstance(row, list) for row in value) or not value or any(len(row) != len(value) for row in value):
             raise place.refuse(
                 "the matrix of a field is square, with a row for each port",
                 code="HB-F114",

@@ -6,25 +6,26 @@ gives them, and follows ports. It does not know what a name in a law means; `res
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from numbers import Real
+from typing import Any
 
 from hybond.errors import HybondError, ModelError
-from hybond.model.builder import Model
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    names,
-    parse,
-    simplify,
-    substitute,
-    transform,
+from hybond.model.arrays import (
+    base_of,
+    is_array,
+    members,
+    no_member,
+    of_member,
+    one,
+    spread,
+    together,
 )
-from hybond.model.expressions.slots import Slots, plain
+from hybond.model.builder import Model
+from hybond.model.expressions import Number, names, parse
+from hybond.model.expressions.slots import Slots
 from hybond.model.misnamed import check_given, no_such_end, no_such_target
 from hybond.model.parts import (
     BlockPart,
@@ -36,6 +37,10 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.model.scope import Scope as Scope
+from hybond.model.scope import constant as constant
+from hybond.model.scope import literal as literal
+from hybond.model.scope import without_units as without_units
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
@@ -44,17 +49,8 @@ OPENED = 200_000
 """Elements of a model whose submodels are opened."""
 TOLD = 8
 """Parameters in a circle that a refusal names."""
-_END = re.compile(r"\w+(?:\.\w+)*\Z")
+_END = re.compile(r"\w+(?:\[\d+\])?(?:\.\w+(?:\[\d+\])?)*\Z")
 _BOND = re.compile(r"\s*(?:(?P<label>[A-Za-z_]\w*)\s*:)?(?P<chain>.+)\Z", re.DOTALL)
-
-
-@dataclass(slots=True)
-class Scope:
-    """One opened model: its dotted prefix and the values of its parameters."""
-
-    prefix: str
-    model: Model
-    parameters: dict[str, Number] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +59,8 @@ class Written:
 
     scope: Scope
     part: Part
+    member: bool = False
+    """Whether it is one member of an array."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +109,8 @@ class Opened:
     machines: dict[str, tuple[Scope, MachinePart]] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     ports: dict[str, str] = field(default_factory=dict)
+    arrays: dict[str, list[int]] = field(default_factory=dict)
+    """The indices of each array."""
     layout: dict[str, tuple[float, float]] = field(default_factory=dict)
     pins: list[WrittenPin] = field(default_factory=list)
     reference: dict[str, str] = field(default_factory=dict)
@@ -147,6 +147,14 @@ def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None
                 for port, target in opened.ports.items():
                     if target == end.path:
                         raise no_such_target(port, target, opened.nodes)
+                missing = no_member(end.path, opened.arrays)
+                if missing is not None:
+                    raise ModelError(
+                        f"the bond {bond.name!r} ends at {end.path!r}, but {missing[0]}",
+                        code="HB-M154",
+                        where=bond.where,
+                        hint=missing[1],
+                    )
                 raise no_such_end(bond.name, end.path, bond.where, opened.nodes, opened.ports)
     return opened
 
@@ -168,22 +176,22 @@ def _open(
             where=prefix,
             hint="a model cannot contain itself",
         )
-    opened.count += len(model.elements) if prefix else 0  # a loop in Python may write more
-    if opened.count > OPENED:
-        raise ModelError(
-            f"more than {OPENED} elements when all submodels are opened",
-            code="HB-F103",
-            where=prefix,
-            hint="simulate a part of the model",
-        )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
     scope.parameters = _parameters(model, prefix, given, overrides, slots)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
-    for name, part in model.elements.items():
+    for name, part, own in _each(model.elements, scope, "elements", opened):
         path = join(prefix, name)
+        opened.count += bool(prefix) or own is not scope  # a loop in Python may write more
+        if opened.count > OPENED:
+            raise ModelError(
+                f"more than {OPENED} elements when all submodels and arrays are opened",
+                code="HB-F103",
+                where=prefix,
+                hint="simulate a part of the model",
+            )
         if isinstance(part, Part):
-            opened.nodes[path] = Written(scope, part)
+            opened.nodes[path] = Written(own, part, own is not scope)
             continue
         inner = submodel_of(part, path, known)
         if any(inner is outer for outer in chain):
@@ -194,38 +202,87 @@ def _open(
                 hint="break the cycle",
             )
         check_given(part.parameters, "parameter", _known(inner), inner.name, path)
-        passed = {
-            k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
-        }
+        passed = {k: constant(v, own.parameters, join(path, k)) for k, v in part.parameters.items()}
         _open(inner, path, passed, opened, overrides, (*chain, inner), known, slots)
-        _connect(part, inner, path, scope, opened)
+        _connect(part, inner, path, own, opened)
         _put(path, model.layout.get(name), opened.layout)
-    for port, target in model.ports.items():
-        opened.ports[join(prefix, port)] = join(prefix, target)
-    for name, signal in model.signals.items():
+    for port, target, own in _each(model.ports, scope, "ports", opened):
+        path = join(prefix, port)
+        opened.ports[path] = join(prefix, one(target, own, path))
+    for name, signal, own in _each(model.signals, scope, "signals", opened):
         path = join(prefix, name)
         if isinstance(signal, Integral):
-            opened.integrals[path] = (scope, signal)
+            opened.integrals[path] = (own, signal)
         elif isinstance(signal, Sampled):
-            opened.integrals[path] = (scope, Integral("0", signal.start))
-            opened.sampled[path] = (scope, signal)
+            opened.integrals[path] = (own, Integral("0", signal.start))
+            opened.sampled[path] = (own, signal)
         else:
-            opened.signals[path] = (scope, signal)
+            opened.signals[path] = (own, signal)
     for name, block in model.blocks.items():
         path = join(prefix, name)
         opened.blocks[path] = (scope, block)
         for output, start in block.outputs.items():
             opened.integrals[join(path, output)] = (scope, Integral("0", start))
-    for name, given_input in model.inputs.items():
-        opened.inputs[join(prefix, name)] = (scope, given_input)
-    for name, machine in model.machines.items():
-        opened.machines[join(prefix, name)] = (scope, machine)
+    for name, given_input, own in _each(model.inputs, scope, "inputs", opened):
+        opened.inputs[join(prefix, name)] = (own, given_input)
+    for name, machine, own in _each(model.machines, scope, "machines", opened):
+        opened.machines[join(prefix, name)] = (own, _switching(machine, own, join(prefix, name)))
     for k, text in enumerate(model.bonds):
         opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
     for bond, at in model.pins.items():
+        where = join(prefix, "causality.pins")
+        bond, at = one(bond, scope, where), one(at, scope, where)
         opened.pins.append(WrittenPin(scope, bond, at, _end(at, scope, opened).path))
-    opened.reference.update({join(prefix, k): v for k, v in model.reference_states.items()})
+    for machine_name, state in model.reference_states.items():
+        for name in spread(machine_name, scope, join(prefix, "causality.reference")):
+            opened.reference[join(prefix, name)] = state
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
+
+
+def _each(
+    written: Mapping[str, Any], scope: Scope, section: str, opened: Opened
+) -> Iterator[tuple[str, Any, Scope]]:
+    """Yield what a section has by name, arrays member by member, each with the scope it reads."""
+    arrays: set[str] = set()
+    for key, part in written.items():
+        if not is_array(key):
+            yield key, part, scope
+            continue
+        where = join(scope.prefix, section, key) if section != "elements" else join(scope.prefix, key)
+        base = base_of(key)
+        model = scope.model
+        for group in (model.elements, model.signals, model.inputs, model.machines, model.blocks):
+            others = (k for k in group if k == base or (group is not written and base_of(k) == base))
+            if base not in arrays and next(others, None) is not None:
+                raise _twice(base, where)
+        if base in scope.parameters:
+            raise _twice(base, where)
+        arrays.add(base)
+        indices = opened.arrays.setdefault(join(scope.prefix, base), [])
+        seen = set(indices)
+        for member in members(key, scope, where):
+            index = int(member.name[len(base) + 1 : -1])
+            if index in seen:
+                raise _twice(member.name, where)
+            indices.append(index)
+            yield member.name, of_member(part, member, where), member.scope
+
+
+def _twice(name: str, where: str) -> ModelError:
+    return ModelError(
+        f"the name {name!r} is used twice", code="HB-M104", where=where, hint="rename one"
+    )
+
+
+def _switching(machine: MachinePart, scope: Scope, path: str) -> MachinePart:
+    """Return a machine with the junctions that it lists one by one."""
+    if not any("[" in name for on in machine.states.values() for name in on):
+        return machine
+    states = {
+        state: tuple(n for name in on for n in spread(name, scope, f"machines.{path}.states.{state}"))
+        for state, on in machine.states.items()
+    }
+    return replace(machine, states=states)
 
 
 def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:
@@ -358,75 +415,6 @@ def _is_bare(value: Value) -> bool:
     return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
-def literal(value: Value, where: str) -> Expr:
-    """Return a number, a quantity or an expression as a tree."""
-    if isinstance(value, bool) or not isinstance(value, Real | str):
-        raise ModelError(
-            f"{value!r} is not a number, a quantity or an expression",
-            code="HB-M110",
-            where=where,
-            hint='write 2.5, "10 mA" or "2*k"',
-        )
-    if isinstance(value, str):
-        quantity = try_quantity(value)
-        if quantity is None:
-            return parse(value, where=where)
-        bare = quantity.dimension == DIMENSIONLESS
-        number = Number(quantity.value, None if bare else quantity.dimension)
-    else:
-        number = Number(float(value))
-    if abs(number.value) == float("inf") or number.value != number.value:
-        raise ModelError(
-            f"{value!r} is not a finite number", code="HB-M110", where=where, hint="use a number"
-        )
-    return number
-
-
-def without_units(e: Expr) -> Expr:
-    """Return the tree with plain SI numbers: units have done their work once checked."""
-    return transform(e, lambda n: Number(n.value) if isinstance(n, Number) else n)
-
-
-def constant(
-    value: Value,
-    parameters: Mapping[str, Number],
-    where: str,
-    *,
-    known: Collection[str] | None = None,
-) -> Number:
-    """Return the value of an expression of parameters, in SI, with its dimension.
-
-    What is `known` by name, but has no value yet, may be meant by a name that is wrong.
-
-    Raises
-    ------
-    ModelError
-        HB-M107 for an unknown name, HB-M110 if the result is not a finite number.
-    """
-    from hybond.model.dimensions import infer_dimension
-
-    tree = literal(value, where)
-    if isinstance(tree, Number):
-        return tree
-    for name in sorted(names(tree)):
-        if name not in parameters:
-            raise ModelError(
-                f"{name!r} is not a parameter; a value here is made of parameters and numbers",
-                code="HB-M107",
-                where=where,
-                hint=did_you_mean(name, parameters if known is None else known)
-                or "write a number, or give the model such a parameter",
-            )
-    bound = substitute(tree, parameters)
-    dimension = infer_dimension(bound, lambda _: None, where=where)
-    folded = simplify(without_units(bound))
-    if not isinstance(folded, Number) or not math.isfinite(plain(folded.value)):
-        raise ModelError(
-            f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"
-        )
-    return Number(folded.value, dimension)
-
-
 def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
     match = _BOND.match(text) if isinstance(text, str) else None
     ends = [] if match is None else [e.strip() for e in match["chain"].split("->")]
@@ -438,6 +426,7 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
             hint='write "a -> b", "a -> b -> c" or "b3: a -> b"',
         )
     label = match["label"] or ""
+    rows = together(ends, scope, where)
     if label and len(ends) > 2:
         raise ModelError(
             f"a label names one bond, {text!r} is a chain",
@@ -445,7 +434,14 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
             where=where,
             hint="write the labelled bond on its own",
         )
-    for end in ends:
+    if label and len(rows) > 1:
+        raise ModelError(
+            f"a label names one bond, {text!r} is {len(rows)}",
+            code="HB-M109",
+            where=where,
+            hint="write the labelled bond on its own",
+        )
+    for end in rows[0] if rows else ():
         if not _END.match(end):
             arrows = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
             hint = 'write "a -> b", and names with letters, digits and _'
@@ -460,7 +456,7 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
                 hint=hint,
             )
     found = []
-    for a, b in pairwise(ends):
+    for a, b in (pair for row in rows for pair in pairwise(row)):
         name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
         tail, head = (_end(e, scope, opened) for e in (a, b))
         found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where))

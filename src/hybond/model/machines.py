@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from hybond.errors import ModelError
+from hybond.model.arrays import without_ranges
 from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children, parse
 from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
@@ -156,6 +157,8 @@ def _rule(
                 hint=did_you_mean(name, states),
             )
     tree = parse(match[3], where=where)
+    if "[" in match[3]:
+        tree = without_ranges(tree, scope, where)
     guard = resolver.resolve(tree, scope, where)
     if not is_condition(guard):
         raise ModelError(

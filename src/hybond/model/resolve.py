@@ -11,11 +11,13 @@ import re
 from collections.abc import Mapping, Sequence
 
 from hybond.errors import ExpressionError, ModelError
+from hybond.model.arrays import gathered, gathers, no_member, one
 from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
     And,
     Binary,
     Bool,
+    Call,
     Compare,
     Expr,
     If,
@@ -93,6 +95,8 @@ class Resolver:
                 return self._equality(e, scope, where)
             if isinstance(e, Name):
                 return local[e.path] if e.path in local else self.name(e.path, scope, where)
+            if isinstance(e, Call) and gathers(e):
+                return visit(gathered(e, scope, where))
             if isinstance(e, String):
                 raise ModelError(
                     f"the text {e.text!r} stands alone",
@@ -114,7 +118,7 @@ class Resolver:
         for a, b in ((e.left, e.right), (e.right, e.left)):
             if not isinstance(a, Name) or not a.path.endswith(".state"):
                 continue
-            path = join(scope.prefix, a.path.removesuffix(".state"))
+            path = join(scope.prefix, one(a.path, scope, where).removesuffix(".state"))
             if path not in self.machines:
                 continue
             index, states = self.machines[path]
@@ -156,6 +160,8 @@ class Resolver:
         """Return what one name means."""
         if text == "time":
             return Name("time")
+        if "[" in text:
+            text = self._member(text, scope, where)
         quoted = _QUOTED.match(text)
         if quoted:
             return self._bond_variable(quoted[1], quoted[2], scope, where)
@@ -172,6 +178,14 @@ class Resolver:
             return self.signal(path)
         found = self._of_a_node(path, where)
         if found is None:
+            missing = no_member(path, self.opened.arrays)
+            if missing is not None:
+                raise ModelError(
+                    f"{text!r} is not known here: {missing[0]}",
+                    code="HB-M154",
+                    where=where,
+                    hint=missing[1],
+                )
             raise ModelError(
                 f"{text!r} is not known here",
                 code="HB-M120",
@@ -179,6 +193,19 @@ class Resolver:
                 hint=did_you_mean(text, self.known(scope)),
             )
         return found
+
+    def _member(self, text: str, scope: Scope, where: str) -> str:
+        """Return a name with its indices as numbers; HB-M154 where there is no such array."""
+        base = join(scope.prefix, text.partition("[")[0])
+        if not text.startswith('"') and base not in self.opened.arrays:
+            why, hint = no_member(base + "[0]", self.opened.arrays) or ("", "")
+            raise ModelError(
+                f"{text!r} is not known here: {why}",
+                code="HB-M154",
+                where=where,
+                hint=f"{hint}; a unit stands after a number: 5 [m/s]",
+            )
+        return one(text, scope, where)
 
     def signal(self, path: str) -> Expr:
         """Return a named signal's tree, resolved once."""

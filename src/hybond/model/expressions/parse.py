@@ -11,6 +11,7 @@ from typing import NoReturn
 from hybond.errors import ExpressionError, UnitError
 from hybond.model.expressions.tree import (
     FUNCTIONS,
+    GATHER,
     And,
     Binary,
     Bool,
@@ -27,6 +28,7 @@ from hybond.model.expressions.tree import (
     String,
     children,
     depth,
+    names,
     uses_pre,
     walk,
 )
@@ -46,7 +48,7 @@ KEYWORDS = frozenset({"if", "then", "else", "and", "or", "not", "true", "false"}
 _TOKEN = re.compile(
     r"""\s*(?:
       (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:\s*(?P<unit>\[[^\[\]]*\]))?
-    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*)(?:\.\w+)*)
+    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*(?:\[[^\[\]]*\])?)(?:\.\w+(?:\[[^\[\]]*\])?)*)
     | "(?P<string>[^"\n]*)"
     | (?P<mark>\*\*|<=|>=|==|!=|[-+*/^()<>,%°])
     )""",
@@ -325,8 +327,8 @@ class _Parser:
     def named(self, token: _Token) -> Expr:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
-        if token.text != "pre" and token.text not in FUNCTIONS:
-            hint = did_you_mean(token.text, ["pre", *FUNCTIONS])
+        if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
+            hint = did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
         args: list[Expr] = []
@@ -336,6 +338,11 @@ class _Parser:
                 self.take()
                 args.append(self.expression(_IF))
         self.expect(")", opened=opened)
+        if token.text in (*GATHER, "min", "max") and any(".." in n for a in args for n in names(a)):
+            return Call(token.text, tuple(args))
+        if token.text in GATHER:
+            hint = f"write {token.text}(cell[1..10].q), with a range of members"
+            self.fail(f"{token.text} takes members of an array", token.at, code="HB-E104", hint=hint)
         least, most = FUNCTIONS.get(token.text, (1, 1))
         if not least <= len(args) <= most:
             needs = str(least) if least == most else f"{least} to {most}"
