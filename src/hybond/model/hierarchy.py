@@ -8,24 +8,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 from hybond.errors import HybondError, ModelError
-from hybond.model.arrays import (
-    base_of,
-    is_array,
-    members,
-    no_member,
-    of_member,
-    one,
-    spread,
-    together,
-)
+from hybond.model.arrays import each, switching
 from hybond.model.builder import Model
 from hybond.model.expressions import Number, names, parse
 from hybond.model.expressions.slots import Slots
+from hybond.model.indices import no_member, one, spread, together
 from hybond.model.misnamed import check_given, no_such_end, no_such_target
 from hybond.model.parts import (
     BlockPart,
@@ -180,7 +171,7 @@ def _open(
     scope = Scope(prefix, model)
     scope.parameters = _parameters(model, prefix, given, overrides, slots)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
-    for name, part, own in _each(model.elements, scope, "elements", opened):
+    for name, part, own in each(model.elements, scope, "elements", opened.arrays):
         path = join(prefix, name)
         opened.count += bool(prefix) or own is not scope  # a loop in Python may write more
         if opened.count > OPENED:
@@ -206,10 +197,10 @@ def _open(
         _open(inner, path, passed, opened, overrides, (*chain, inner), known, slots)
         _connect(part, inner, path, own, opened)
         _put(path, model.layout.get(name), opened.layout)
-    for port, target, own in _each(model.ports, scope, "ports", opened):
+    for port, target, own in each(model.ports, scope, "ports", opened.arrays):
         path = join(prefix, port)
         opened.ports[path] = join(prefix, one(target, own, path))
-    for name, signal, own in _each(model.signals, scope, "signals", opened):
+    for name, signal, own in each(model.signals, scope, "signals", opened.arrays):
         path = join(prefix, name)
         if isinstance(signal, Integral):
             opened.integrals[path] = (own, signal)
@@ -223,10 +214,13 @@ def _open(
         opened.blocks[path] = (scope, block)
         for output, start in block.outputs.items():
             opened.integrals[join(path, output)] = (scope, Integral("0", start))
-    for name, given_input, own in _each(model.inputs, scope, "inputs", opened):
+    for name, given_input, own in each(model.inputs, scope, "inputs", opened.arrays):
         opened.inputs[join(prefix, name)] = (own, given_input)
-    for name, machine, own in _each(model.machines, scope, "machines", opened):
-        opened.machines[join(prefix, name)] = (own, _switching(machine, own, join(prefix, name)))
+    for name, machine, own in each(model.machines, scope, "machines", opened.arrays):
+        opened.machines[join(prefix, name)] = (
+            own,
+            switching(machine, own, f"machines.{join(prefix, name)}"),
+        )
     for k, text in enumerate(model.bonds):
         opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
     for bond, at in model.pins.items():
@@ -237,52 +231,6 @@ def _open(
         for name in spread(machine_name, scope, join(prefix, "causality.reference")):
             opened.reference[join(prefix, name)] = state
     opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
-
-
-def _each(
-    written: Mapping[str, Any], scope: Scope, section: str, opened: Opened
-) -> Iterator[tuple[str, Any, Scope]]:
-    """Yield what a section has by name, arrays member by member, each with the scope it reads."""
-    arrays: set[str] = set()
-    for key, part in written.items():
-        if not is_array(key):
-            yield key, part, scope
-            continue
-        where = join(scope.prefix, section, key) if section != "elements" else join(scope.prefix, key)
-        base = base_of(key)
-        model = scope.model
-        for group in (model.elements, model.signals, model.inputs, model.machines, model.blocks):
-            others = (k for k in group if k == base or (group is not written and base_of(k) == base))
-            if base not in arrays and next(others, None) is not None:
-                raise _twice(base, where)
-        if base in scope.parameters:
-            raise _twice(base, where)
-        arrays.add(base)
-        indices = opened.arrays.setdefault(join(scope.prefix, base), [])
-        seen = set(indices)
-        for member in members(key, scope, where):
-            index = int(member.name[len(base) + 1 : -1])
-            if index in seen:
-                raise _twice(member.name, where)
-            indices.append(index)
-            yield member.name, of_member(part, member, where), member.scope
-
-
-def _twice(name: str, where: str) -> ModelError:
-    return ModelError(
-        f"the name {name!r} is used twice", code="HB-M104", where=where, hint="rename one"
-    )
-
-
-def _switching(machine: MachinePart, scope: Scope, path: str) -> MachinePart:
-    """Return a machine with the junctions that it lists one by one."""
-    if not any("[" in name for on in machine.states.values() for name in on):
-        return machine
-    states = {
-        state: tuple(n for name in on for n in spread(name, scope, f"machines.{path}.states.{state}"))
-        for state, on in machine.states.items()
-    }
-    return replace(machine, states=states)
 
 
 def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from hybond.errors import ModelError
-from hybond.model.arrays import without_ranges
 from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children, parse
 from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
 from hybond.model.hierarchy import Opened, Scope
+from hybond.model.indices import without_ranges
 from hybond.model.junction_laws import law_of_junction
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import paired, pairs_of

@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping, Sequence
 
 from hybond.errors import ExpressionError, ModelError
-from hybond.model.arrays import gathered, gathers, no_member, one
 from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
     And,
@@ -39,6 +38,7 @@ from hybond.model.expressions.parse import MAX_NESTING
 from hybond.model.expressions.tree import extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
+from hybond.model.indices import gathered, gathers, no_member, of_an_array, one
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
 
@@ -161,7 +161,7 @@ class Resolver:
         if text == "time":
             return Name("time")
         if "[" in text:
-            text = self._member(text, scope, where)
+            text = of_an_array(text, scope, where, self.opened.arrays)
         quoted = _QUOTED.match(text)
         if quoted:
             return self._bond_variable(quoted[1], quoted[2], scope, where)
@@ -193,19 +193,6 @@ class Resolver:
                 hint=did_you_mean(text, self.known(scope)),
             )
         return found
-
-    def _member(self, text: str, scope: Scope, where: str) -> str:
-        """Return a name with its indices as numbers; HB-M154 where there is no such array."""
-        base = join(scope.prefix, text.partition("[")[0])
-        if not text.startswith('"') and base not in self.opened.arrays:
-            why, hint = no_member(base + "[0]", self.opened.arrays) or ("", "")
-            raise ModelError(
-                f"{text!r} is not known here: {why}",
-                code="HB-M154",
-                where=where,
-                hint=f"{hint}; a unit stands after a number: 5 [m/s]",
-            )
-        return one(text, scope, where)
 
     def signal(self, path: str) -> Expr:
         """Return a named signal's tree, resolved once."""
