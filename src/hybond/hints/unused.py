@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from hybond.hints.uses import texts_of, used_in
+from hybond.model.arrays import base_of
 from hybond.model.builder import Model
 from hybond.model.checked import Hint
 from hybond.names import join
@@ -26,7 +27,7 @@ def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
                 "use it, or take it out",
             )
     for name in model.inputs:
-        if name not in used and not _read_outside(name, outer):
+        if base_of(name) not in used and not _read_outside(name, outer):
             yield Hint(
                 "HB-H108",
                 _where("inputs", prefix, name),
@@ -35,7 +36,7 @@ def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
             )
     listed = {str(n) for key in ("plot", "outputs") for n in model.experiment.get(key, ())}
     for name in model.signals if listed and not prefix else ():
-        if name not in used:
+        if base_of(name) not in used:
             yield Hint(
                 "HB-H108",
                 _where("signals", prefix, name),

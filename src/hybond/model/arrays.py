@@ -8,14 +8,16 @@ bond, each end that has a range takes its next member.
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from hybond.errors import ModelError
+from hybond.model.builder import Model
 from hybond.model.expressions import Number
-from hybond.model.indices import one, span, spread
+from hybond.model.indices import INSIDE, one, span, spread
 from hybond.model.parts import MachinePart, Part, SubmodelPart
 from hybond.model.scope import Scope
 from hybond.names import join
@@ -126,7 +128,7 @@ def members(key: str, scope: Scope, where: str) -> Iterator[Member]:
                 hint=f'call the index otherwise: "{name}[k = {first}..{last}]"',
             )
     for place, k in enumerate(indices := span(f"{first}..{last}", scope, where)):
-        own = Scope(scope.prefix, model, {**scope.parameters, index: Number(float(k))})
+        own = Scope(scope.prefix, model, {**scope.parameters, index: Number(float(k))}, index)
         yield Member(f"{name}[{k}]", own, place, len(indices))
 
 
@@ -239,3 +241,96 @@ def switching(machine: MachinePart, scope: Scope, where: str) -> MachinePart:
         for state, on in machine.states.items()
     }
     return replace(machine, states=states)
+
+
+def index_texts(model: Model) -> Iterator[str]:
+    """Yield the expressions by which arrays and ranges of a model are counted.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model()
+    >>> m.add({"c[1..n]": hb.C("1 mF")})
+    >>> m.bond("c[1..n-1] -> c[2..n]")
+    >>> list(index_texts(m))
+    ['1', 'n', '1', 'n-1', '2', 'n']
+    """
+    for section in (model.elements, model.signals, model.inputs, model.machines, model.ports):
+        for key in section:
+            found = parts_of(key) if is_array(key) else None
+            if found is not None:
+                yield from found[2:]
+    for text in model.bonds:
+        for inside in INSIDE.findall(text) if "[" in text else ():
+            yield from inside.split("..")
+    for machine in model.machines.values():
+        for inside in (i for on in machine.states.values() for n in on for i in INSIDE.findall(n)):
+            yield from inside.split("..")
+
+
+def with_member_apart(model: Model, name: str) -> Model:
+    """Return a copy of a model in which one member of an array stands on its own.
+
+    Arrays are cut in three, ``c[1..3-1]``, ``c[3]``, ``c[3+1..n]``: what is said of the member can
+    then be changed. The same model comes back if it has no such array, or not with that member.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model()
+    >>> m.add({"c[1..n]": hb.C("1 mF")})
+    >>> list(with_member_apart(m, "c[3]").elements)
+    ['c[1..3-1]', 'c[3]', 'c[3+1..n]']
+    """
+    base, k = base_of(name), name.partition("[")[2].rstrip("]")
+    for section in ("elements", "signals", "inputs", "machines"):
+        group = getattr(model, section)
+        for key in group:
+            found = parts_of(key) if base_of(key) == base else None
+            pieces = _cut(found, k, group[key]) if found is not None else {}
+            if pieces:
+                new = copy.copy(model)
+                changed: dict[str, Any] = {}
+                for other, part in group.items():
+                    changed.update(pieces if other == key else {other: part})
+                setattr(new, section, changed)
+                return new
+    return model
+
+
+def _cut(key: tuple[str, str, str, str], k: str, part: Any) -> dict[str, Any]:
+    """Return an array in pieces around one member, nothing if it has no such member."""
+    name, index, first, last = key
+    known = all(text.isdecimal() for text in (first, last))
+    if not k.isdecimal() or (known and not int(first) <= int(k) <= int(last)):
+        return {}
+    ranges = (f"{first}..{k}-1", k, f"{k}+1..{last}")
+    start = int(first) if first.isdecimal() else 0
+    cuts: tuple[slice | int, ...] = (
+        slice(0, int(k) - start),
+        int(k) - start,
+        slice(int(k) - start + 1, None),
+    )
+    other = "" if index == INDEX else f"{index} = "
+    own = f"{name}[{other}{k}]" if other else f"{name}[{k}]"
+    keys = (f"{name}[{other}{ranges[0]}]", own, f"{name}[{other}{ranges[2]}]")
+    return {key: _piece(part, cut) for key, cut in zip(keys, cuts)}
+
+
+def _piece(part: Any, cut: slice | int) -> Any:
+    """Return what is said of some of the members, where lists give each a value."""
+
+    def own(value: Any) -> Any:
+        if isinstance(value, list | tuple) and not _is_matrix(value):
+            return value[cut] if isinstance(cut, slice) else [value[cut]]
+        return value
+
+    if isinstance(part, SubmodelPart):
+        given = {k: own(v) for k, v in part.parameters.items()}
+        inputs = {k: own(v) for k, v in part.inputs.items()}
+        return replace(part, parameters=given, inputs=inputs)
+    if isinstance(part, Part):
+        field = _is_matrix(part.value) or _gives_list(part.value)
+        options = {k: v if field else own(v) for k, v in part.options.items()}
+        return replace(part, value=own(part.value), options=options)
+    return part

@@ -13,7 +13,7 @@ from dataclasses import replace
 from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
-from hybond.model.expressions import parse
+from hybond.model.expressions import names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
@@ -33,7 +33,7 @@ from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean
 from hybond.uncollected import uncollected
-from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit
+from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 
@@ -219,11 +219,27 @@ def _label(raw: RawNode) -> str:
 
 
 def _shown(raw: RawNode) -> tuple[float, Dimension] | None:
-    """Return the value of the parameter that an element of a submodel has: ``R`` says little."""
-    if raw.written is None or not raw.written.scope.prefix:
+    """Return the value of the parameter that an element of a submodel has: ``R`` says little.
+
+    So does what an array says of all its members, ``(1 + 0.1*i) [mF]``.
+    """
+    if raw.written is None:
         return None
-    number = raw.written.scope.parameters.get(_label(raw))
+    scope, label = raw.written.scope, _label(raw)
+    number = scope.parameters.get(label) if scope.prefix else None
+    if scope.index and label and try_quantity(label) is None and scope.index in _names(label):
+        try:
+            number = constant(label, scope.parameters, raw.path)
+        except HybondError:
+            number = None  # it reads signals
     return None if number is None else (number.value, number.dimension or DIMENSIONLESS)
+
+
+def _names(text: str) -> set[str]:
+    try:
+        return names(parse(text))
+    except HybondError:
+        return set()
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

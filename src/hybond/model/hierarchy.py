@@ -50,8 +50,6 @@ class Written:
 
     scope: Scope
     part: Part
-    member: bool = False
-    """Whether it is one member of an array."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +180,7 @@ def _open(
                 hint="simulate a part of the model",
             )
         if isinstance(part, Part):
-            opened.nodes[path] = Written(own, part, own is not scope)
+            opened.nodes[path] = Written(own, part)
             continue
         inner = submodel_of(part, path, known)
         if any(inner is outer for outer in chain):

@@ -26,13 +26,14 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import settled
 from hybond.model.expressions.tree import GATHER, MOST_ARGUMENTS
 from hybond.model.scope import Scope, constant
-from hybond.names import did_you_mean, join
+from hybond.names import did_you_mean, join, steps
 from hybond.units import DIMENSIONLESS
 
 MEMBERS = 10_000
 """Members of one array, and bonds of one text."""
 COUNTED = "how many members an array has is part of what the model is made of"
-_INSIDE = re.compile(r"(?<=\w)\[([^\[\]]*)\]")
+INSIDE = re.compile(r"(?<=\w)\[([^\[\]]*)\]")
+"""What stands in the brackets behind a name."""
 
 
 def whole(text: str, scope: Scope, where: str) -> int:
@@ -156,7 +157,7 @@ def together(ends: Sequence[str], scope: Scope, where: str) -> list[list[str]]:
     if not any("[" in end for end in ends):
         return [list(ends)]
     found: dict[str, range] = {}
-    for inside in (i for end in ends for i in _INSIDE.findall(end)):
+    for inside in (i for end in ends for i in INSIDE.findall(end)):
         found[inside] = span(inside, scope, where)
     ranges = {inside: r for inside, r in found.items() if ".." in inside}
     lengths = {len(r) for r in ranges.values()}
@@ -173,7 +174,7 @@ def together(ends: Sequence[str], scope: Scope, where: str) -> list[list[str]]:
         return lambda m: f"[{found[m[1]][k if '..' in m[1] else 0]}]"
 
     count = lengths.pop() if lengths else 1
-    return [[_INSIDE.sub(at(k), end) for end in ends] for k in range(count)]
+    return [[INSIDE.sub(at(k), end) for end in ends] for k in range(count)]
 
 
 def gathered(e: Call, scope: Scope, where: str) -> Expr:
@@ -253,10 +254,10 @@ def no_member(path: str, arrays: Mapping[str, Iterable[int]]) -> tuple[str, str]
     >>> no_member("cell.q", {"cell": [1, 2, 3]})
     ("'cell' is an array", 'write which member: cell[1]')
     """
-    steps = re.split(r"\.(?![^\[]*\])", path)
-    for k, step in enumerate(steps):
+    parts = steps(path)
+    for k, step in enumerate(parts):
         name, bracket, inside = step.partition("[")
-        base = join(*steps[:k], name)
+        base = join(*parts[:k], name)
         known = sorted(arrays[base]) if base in arrays else []
         if base in arrays and not bracket:
             return f"{base!r} is an array", f"write which member: {base}[{min(known, default=1)}]"

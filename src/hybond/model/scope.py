@@ -31,6 +31,8 @@ class Scope:
     prefix: str
     model: Model
     parameters: dict[str, Number] = field(default_factory=dict)
+    index: str = ""
+    """Which of the parameters is the index of the array that this is said of; none if empty."""
 
 
 def literal(value: Value, where: str) -> Expr:
