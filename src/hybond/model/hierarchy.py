@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from hybond.errors import HybondError, ModelError
-from hybond.model.arrays import each, switching
+from hybond.model.array_places import places_of
+from hybond.model.arrays import base_of, each, switching
 from hybond.model.builder import Model
 from hybond.model.expressions import Number, names, parse
 from hybond.model.expressions.slots import Slots
@@ -167,8 +168,9 @@ def _open(
         )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
-    scope.parameters = _parameters(model, prefix, given, overrides, slots)
+    scope.parameters = parameters_of(model, prefix, given, overrides, slots)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
+    places = places_of(model.layout, scope, lambda name: width_of(model, name, known))
     for name, part, own in each(model.elements, scope, "elements", opened.arrays):
         path = join(prefix, name)
         opened.count += bool(prefix) or own is not scope  # a loop in Python may write more
@@ -194,7 +196,7 @@ def _open(
         passed = {k: constant(v, own.parameters, join(path, k)) for k, v in part.parameters.items()}
         _open(inner, path, passed, opened, overrides, (*chain, inner), known, slots)
         _connect(part, inner, path, own, opened)
-        _put(path, model.layout.get(name), opened.layout)
+        _put(path, places.get(name), opened.layout)
     for port, target, own in each(model.ports, scope, "ports", opened.arrays):
         path = join(prefix, port)
         opened.ports[path] = join(prefix, one(target, own, path))
@@ -228,7 +230,7 @@ def _open(
     for machine_name, state in model.reference_states.items():
         for name in spread(machine_name, scope, join(prefix, "causality.reference")):
             opened.reference[join(prefix, name)] = state
-    opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
+    opened.layout.update({join(prefix, k): v for k, v in places.items()})
 
 
 def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:
@@ -276,13 +278,26 @@ def submodel_of(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Mo
     return ready
 
 
-def _parameters(
+def width_of(model: Model, name: str, known: Mapping[str, Model]) -> float:
+    """Return how many cells a member of an array is wide when it is drawn."""
+    for key, part in model.elements.items():
+        if base_of(key) == name and isinstance(part, SubmodelPart):
+            across = [x for x, _ in submodel_of(part, key, known).layout.values()]
+            return max(across, default=0.0) - min(across, default=0.0)
+    return 0.0
+
+
+def parameters_of(
     model: Model,
     prefix: str,
     given: Mapping[str, Number],
     overrides: dict[str, Value],
     slots: Slots | None,
 ) -> dict[str, Number]:
+    """Return the values of the parameters of a model, those that are `given` as they are.
+
+    What is used of `overrides` is taken out of it.
+    """
     values: dict[str, Number] = dict(given)
     written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
     for name in model.parameters:
@@ -295,7 +310,7 @@ def _parameters(
     if bare:
         # a number without a unit is in SI, and of what the model's own value is made of
         try:
-            own = _parameters(model, prefix, {}, {}, None)
+            own = parameters_of(model, prefix, {}, {}, None)
         except HybondError:
             own = {}  # what the model says itself has no value, and need not have one
         for name in bare:
@@ -361,7 +376,14 @@ def _is_bare(value: Value) -> bool:
     return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
-def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
+def bond_ends(text: str, scope: Scope, where: str) -> tuple[str, list[list[str]]]:
+    """Return the label of a text of bonds and its ends, chain by chain, ranges run together.
+
+    Raises
+    ------
+    ModelError
+        HB-M109 for what is no bond, HB-M152 and HB-M153 for ranges.
+    """
     match = _BOND.match(text) if isinstance(text, str) else None
     ends = [] if match is None else [e.strip() for e in match["chain"].split("->")]
     if match is None or len(ends) < 2 or not all(ends):
@@ -373,16 +395,10 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
         )
     label = match["label"] or ""
     rows = together(ends, scope, where)
-    if label and len(ends) > 2:
+    if label and (len(ends) > 2 or len(rows) > 1):
+        what = "a chain" if len(ends) > 2 else f"{len(rows)} bonds"
         raise ModelError(
-            f"a label names one bond, {text!r} is a chain",
-            code="HB-M109",
-            where=where,
-            hint="write the labelled bond on its own",
-        )
-    if label and len(rows) > 1:
-        raise ModelError(
-            f"a label names one bond, {text!r} is {len(rows)}",
+            f"a label names one bond, {text!r} is {what}",
             code="HB-M109",
             where=where,
             hint="write the labelled bond on its own",
@@ -401,6 +417,11 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
                 where=where,
                 hint=hint,
             )
+    return label, rows
+
+
+def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
+    label, rows = bond_ends(text, scope, where)
     found = []
     for a, b in (pair for row in rows for pair in pairwise(row)):
         name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
