@@ -1,4 +1,4 @@
-// node_modules/preact/dist/preact.mjs
+// ../../../main/studio-ui/node_modules/preact/dist/preact.mjs
 var e, t, n, r, i, a, o, s, c, l, u = Symbol.for("pv"), d = {}, f = [], p = /^m(i|n|o|s|text|space)$/, m = Array.isArray, h = f.slice, g = Object.assign;
 function _(e) {
 	e && e.parentNode && e.remove();
@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ie(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, j(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,12 +61,12 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ie(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = ee(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
 	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, v = 0, b = 0, S = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = A(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = j(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
 	if (b) {
 		for (d = [], f = [], a = 0; a < i; a++) if ((o = S[a]) && 16 & o.__u) {
 			for (v = 0, p = d.length; v < p;) d[h = v + p >> 1] < o.__i ? v = h + 1 : p = h;
@@ -74,21 +74,21 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), se(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
 	return r;
 }
-function ee(e, t, n, r) {
+function A(e, t, n, r) {
 	var i, a, o, s;
 	if (typeof e.type == "function") {
 		if (e.props.__P) return t;
-		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = ee(i[a], t, n, !1));
+		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = A(i[a], t, n, !1));
 		return t;
 	}
 	for (t && !t.parentNode && (t = C(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function A(e, t, n, r) {
+function j(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -97,18 +97,18 @@ function A(e, t, n, r) {
 	}
 	return -1;
 }
-function te(e, t, n) {
+function ee(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function ne(e, t, n, r, i) {
+function te(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || te(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || te(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = re(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function ne(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function re(t) {
+function ne(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,58 +129,58 @@ function re(t) {
 		}
 	};
 }
-function ie(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, ee, A, te, ne, re, ie, j, N, F = n.type;
+function re(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ae(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof F == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, ee) : (n.__c = y = new S(E, ee), y.constructor = F, y.render = P), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
+			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), D && y.componentDidUpdate && y.__h.push(function() {
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, te = D ? 25 : 0;
+			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
-				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++te < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ne = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && se(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ne) ? ne : [ne], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++ee < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && oe(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(j = o.indexOf(c || void 0)) || (j = o.length); (N = o[j - 1]) && N.nodeType == 8;) j--;
-						for (; j < o.length; j++) if (N = o[j]) {
-							if (o[j] = null, re) {
-								if (N == ie) break;
+						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
+						for (; M < o.length; M++) if (P = o[M]) {
+							if (o[M] = null, ne) {
+								if (P == re) break;
 							} else {
-								if (N.nodeType != 8) break;
-								N.data.startsWith("$s") && (ie = ae(re = N));
+								if (P.nodeType != 8) break;
+								P.data.startsWith("$s") && (re = ie(ne = P));
 							}
 						}
 					}
-					if (!re) {
+					if (!ne) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						re = c;
+						ne = c;
 					}
-					(p = ae(re = n.__c.__z || (n.__c.__z = re))) ? (n.__e = re, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || oe(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function ae(e, t) {
+function ie(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function ae(e, t) {
 		t && t.push(e);
 	}
 }
-function oe(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(oe));
+function ae(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
 }
-function j(t, n, r) {
-	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
+function M(t, n, r) {
+	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function j(t, n, r) {
 		}
 	});
 }
-function M(t, n, r, i, a, o, s, c, l, u) {
+function N(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function M(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ne(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ne(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ne(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ne(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function N(t, n, r, i) {
+function P(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function se(t, n, r) {
+function oe(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function se(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && se(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = ae(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function P(e, t, n) {
+function F(e, t, n) {
 	return this.constructor(e, n);
 }
-function F(t, n) {
+function I(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ie(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), j(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,7 +270,7 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var ce = 5.5, le = 35 * Math.PI / 180;
+var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
 function ue(e, t) {
 	return {
 		x0: e.x0 - t,
@@ -353,10 +353,10 @@ function be(e, t) {
 	}
 	return n;
 }
-// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// ../../../main/studio-ui/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var xe = Symbol.for("pv"), Se = 0;
 Array.isArray;
-function I(t, n, r, i, a, o) {
+function L(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -378,19 +378,19 @@ function I(t, n, r, i, a, o) {
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var L = [100, 84];
-function R(e, t) {
-	return [e * L[0], t * L[1]];
+var R = [100, 84];
+function Ce(e, t) {
+	return [e * R[0], t * R[1]];
 }
-var Ce = 18;
-function we(e, t) {
+var we = 18;
+function Te(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Te(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
+function Ee(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * we / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +399,8 @@ function Te(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Ee(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Te(e, t), o = /* @__PURE__ */ new Map(), s = {
+function De(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Ee(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +408,16 @@ function Ee(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ce]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * we]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function De(e, t, n, r = "") {
+function Oe(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Te(e, r);
+		let { half: t, top: i, bottom: a } = Ee(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -427,9 +427,9 @@ function De(e, t, n, r = "") {
 	}
 	return ye(e.letters, t, n);
 }
-function Oe(e, t, n, r, i = "") {
+function ke(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), a = Ee(e, i).get(n);
+		let n = t.slice(se(t).length + 1), a = De(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +440,15 @@ function Oe(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, De(e, n, r, i)];
+	return [r, Oe(e, n, r, i)];
 }
-var ke = ([[e, t], [n, r]]) => ({
+var Ae = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Ae(e, t) {
+function je(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +460,66 @@ function Ae(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function je(e, t) {
+function Me(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Me = class extends S {
+var Ne = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Me(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ I("g", {
+		let [t, n] = ke(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = ke(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ L("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ L("line", {
 					class: "reach",
-					...ke([a.tail, a.head])
+					...Ae([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ I("line", {
+				e.flow !== 0 && /* @__PURE__ */ L("line", {
 					class: "power",
-					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Ae(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line",
-					...ke([a.tail, a.head])
+					...Ae([a.tail, a.head])
 				}),
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line barb",
-					...ke(a.barb)
+					...Ae(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ I("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(me(a, e))
+					...Ae(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ I("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(me(a, e))
+					...Ae(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ I("path", {
+				o?.conflict && /* @__PURE__ */ L("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("text", {
+				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
 					class: "value",
-					...Ae(a, 1),
+					...je(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ I("text", {
+				}), /* @__PURE__ */ L("text", {
 					class: "value",
-					...Ae(a, -1),
+					...je(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Ne(e, t, n) {
+function Pe(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +534,7 @@ function Ne(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Pe(e, t, n) {
+function Fe(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +566,12 @@ function Pe(e, t, n) {
 		anchor: "start"
 	};
 }
-var Fe = class extends S {
+var Ie = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Me(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = De(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Oe(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +592,14 @@ var Fe = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Pe(e, i, s.length), l = ve * 19 / 2, u = Te(t, e.ports);
-		return /* @__PURE__ */ I("g", {
+		], c = Fe(e, i, s.length), l = ve * 19 / 2, u = Ee(t, e.ports);
+		return /* @__PURE__ */ L("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ I(x, { children: [
-					/* @__PURE__ */ I("rect", {
+				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Fe = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ I("text", {
+					/* @__PURE__ */ L("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ I("g", {
+					[...De(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ I("circle", {
+							/* @__PURE__ */ L("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ I("circle", {
+							/* @__PURE__ */ L("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ I("text", {
-								...Ne(e.ports[a], r, i),
+							/* @__PURE__ */ L("text", {
+								...Pe(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ I(x, { children: [
-					/* @__PURE__ */ I("rect", {
+				] }) : /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ I("rect", {
+					r && /* @__PURE__ */ L("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Fe = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ I("text", {
+					/* @__PURE__ */ L("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ I("text", {
+					r && /* @__PURE__ */ L("text", {
 						class: "subscript",
 						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ I("text", {
+				s.map((e, t) => /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ I("g", {
+				e.selected && /* @__PURE__ */ L("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ I("circle", {
+						/* @__PURE__ */ L("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ I("circle", {
+						/* @__PURE__ */ L("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ I("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -694,22 +694,22 @@ var Fe = class extends S {
 	}
 };
 // src/sharing.ts
-function Ie(e, t) {
+function Le(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Ie(n[e], r[e]);
+		let t = Le(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/transport.ts
-var Le = class extends Error {
+var Re = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Re = class {
+}, ze = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +745,10 @@ var Le = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Le(e.error)) : t.done(e);
+			e.error ? t.failed(new Re(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, ze = {
+}, Be = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -780,9 +780,9 @@ var Le = class extends Error {
 		side: 340,
 		low: 0
 	}
-}, Be = class {
+}, Ve = class {
 	transport;
-	state = ze;
+	state = Be;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -823,7 +823,7 @@ var Le = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Le ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Re ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -831,7 +831,7 @@ var Le = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Ie(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Le(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -1052,7 +1052,7 @@ var Le = class extends Error {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Ie(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Le(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1068,13 +1068,13 @@ var Le = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function Ve(e, t = 4) {
+function He(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var He = [
+var Ue = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1086,18 +1086,18 @@ var He = [
 ];
 function z(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
-	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${He(e)} ${t}`.trim();
+	let [n, r] = Ue.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ue[Ue.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/overlays.tsx
-function Ue({ store: e, state: t }) {
+function We({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
@@ -1110,14 +1110,14 @@ function Ue({ store: e, state: t }) {
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ I("b", { children: i.kind }),
+			/* @__PURE__ */ L("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ I("small", { children: [
+			/* @__PURE__ */ L("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1126,7 +1126,7 @@ function Ue({ store: e, state: t }) {
 		]
 	});
 }
-function We(e, t, [n, r]) {
+function Ge(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1136,31 +1136,31 @@ function We(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ge({ state: e, sight: t, size: n }) {
+function Ke({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / L[0],
-		y: -t.y / t.k / L[1]
+		x: -t.x / t.k / R[0],
+		y: -t.y / t.k / R[1]
 	};
-	return /* @__PURE__ */ I("svg", {
+	return /* @__PURE__ */ L("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ I("circle", {
+		children: [r.map((e) => /* @__PURE__ */ L("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ I("rect", {
+		})), /* @__PURE__ */ L("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / L[0],
-			height: n[1] / t.k / L[1]
+			width: n[0] / t.k / R[0],
+			height: n[1] / t.k / R[1]
 		})]
 	});
 }
 // src/canvas.tsx
-var Ke = class extends S {
+var qe = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1217,12 +1217,12 @@ var Ke = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = R(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Ce(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = R(i[0].x, i[0].y);
+				let [e, t] = Ce(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1249,7 +1249,7 @@ var Ke = class extends S {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * L[0]), i = e.map((e) => e.y * L[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1288,7 +1288,7 @@ var Ke = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && e.split(".")[0] !== t) return e;
+			if (e && se(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1424,7 +1424,7 @@ var Ke = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, t.from.split(".")[0]);
+					let n = this.under(e, se(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1448,7 +1448,7 @@ var Ke = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / L[0], r = e.y + n[1] / L[1];
+						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1457,13 +1457,13 @@ var Ke = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = R(t.x, t.y);
+						let [r, i] = Ce(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Je(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, se(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...Ye(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1491,15 +1491,15 @@ var Ke = class extends S {
 		} });
 	}
 	centreOf(e, t, n, r) {
-		let i = e.split(".")[0];
-		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		let i = se(e);
+		return ke(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ye[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Xe[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1510,7 +1510,7 @@ var Ke = class extends S {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? We(r, a, o) : e;
+			let n = a ? Ge(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1542,7 +1542,7 @@ var Ke = class extends S {
 		else if (e.key === "a" && i) t.set({ nodes: new Set(r.map((e) => e.name)) });
 		else if (e.key === "d" && i) t.duplicate();
 		else if (e.key === "Delete" || e.key === "Backspace") t.remove();
-		else if (e.key === "PageUp" && n.level) t.open(n.level.split(".").slice(0, -1).join("."));
+		else if (e.key === "PageUp" && n.level) t.open(n.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
 		else return;
 		e.preventDefault();
 	};
@@ -1551,14 +1551,14 @@ var Ke = class extends S {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / L[0] * 4) / 4, Math.round(a / L[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ I("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = R(e.x, e.y);
+			let [t, n] = Ce(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
@@ -1581,14 +1581,14 @@ var Ke = class extends S {
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ I("div", {
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Te(e, p));
+		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? se(r.target) : "";
+		return /* @__PURE__ */ L("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ I("svg", {
+				/* @__PURE__ */ L("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1601,19 +1601,19 @@ var Ke = class extends S {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ I("defs", { children: [/* @__PURE__ */ I("pattern", {
+						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
 							id: "dots",
-							width: L[0] / 4,
-							height: L[1] / 4,
+							width: R[0] / 4,
+							height: R[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ I("circle", {
+							children: /* @__PURE__ */ L("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ I("marker", {
+						}), /* @__PURE__ */ L("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1621,25 +1621,25 @@ var Ke = class extends S {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ I("path", {
+							children: /* @__PURE__ */ L("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ I("rect", {
+						n.k > .45 && /* @__PURE__ */ L("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ I("g", {
+						/* @__PURE__ */ L("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ I("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(Oe(t, u(t), r, h(t.name)), Oe(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ L("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1648,9 +1648,9 @@ var Ke = class extends S {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ I("g", { children: a.view.bonds.map((t) => {
+								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
 									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ I(Me, {
+									return /* @__PURE__ */ L(Ne, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1670,7 +1670,7 @@ var Ke = class extends S {
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ I("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ I(Fe, {
+								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ie, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1680,11 +1680,11 @@ var Ke = class extends S {
 									target: v === t.name || e.bondFrom === t.name,
 									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ I(qe, {
+								r?.kind === "wire" && /* @__PURE__ */ L(Je, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ I("rect", {
+								r?.kind === "box" && /* @__PURE__ */ L("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1695,7 +1695,7 @@ var Ke = class extends S {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ I("div", {
+				r?.kind === "wire" && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1706,11 +1706,11 @@ var Ke = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ I(Ue, {
+				e.instant && /* @__PURE__ */ L(We, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ I("div", {
+				e.bondFrom && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1722,22 +1722,22 @@ var Ke = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ I("div", {
+				/* @__PURE__ */ L("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1745,24 +1745,24 @@ var Ke = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ I(Ge, {
+				/* @__PURE__ */ L(Ke, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ I("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ I(x, { children: [" › ", /* @__PURE__ */ I("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ I("span", { children: [
+						!a.view.editable && /* @__PURE__ */ L("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1773,8 +1773,8 @@ var Ke = class extends S {
 		});
 	}
 };
-function qe({ from: e, to: t }) {
-	return /* @__PURE__ */ I("line", {
+function Je({ from: e, to: t }) {
+	return /* @__PURE__ */ L("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1782,37 +1782,37 @@ function qe({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-var Je = (e, t) => [e[0] - t[0], e[1] - t[1]], Ye = {
+var Ye = (e, t) => [e[0] - t[0], e[1] - t[1]], Xe = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-}, Xe, B, Ze, Qe, $e = Object.is, et = 0, tt = [], nt = [], V = e, rt = V.__b, it = V.__r, at = V.diffed, ot = V.__c, st = V.unmount, ct = V.__;
-function lt(e, t) {
-	V.__h && V.__h(B, e, et || t), et = 0;
-	var n = B.__H || (B.__H = {
+}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], B = e, at = B.__b, ot = B.__r, st = B.diffed, ct = B.__c, lt = B.unmount, ut = B.__;
+function dt(e, t) {
+	B.__h && B.__h(Qe, e, nt || t), nt = 0;
+	var n = Qe.__H || (Qe.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function H(e) {
-	return et = 1, ut(xt, e);
+function V(e) {
+	return nt = 1, ft(Ct, e);
 }
-function ut(e, t, n) {
-	var r = lt(Xe++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
+function ft(e, t, n) {
+	var r = dt(Ze++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Ct(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		$e(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = B, !B.__f)) {
-		B.__f = !0;
-		var i = B.shouldComponentUpdate;
-		B.shouldComponentUpdate = function(e, t, n) {
+		tt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = Qe, !Qe.__f)) {
+		Qe.__f = !0;
+		var i = Qe.shouldComponentUpdate;
+		Qe.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, $e(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, tt(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1822,67 +1822,67 @@ function ut(e, t, n) {
 	}
 	return r.__;
 }
-function dt(e, t) {
-	var n = lt(Xe++, 3);
-	!V.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+function pt(e, t) {
+	var n = dt(Ze++, 3);
+	!B.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
 }
-function ft(e) {
-	return et = 5, pt(function() {
+function mt(e) {
+	return nt = 5, ht(function() {
 		return { current: e };
 	}, []);
 }
-function pt(e, t) {
-	var n = lt(Xe++, 7);
-	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function ht(e, t) {
+	var n = dt(Ze++, 7);
+	return St(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function mt() {
+function gt() {
 	var e;
 	do {
-		for (; e = nt.shift();) try {
-			vt(e);
+		for (; e = it.shift();) try {
+			bt(e);
 		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
+			B.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = tt.shift();) {
+		for (; e = rt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(vt), t.__h.some(yt), t.__h = [];
+				t.__h.some(bt), t.__h.some(xt), t.__h = [];
 			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
+				t.__h = [], B.__e(n, e.__v);
 			}
 		}
-	} while (nt.length);
+	} while (it.length);
 }
-V.__b = function(e) {
-	B = null, rt && rt(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ct && ct(e, t);
-}, V.__r = function(e) {
-	it && it(e), Xe = 0;
-	var t = (B = e.__c).__H;
-	t && (Ze == B ? B.__h = [] : (t.__h.some(vt), t.__h.some(yt), Xe = 0), t.__h = [], t.__.some(function(e) {
+B.__b = function(e) {
+	Qe = null, at && at(e);
+}, B.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ut && ut(e, t);
+}, B.__r = function(e) {
+	ot && ot(e), Ze = 0;
+	var t = (Qe = e.__c).__H;
+	t && ($e == Qe ? Qe.__h = [] : (t.__h.some(bt), t.__h.some(xt), Ze = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Ze = B;
-}, V.diffed = function(e) {
-	at && at(e);
+	})), $e = Qe;
+}, B.diffed = function(e) {
+	st && st(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && _t(tt.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && yt(rt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Ze = B = null;
-}, V.__c = function(e, t) {
+	})), $e = Qe = null;
+}, B.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
-				return !e.__ || yt(e);
+			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
+				return !e.__ || xt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), ot && ot(e, t);
-}, V.unmount = function(e) {
-	st && st(e);
+	}), ct && ct(e, t);
+}, B.unmount = function(e) {
+	lt && lt(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1891,50 +1891,50 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, _t(nt.push(r));
-			} else vt(r);
+				r.__P = n, yt(it.push(r));
+			} else bt(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
+	}), r.__H = void 0, t && B.__e(t, r.__v));
 };
-var ht = typeof requestAnimationFrame == "function";
-function gt(e) {
-	var t, n = function() {
-		clearTimeout(r), ht && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	ht && (t = requestAnimationFrame(n));
-}
-function _t(e) {
-	e != 1 && Qe == V.requestAnimationFrame || ((Qe = V.requestAnimationFrame) || gt)(mt);
-}
+var _t = typeof requestAnimationFrame == "function";
 function vt(e) {
-	var t = B, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), B = t;
+	var t, n = function() {
+		clearTimeout(r), _t && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	_t && (t = requestAnimationFrame(n));
 }
 function yt(e) {
-	var t = B;
-	e.__c = e.__(), B = t;
+	e != 1 && et == B.requestAnimationFrame || ((et = B.requestAnimationFrame) || vt)(gt);
 }
-function bt(e, t) {
+function bt(e) {
+	var t = Qe, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), Qe = t;
+}
+function xt(e) {
+	var t = Qe;
+	e.__c = e.__(), Qe = t;
+}
+function St(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !$e(t, e[n]);
+		return !tt(t, e[n]);
 	});
 }
-function xt(e, t) {
+function Ct(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var St = 100;
-function Ct({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	dt(() => s(0), [c?.run]), dt(() => {
+var wt = 100;
+function Tt({ store: e, state: t }) {
+	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	pt(() => s(0), [c?.run]), pt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: St
+			count: wt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1942,15 +1942,15 @@ function Ct({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ I("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ I("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
@@ -1958,44 +1958,44 @@ function Ct({ store: e, state: t }) {
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ I("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
 				class: "warning",
 				children: e
 			})),
-			i > St && /* @__PURE__ */ I("p", { children: [
-				/* @__PURE__ */ I("button", {
+			i > wt && /* @__PURE__ */ L("p", { children: [
+				/* @__PURE__ */ L("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - St)),
+					onClick: () => s(Math.max(0, o - wt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + St, i),
+				Math.min(o + wt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ I("button", {
-					disabled: o + St >= i,
-					onClick: () => s(o + St),
+				/* @__PURE__ */ L("button", {
+					disabled: o + wt >= i,
+					onClick: () => s(o + wt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ I("ol", { children: n.map((n) => /* @__PURE__ */ I("li", {
+			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ L("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ I("b", { children: z(n.t, "s") }),
+						/* @__PURE__ */ L("b", { children: z(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ I("i", { children: n.cause }),
+						/* @__PURE__ */ L("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ I("em", { children: [" ", wt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Et(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ I(Tt, {
+				}), n.event === l && /* @__PURE__ */ L(Dt, {
 					store: e,
 					state: t,
 					event: n
@@ -2004,18 +2004,18 @@ function Ct({ store: e, state: t }) {
 		]
 	});
 }
-function wt(e) {
+function Et(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Tt({ store: e, state: t, event: n }) {
+function Dt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ I("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -2027,32 +2027,32 @@ function Tt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ I("p", { children: [
+			/* @__PURE__ */ L("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ I("p", {
+			i.fired.map((e) => /* @__PURE__ */ L("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ I("b", { children: e.machine }),
+					/* @__PURE__ */ L("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ I("code", { children: e.why })
+					/* @__PURE__ */ L("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ I("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${He(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ I("p", { children: [
+			i.energy && /* @__PURE__ */ L("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2062,23 +2062,23 @@ function Tt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ I("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/formulas.tsx
-var Et = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Dt(e) {
+var Ot = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function kt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Et.has(t) ? t : "mrow", {
+	return v(Ot.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Dt));
+	}, ...r.map(kt));
 }
-function Ot({ store: e, state: t }) {
-	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return dt(() => {
+function At({ store: e, state: t }) {
+	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return pt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -2090,41 +2090,41 @@ function Ot({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ I("section", {
+	]), /* @__PURE__ */ L("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ I("button", {
+				].map(([e, t]) => /* @__PURE__ */ L("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ I("p", {
+			!o && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ I("div", {
+			o?.formula && !i ? /* @__PURE__ */ L("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Dt(o.formula)
-			}) : o && /* @__PURE__ */ I("pre", {
+				children: kt(o.formula)
+			}) : o && /* @__PURE__ */ L("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ I("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2132,12 +2132,12 @@ function Ot({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var kt = 0;
-function At(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++kt}`), i = ft(!1);
-	return dt(() => {
+var jt = 0;
+function Mt(e) {
+	let [t, n] = V(e.value), [r] = V(() => `list${++jt}`), i = mt(!1);
+	return pt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("input", {
+	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2154,20 +2154,20 @@ function At(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ I("datalist", {
+	}), e.list && /* @__PURE__ */ L("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ I("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
 	})] });
 }
-function jt(e) {
+function Nt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Mt = {
+var Pt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Nt = {
+}, Ft = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2178,25 +2178,25 @@ var Mt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Pt({ store: e, state: t }) {
+function It({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ I(zt, {
+	if (r.length === 1) return /* @__PURE__ */ L(Vt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ I("section", { children: [
-			/* @__PURE__ */ I("h2", { children: "Bond" }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "written" }), /* @__PURE__ */ I(At, {
+		return /* @__PURE__ */ L("section", { children: [
+			/* @__PURE__ */ L("h2", { children: "Bond" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Mt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Ft(e, t, r.key, n)
+				onWrite: (n) => void Lt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ I("p", { children: [
+			a && /* @__PURE__ */ L("p", { children: [
 				"effort ",
 				z(a.e, a.units[0]),
 				", flow ",
@@ -2205,59 +2205,59 @@ function Pt({ store: e, state: t }) {
 				" ",
 				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ L("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ I("section", { children: [/* @__PURE__ */ I("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ I("div", {
+	] }), /* @__PURE__ */ L("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ I("button", {
-				onClick: () => It(e, r, "y"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Rt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ I("button", {
-				onClick: () => It(e, r, "x"),
+			/* @__PURE__ */ L("button", {
+				onClick: () => Rt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
-				onClick: () => Lt(e, r, "x"),
+				onClick: () => zt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
-				onClick: () => Lt(e, r, "y"),
+				onClick: () => zt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ I(Rt, {
+	})] }) : /* @__PURE__ */ L(Bt, {
 		store: e,
 		state: t
 	});
 }
-async function Ft(e, t, n, r) {
+async function Lt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2272,14 +2272,14 @@ async function Ft(e, t, n, r) {
 		text: r
 	}));
 }
-function It(e, t, n) {
+function Rt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Lt(e, t, n) {
+function zt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -2289,26 +2289,26 @@ function Lt(e, t, n) {
 		at: o
 	});
 }
-function Rt({ store: e, state: t }) {
+function Bt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "Model" }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "title" }), /* @__PURE__ */ I(At, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Model" }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Mt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "domain" }), /* @__PURE__ */ I("select", {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ I("option", {
+			children: r.map((e) => /* @__PURE__ */ L("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2317,21 +2317,21 @@ function Rt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ I("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ I("kbd", { children: "a" }),
+				/* @__PURE__ */ L("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ I("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ I("kbd", { children: "b" }),
+				/* @__PURE__ */ L("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function zt({ store: e, state: t, node: n }) {
+function Vt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2345,66 +2345,66 @@ function zt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "name" }), /* @__PURE__ */ I(At, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Mt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ I(Bt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ L(Ht, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Mt[n.kind]?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: ["start ", e] }), /* @__PURE__ */ I(At, {
+		Pt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Mt, {
 			label: `Start value ${e}`,
-			value: Ut(i[e]),
+			value: Gt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], jt(t))
+			onWrite: (t) => a([e], Nt(t))
 		})] })),
-		s && /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "kind" }), /* @__PURE__ */ I("select", {
+		s && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ I("option", {
+				}), /* @__PURE__ */ L("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "law" }), /* @__PURE__ */ I("select", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
 				disabled: r,
-				value: Ut(i.law),
+				value: Gt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ I("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Nt[Ut(i.law)] ?? []).map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
+			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
 				label: e,
-				value: Ut(i[e]),
+				value: Gt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], jt(t))
+				onWrite: (t) => a([e], Nt(t))
 			})] })),
-			/* @__PURE__ */ I(Vt, {
+			/* @__PURE__ */ L(Ut, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ I(x, { children: [
-			c && /* @__PURE__ */ I("p", {
+		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
+			c && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2413,41 +2413,41 @@ function zt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
 					label: e,
-					value: Ut(t),
+					value: Gt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], jt(t))
+					onWrite: (t) => a(["parameters", e], Nt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [e, " ⟵"] }), /* @__PURE__ */ I(At, {
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Mt, {
 				label: `Input ${e}`,
-				value: Ut(i.inputs?.[e]),
+				value: Gt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Wt(t),
-				onWrite: (t) => a(["inputs", e], jt(t))
+				list: Kt(t),
+				onWrite: (t) => a(["inputs", e], Nt(t))
 			})] })),
-			n.known && /* @__PURE__ */ I("button", {
+			n.known && /* @__PURE__ */ L("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ I("div", {
+		/* @__PURE__ */ L("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2456,11 +2456,11 @@ function zt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Bt({ node: e, off: t, set: n }) {
+function Ht({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [i, " ="] }), /* @__PURE__ */ I(At, {
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Mt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2468,31 +2468,31 @@ function Bt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ I("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "value" }), /* @__PURE__ */ I(At, {
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Mt, {
 		label: "Value",
 		first: !0,
-		value: Ut(r),
+		value: Gt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : jt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Nt(t) ?? 1);
 		}
 	})] });
 }
-function Vt({ store: e, state: t, node: n }) {
+function Ut({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ I("p", { children: ["switched by ", /* @__PURE__ */ I("button", {
+	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ I("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Ht(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Wt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2505,14 +2505,14 @@ function Vt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Ht(e, t) {
+function Wt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Ut(e) {
+function Gt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Wt(e) {
+function Kt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2520,10 +2520,10 @@ function Wt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var Gt = 250, Kt = /[A-Za-z_][\w.]*$/, qt = 0;
-function Jt(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++qt}`), u = ft(null), d = ft(!1), f = ft(0);
-	dt(() => {
+var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
+function Xt(e) {
+	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
+	pt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2531,20 +2531,20 @@ function Jt(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = Kt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = Jt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, Gt);
+		}, qt);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Kt, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	};
-	return /* @__PURE__ */ I("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ L("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2578,11 +2578,11 @@ function Jt(e) {
 					}
 				}
 			}),
-			r.length > 0 && /* @__PURE__ */ I("ul", {
+			r.length > 0 && /* @__PURE__ */ L("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ I("li", {
+				children: r.map((e, t) => /* @__PURE__ */ L("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2592,21 +2592,21 @@ function Jt(e) {
 					children: e
 				}))
 			}),
-			s && /* @__PURE__ */ I("small", {
+			s && /* @__PURE__ */ L("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					s.why,
 					" ",
-					s.try && /* @__PURE__ */ I("em", { children: s.try })
+					s.try && /* @__PURE__ */ L("em", { children: s.try })
 				]
 			})
 		]
 	});
 }
 // src/machines.tsx
-function Yt(e) {
+function Zt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2614,19 +2614,19 @@ function Yt(e) {
 		guard: t[3]
 	} : null;
 }
-function Xt({ store: e, state: t }) {
+function Qt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ I(Zt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ L($t, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ I("button", {
+		n.view.editable && /* @__PURE__ */ L("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Ht([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2642,23 +2642,23 @@ function Xt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ I("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ I("code", { children: "pre(x)" }),
+				/* @__PURE__ */ L("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ I("b", { children: "x⁻" }),
+				/* @__PURE__ */ L("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ I("code", { children: "x" }),
+				/* @__PURE__ */ L("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ I("b", { children: "x⁺" }),
+				/* @__PURE__ */ L("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Zt({ store: e, state: t, name: n, machine: r }) {
+function $t({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2678,13 +2678,13 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I(At, {
+				children: [/* @__PURE__ */ L(Mt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2693,7 +2693,7 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ I("button", {
+				}), !a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2704,15 +2704,15 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ I(Qt, {
+			/* @__PURE__ */ L(en, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ I("div", {
+			c.map((e) => /* @__PURE__ */ L("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ L("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2724,7 +2724,7 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ I(At, {
+					/* @__PURE__ */ L(Mt, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2742,17 +2742,17 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 								states: Object.fromEntries(Object.entries(r.states).map(([t, r]) => [t === e ? n : t, r])),
 								start: r.start === e ? n : r.start,
 								rules: l.map((t) => {
-									let r = Yt(t);
+									let r = Zt(t);
 									return r ? `${r.source === e ? n : r.source} -> ${r.target === e ? n : r.target} when ${r.guard}` : t;
 								})
 							});
 						}
 					}),
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ L("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ I(At, {
+					/* @__PURE__ */ L(Mt, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2769,44 +2769,44 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Yt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ I("div", {
+				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ L("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ I(x, { children: [
-						/* @__PURE__ */ I("select", {
+					children: [i ? /* @__PURE__ */ L(x, { children: [
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ I("select", {
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
-						/* @__PURE__ */ I(Jt, {
+						/* @__PURE__ */ L(Xt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Wt(t),
+							words: Kt(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ I("span", {
+						/* @__PURE__ */ L("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ I(At, {
+					] }) : /* @__PURE__ */ L(Mt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ I("button", {
+					}), !a && /* @__PURE__ */ L("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2814,21 +2814,21 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ I("div", {
+			!a && /* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Ht(c, "state")]: []
+							[Wt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Yt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2840,18 +2840,18 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Qt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Yt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ I("div", {
+function en({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ L("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ I("svg", {
+		children: /* @__PURE__ */ L("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ I("defs", { children: /* @__PURE__ */ I("marker", {
+				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2859,26 +2859,26 @@ function Qt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ I("path", {
+					children: /* @__PURE__ */ L("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ I("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ I("title", { children: e.guard })
+						children: /* @__PURE__ */ L("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ I("g", { children: [/* @__PURE__ */ I("path", {
+					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ I("title", { children: e.guard })
-					}), /* @__PURE__ */ I("text", {
+						children: /* @__PURE__ */ L("title", { children: e.guard })
+					}), /* @__PURE__ */ L("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2886,7 +2886,7 @@ function Qt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ I("g", {
+				r.map((r) => /* @__PURE__ */ L("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2895,20 +2895,20 @@ function Qt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ I("rect", {
+						/* @__PURE__ */ L("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ I("text", {
+						/* @__PURE__ */ L("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ I("circle", {
+						r === e.start && /* @__PURE__ */ L("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2920,7 +2920,7 @@ function Qt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [$t, en] = [720, 190], tn = 74, [nn, rn] = [8, 20], an = [
+var [tn, nn] = [720, 190], rn = 74, [an, on] = [8, 20], H = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2933,32 +2933,32 @@ var [$t, en] = [720, 190], tn = 74, [nn, rn] = [8, 20], an = [
 function U(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function W({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ I("div", {
+function sn({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ L("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ I("b", { children: n.path }),
+					/* @__PURE__ */ L("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ L("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ L("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ I("button", {
+					!n.done && /* @__PURE__ */ L("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ L("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2967,11 +2967,11 @@ function W({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("output", { children: [
+					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ I("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2983,20 +2983,20 @@ function W({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ L("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ I(on, {
+			o.map((e, t) => /* @__PURE__ */ L(cn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ I(sn, {
+			/* @__PURE__ */ L(ln, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -3005,10 +3005,10 @@ function W({ store: e, state: t }) {
 		]
 	});
 }
-function on({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ I("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: [
 			e,
@@ -3016,79 +3016,79 @@ function on({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => tn + e / n * ($t - tn - 8), d = (e) => en - rn - (e - o) / l * (en - rn - nn), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - on - (e - o) / l * (nn - on - an), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ I("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
 		class: "family",
-		viewBox: `0 0 ${$t} ${en}`,
+		viewBox: `0 0 ${tn} ${nn}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${He(o)} and ${He(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ I("rect", {
+			/* @__PURE__ */ L("rect", {
 				class: "box",
-				x: tn,
-				y: nn,
-				width: $t - tn - 8,
-				height: en - rn - nn
+				x: rn,
+				y: an,
+				width: tn - rn - 8,
+				height: nn - on - an
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ I("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
 				class: "axis",
-				x1: tn,
-				x2: $t - 8,
+				x1: rn,
+				x2: tn - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ I("path", {
+				return !n || n.error ? null : /* @__PURE__ */ L("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
 					style: `stroke: ${U(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ I("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ L("text", {
 				x: 69,
-				y: nn + 9,
+				y: an + 9,
 				"text-anchor": "end",
 				children: z(s, c)
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ L("text", {
 				x: 69,
-				y: en - rn,
+				y: nn - on,
 				"text-anchor": "end",
 				children: z(o, c)
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ L("text", {
 				class: "what",
-				transform: `translate(12,${(en - rn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(nn - on) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ I("text", {
-				x: tn,
-				y: en - 5,
+			/* @__PURE__ */ L("text", {
+				x: rn,
+				y: nn - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ I("text", {
-				x: $t - 8,
-				y: en - 5,
+			/* @__PURE__ */ L("text", {
+				x: tn - 8,
+				y: nn - 5,
 				"text-anchor": "end",
 				children: z(n, "s")
 			})
 		]
 	});
 }
-function sn({ sweep: e, end: t, chosen: n, choose: r }) {
+function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = ($t - tn - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (tn - rn - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -3099,65 +3099,65 @@ function sn({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ I("figure", {
+	return /* @__PURE__ */ L("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ I("svg", {
-			viewBox: `0 0 ${$t} 184`,
+		children: [/* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${tn} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ I("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ I("rect", {
-						x: tn + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
+						x: rn + c * o,
 						width: o + .4,
-						y: nn + 150 * (1 - n / a),
+						y: an + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: an[r % an.length],
-						children: /* @__PURE__ */ I("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: H[r % H.length],
+						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					x: 69,
-					y: nn + 9,
+					y: an + 9,
 					"text-anchor": "end",
 					children: z(t, "s")
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					x: 69,
-					y: nn + 150,
+					y: an + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ I("text", {
-					x: tn,
-					y: nn + 150 + 14,
+				/* @__PURE__ */ L("text", {
+					x: rn,
+					y: an + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ I("text", {
-					x: $t - 8,
-					y: nn + 150 + 14,
+				/* @__PURE__ */ L("text", {
+					x: tn - 8,
+					y: an + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					class: "what",
-					x: (tn + $t) / 2,
-					y: nn + 150 + 18,
+					x: (rn + tn) / 2,
+					y: an + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ I("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ I("span", { children: [
-			/* @__PURE__ */ I("i", { style: `background: ${an[t % an.length]}` }),
+		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
+			/* @__PURE__ */ L("i", { style: `background: ${H[t % H.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
+function un({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -3165,25 +3165,25 @@ function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ I("form", {
+	return /* @__PURE__ */ L("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ L("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -3191,23 +3191,23 @@ function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function ln({ store: e, state: t }) {
+function W({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ I(un, {
+		return /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ L(fn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ I("button", {
+			!r && /* @__PURE__ */ L("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -3218,54 +3218,54 @@ function ln({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Ht(t, e)], s);
+					a([i, Wt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ I("section", { children: [
+	return /* @__PURE__ */ L("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("h2", { children: "Run" }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "until" }), /* @__PURE__ */ I(At, {
+		!t.level && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: "Run" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
 				label: "Until",
-				value: Ut(i.until),
+				value: Gt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], jt(e))
+				onWrite: (e) => void a(["experiment", "until"], Nt(e))
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "solver" }), /* @__PURE__ */ I("select", {
-				value: Ut(i.solver),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
+				value: Gt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ I("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "rtol" }), /* @__PURE__ */ I(At, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Mt, {
 				label: "Relative tolerance",
-				value: Ut(i.rtol),
+				value: Gt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], jt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Nt(e))
 			})] })
 		] })
 	] });
 }
-var G = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function un({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? G.exec(Ut(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ I("div", {
+var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function fn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ L("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ I("label", { children: [
-				/* @__PURE__ */ I(At, {
+			/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ L(Mt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3275,23 +3275,23 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ I(At, {
+				o ? /* @__PURE__ */ L(Mt, {
 					label: r,
-					value: Ut(i),
+					value: Gt(i),
 					disabled: a,
-					list: n === "signals" ? Wt(t) : void 0,
+					list: n === "signals" ? Kt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: jt(t)
+						value: Nt(t)
 					})
-				}) : /* @__PURE__ */ I(dn, {
+				}) : /* @__PURE__ */ L(pn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ I("button", {
+				s && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3299,7 +3299,7 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ I("button", {
+				!a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3310,14 +3310,14 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ I(cn, {
+			l && s && /* @__PURE__ */ L(un, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ I("input", {
+			s && !a && /* @__PURE__ */ L("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3336,20 +3336,20 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function dn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ I("span", {
+function pn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ L("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ I(dn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(pn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: n }), /* @__PURE__ */ I(At, {
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Mt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Ut(i),
+			value: Gt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = jt(r);
+				let i = Nt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3362,58 +3362,58 @@ function dn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function fn({ store: e, state: t }) {
+function mn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ I("p", { children: "None." }),
-		/* @__PURE__ */ I("ul", {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
+		/* @__PURE__ */ L("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ I("li", {
+			children: n.map((t) => /* @__PURE__ */ L("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ I("button", {
+				children: /* @__PURE__ */ L("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ I("b", { children: t.code }),
+						/* @__PURE__ */ L("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ I("i", { children: t.where }),
-						/* @__PURE__ */ I("span", { children: t.why }),
-						t.try && /* @__PURE__ */ I("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ L("i", { children: t.where }),
+						/* @__PURE__ */ L("span", { children: t.why }),
+						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function pn({ store: e, state: t }) {
+function hn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ I("h2", { children: "Elements" }),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ L("h2", { children: "Elements" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ I("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3421,9 +3421,9 @@ function pn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ I("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ I("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ I("td", { children: [
+						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ L("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3432,26 +3432,26 @@ function pn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ I("h2", { children: "Bonds" }),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ L("h2", { children: "Bonds" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ I("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3459,17 +3459,17 @@ function pn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ I("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ I("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function mn({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	dt(() => {
+function gn({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	pt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3478,15 +3478,15 @@ function mn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ I("h2", { children: [
+			/* @__PURE__ */ L("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ I("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ I("textarea", {
+			/* @__PURE__ */ L("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3495,13 +3495,13 @@ function mn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3511,7 +3511,7 @@ function mn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function hn(e) {
+function _n(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3534,20 +3534,20 @@ function hn(e) {
 		parts: r
 	};
 }
-function gn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function vn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ I("aside", {
+	return /* @__PURE__ */ L("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ I("button", {
+				children: i.map((e) => /* @__PURE__ */ L("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3558,27 +3558,27 @@ function gn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ L("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ I("details", {
+					return n.length ? /* @__PURE__ */ L("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ I("summary", { children: [
+						children: [/* @__PURE__ */ L("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ I("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ I("button", {
+							/* @__PURE__ */ L("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ L("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3594,8 +3594,8 @@ function gn({ store: e, state: t }) {
 		]
 	});
 }
-function _n({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function yn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3612,11 +3612,11 @@ function _n({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ I("input", {
+		children: [/* @__PURE__ */ L("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3625,76 +3625,76 @@ function _n({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ I("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ I("li", {
+		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ I("b", { children: e.letters }),
+				/* @__PURE__ */ L("b", { children: e.letters }),
 				" ",
 				e.about
 			]
 		})) })]
 	});
 }
-// node_modules/uplot/dist/uPlot.esm.js
-var vn = !0, yn = "uplot", bn = "u-hz", xn = "u-vt", Sn = "u-title", Cn = "u-wrap", wn = "u-under", Tn = "u-over", En = "u-axis", Dn = "u-off", On = "u-select", kn = "u-cursor-x", An = "u-cursor-y", jn = "u-cursor-pt", Mn = "u-legend", Nn = "u-live", Pn = "u-inline", Fn = "u-series", In = "u-marker", Ln = "u-label", Rn = "u-value", zn = "width", Bn = "height", Vn = "top", Hn = "bottom", Un = "left", Wn = "right", Gn = "#000", Kn = "#0000", qn = "mousemove", Jn = "mousedown", Yn = "mouseup", Xn = "mouseenter", Zn = "mouseleave", Qn = "dblclick", $n = "resize", er = "scroll", tr = "change", nr = "dppxchange", rr = "--", ir = typeof window < "u", ar = ir ? document : null, or = ir ? window : null, sr = ir ? navigator : null, K, cr;
-function lr() {
+// ../../../main/studio-ui/node_modules/uplot/dist/uPlot.esm.js
+var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, G, ur;
+function dr() {
 	let e = devicePixelRatio;
-	K != e && (K = e, cr && Cr(tr, cr, lr), cr = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), Sr(tr, cr, lr), or.dispatchEvent(new CustomEvent(nr)));
+	G != e && (G = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${G - .001}dppx) and (max-resolution: ${G + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
 }
-function ur(e, t) {
+function fr(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function dr(e, t) {
+function pr(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function q(e, t, n) {
+function K(e, t, n) {
 	e.style[t] = n + "px";
 }
-function fr(e, t, n, r) {
-	let i = ar.createElement(e);
-	return t != null && ur(i, t), n?.insertBefore(i, r), i;
+function mr(e, t, n, r) {
+	let i = sr.createElement(e);
+	return t != null && fr(i, t), n?.insertBefore(i, r), i;
 }
-function pr(e, t) {
-	return fr("div", e, t);
-}
-var mr = /* @__PURE__ */ new WeakMap();
-function hr(e, t, n, r, i) {
-	let a = "translate(" + t + "px," + n + "px)";
-	a != mr.get(e) && (e.style.transform = a, mr.set(e, a), t < 0 || n < 0 || t > r || n > i ? ur(e, Dn) : dr(e, Dn));
+function hr(e, t) {
+	return mr("div", e, t);
 }
 var gr = /* @__PURE__ */ new WeakMap();
-function _r(e, t, n) {
-	let r = t + n;
-	r != gr.get(e) && (gr.set(e, r), e.style.background = t, e.style.borderColor = n);
+function _r(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != gr.get(e) && (e.style.transform = a, gr.set(e, a), t < 0 || n < 0 || t > r || n > i ? fr(e, kn) : pr(e, kn));
 }
 var vr = /* @__PURE__ */ new WeakMap();
-function yr(e, t, n, r) {
-	let i = t + "" + n;
-	i != vr.get(e) && (vr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+function yr(e, t, n) {
+	let r = t + n;
+	r != vr.get(e) && (vr.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var br = { passive: !0 }, xr = {
-	...br,
+var br = /* @__PURE__ */ new WeakMap();
+function xr(e, t, n, r) {
+	let i = t + "" + n;
+	i != br.get(e) && (br.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var Sr = { passive: !0 }, Cr = {
+	...Sr,
 	capture: !0
 };
-function Sr(e, t, n, r) {
-	t.addEventListener(e, n, r ? xr : br);
-}
-function Cr(e, t, n, r) {
-	t.removeEventListener(e, n, br);
-}
-ir && lr();
 function wr(e, t, n, r) {
+	t.addEventListener(e, n, r ? Cr : Sr);
+}
+function Tr(e, t, n, r) {
+	t.removeEventListener(e, n, Sr);
+}
+or && dr();
+function Er(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Gr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : qr((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Tr(e) {
+function Dr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3708,9 +3708,9 @@ function Tr(e) {
 		return [i, a];
 	};
 }
-var Er = (e) => e != null, Dr = (e) => e != null && e > 0, Or = Tr(Er), kr = Tr(Dr);
-function Ar(e, t, n, r = 0, i = !1) {
-	let a = i ? kr : Or, o = i ? Dr : Er;
+var Or = (e) => e != null, kr = (e) => e != null && e > 0, Ar = Dr(Or), jr = Dr(kr);
+function Mr(e, t, n, r = 0, i = !1) {
+	let a = i ? jr : Ar, o = i ? kr : Or;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3721,106 +3721,106 @@ function Ar(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ni, c ?? -ni];
+	return [s ?? J, c ?? -J];
 }
-function jr(e, t, n, r) {
-	let i = Zr(e), a = Zr(t);
+function Nr(e, t, n, r) {
+	let i = $r(e), a = $r(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Qr : $r, s = i == 1 ? Gr : qr, c = a == 1 ? qr : Gr, l = s(o(Wr(e))), u = c(o(Wr(t))), d = Xr(n, l), f = Xr(n, u);
-	return n == 10 && (l < 0 && (d = X(d, -l)), u < 0 && (f = X(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = gi(e, d), t = hi(t, f)), [e, t];
+	let o = n == 10 ? ei : ti, s = i == 1 ? qr : Yr, c = a == 1 ? Yr : qr, l = s(o(Kr(e))), u = c(o(Kr(t))), d = Qr(n, l), f = Qr(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = gi(e, d), t = hi(t, f)), [e, t];
 }
-function Mr(e, t, n, r) {
-	let i = jr(e, t, n, r);
+function Pr(e, t, n, r) {
+	let i = Nr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Nr = .1, Pr = {
+var Fr = .1, Ir = {
 	mode: 3,
-	pad: Nr
-}, Fr = {
+	pad: Fr
+}, Lr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ir = {
-	min: Fr,
-	max: Fr
+}, Rr = {
+	min: Lr,
+	max: Lr
 };
-function Lr(e, t, n, r) {
-	return Ei(n) ? zr(e, t, n) : (Fr.pad = n, Fr.soft = r ? 0 : null, Fr.mode = r ? 3 : 0, zr(e, t, Ir));
+function zr(e, t, n, r) {
+	return Di(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
 }
-function J(e, t) {
+function q(e, t) {
 	return e ?? t;
 }
-function Rr(e, t, n) {
-	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
+function Br(e, t, n) {
+	for (t = q(t, 0), n = q(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function zr(e, t, n) {
-	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ni), c = J(i.hard, ni), l = J(r.soft, ni), u = J(i.soft, -ni), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = Qr(p), h = Yr(Wr(e), Wr(t)), g = Wr(Qr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ni && (a = 0), f == 2 && u != -ni && (o = 0)));
-	let _ = p || h || 1e3, v = Xr(10, Gr(Qr(_))), y = X(gi(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ni, x = Yr(s, y < b && e >= b ? b : Jr(b, y)), S = X(hi(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ni, w = Jr(c, S > C && t <= C ? C : Yr(C, S));
+function Vr(e, t, n) {
+	let r = n.min, i = n.max, a = q(r.pad, 0), o = q(i.pad, 0), s = q(r.hard, -J), c = q(i.hard, J), l = q(r.soft, J), u = q(i.soft, -J), d = q(r.mode, 0), f = q(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != J && (a = 0), f == 2 && u != -J && (o = 0)));
+	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(gi(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : J, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(hi(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -J, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Br = new Intl.NumberFormat(ir ? sr.language : "en-US"), Vr = (e) => Br.format(e), Hr = Math, Ur = Hr.PI, Wr = Hr.abs, Gr = Hr.floor, Kr = Hr.round, qr = Hr.ceil, Jr = Hr.min, Yr = Hr.max, Xr = Hr.pow, Zr = Hr.sign, Qr = Hr.log10, $r = Hr.log2, ei = (e, t = 1) => Hr.sinh(e) * t, ti = (e, t = 1) => Hr.asinh(e / t), ni = Infinity;
-function ri(e) {
-	return (Qr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), J = Infinity;
+function ii(e) {
+	return (ei((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ii(e, t, n) {
-	return Jr(Yr(e, t), n);
+function ai(e, t, n) {
+	return Xr(Zr(e, t), n);
 }
-function ai(e) {
+function oi(e) {
 	return typeof e == "function";
 }
 function Y(e) {
-	return ai(e) ? e : () => e;
+	return oi(e) ? e : () => e;
 }
-var oi = () => {}, si = (e) => e, ci = (e, t) => t, li = (e) => null, ui = (e) => !0, di = (e, t) => e == t, fi = /\.\d*?(?=9{6,}|0{6,})/gm, pi = (e) => {
-	if (Ci(e) || _i.has(e)) return e;
-	let t = `${e}`, n = t.match(fi);
+var si = () => {}, ci = (e) => e, li = (e, t) => t, ui = (e) => null, di = (e) => !0, fi = (e, t) => e == t, pi = /\.\d*?(?=9{6,}|0{6,})/gm, X = (e) => {
+	if (wi(e) || _i.has(e)) return e;
+	let t = `${e}`, n = t.match(pi);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${pi(e)}e${n}`;
+		return +`${X(e)}e${n}`;
 	}
-	return X(e, r);
+	return Z(e, r);
 };
 function mi(e, t) {
-	return pi(X(pi(e / t)) * t);
+	return X(Z(X(e / t)) * t);
 }
 function hi(e, t) {
-	return pi(qr(pi(e / t)) * t);
+	return X(Yr(X(e / t)) * t);
 }
 function gi(e, t) {
-	return pi(Gr(pi(e / t)) * t);
+	return X(qr(X(e / t)) * t);
 }
-function X(e, t = 0) {
-	if (Ci(e)) return e;
+function Z(e, t = 0) {
+	if (wi(e)) return e;
 	let n = 10 ** t;
-	return Kr(e * n * (1 + 2 ** -52)) / n;
+	return Jr(e * n * (1 + 2 ** -52)) / n;
 }
 var _i = /* @__PURE__ */ new Map();
 function vi(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Z(e, t, n, r) {
+function yi(e, t, n, r) {
 	let i = [], a = r.map(vi);
 	for (let o = t; o < n; o++) {
-		let t = Wr(o), n = X(Xr(e, o), t);
+		let t = Kr(o), n = Z(Qr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : X(c, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
 			i.push(u), _i.set(u, l);
 		}
 	}
 	return i;
 }
-var yi = {}, bi = [], xi = [null, null], Si = Array.isArray, Ci = Number.isInteger, wi = (e) => e === void 0;
-function Ti(e) {
+var bi = {}, xi = [], Si = [null, null], Ci = Array.isArray, wi = Number.isInteger, Ti = (e) => e === void 0;
+function Ei(e) {
 	return typeof e == "string";
 }
-function Ei(e) {
+function Di(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3828,35 +3828,35 @@ function Ei(e) {
 	}
 	return t;
 }
-function Di(e) {
+function Oi(e) {
 	return typeof e == "object" && !!e;
 }
-var Oi = Object.getPrototypeOf(Uint8Array), ki = "__proto__";
-function Ai(e, t = Ei) {
+var ki = Object.getPrototypeOf(Uint8Array), Ai = "__proto__";
+function ji(e, t = Di) {
 	let n;
-	if (Si(e)) {
+	if (Ci(e)) {
 		let r = e.find((e) => e != null);
-		if (Si(r) || t(r)) {
+		if (Ci(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ai(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = ji(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Oi) n = e.slice();
+	} else if (e instanceof ki) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ki && (n[r] = Ai(e[r], t));
+		for (let r in e) r != Ai && (n[r] = ji(e[r], t));
 	} else n = e;
 	return n;
 }
-function ji(e) {
+function Mi(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ki && (Ei(e[t]) ? ji(e[t], Ai(r[t])) : e[t] = Ai(r[t]));
+		for (let t in r) t != Ai && (Di(e[t]) ? Mi(e[t], ji(r[t])) : e[t] = ji(r[t]));
 	}
 	return e;
 }
-var Mi = 0, Ni = 1, Pi = 2;
-function Fi(e, t, n) {
+var Ni = 0, Pi = 1, Fi = 2;
+function Ii(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3865,11 +3865,11 @@ function Fi(e, t, n) {
 		}
 	}
 }
-function Ii(e, t) {
-	if (zi(e)) {
+function Li(e, t) {
+	if (Bi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Bi(t[0]) || (t = Ri(t)), t;
+		return Vi(t[0]) || (t = zi(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3881,18 +3881,18 @@ function Ii(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ni, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Pi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Mi && (l[n] = t, u == Pi && d.push(n)) : l[n] = t;
+				t === null ? u != Ni && (l[n] = t, u == Fi && d.push(n)) : l[n] = t;
 			}
-			Fi(l, d, i), r.push(l);
+			Ii(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Li = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ri(e) {
+var Ri = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function zi(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3904,7 +3904,7 @@ function Ri(e) {
 	}
 	return i;
 }
-function zi(e) {
+function Bi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3915,14 +3915,14 @@ function zi(e) {
 	}
 	return !0;
 }
-function Bi(e, t = 100) {
+function Vi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Yr(1, Gr((i - r + 1) / t));
+	let a = Zr(1, qr((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3932,7 +3932,7 @@ function Bi(e, t = 100) {
 	}
 	return !0;
 }
-var Vi = [
+var Hi = [
 	"January",
 	"February",
 	"March",
@@ -3945,7 +3945,7 @@ var Vi = [
 	"October",
 	"November",
 	"December"
-], Hi = [
+], Ui = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3954,33 +3954,33 @@ var Vi = [
 	"Friday",
 	"Saturday"
 ];
-function Ui(e) {
+function Wi(e) {
 	return e.slice(0, 3);
 }
-var Wi = Hi.map(Ui), Gi = {
-	MMMM: Vi,
-	MMM: Vi.map(Ui),
-	WWWW: Hi,
-	WWW: Wi
+var Gi = Ui.map(Wi), Ki = {
+	MMMM: Hi,
+	MMM: Hi.map(Wi),
+	WWWW: Ui,
+	WWW: Gi
 };
-function Ki(e) {
+function qi(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function qi(e) {
+function Ji(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Ji = {
+var Yi = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ki(e.getMonth() + 1),
+	MM: (e) => qi(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ki(e.getDate()),
+	DD: (e) => qi(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ki(e.getHours()),
+	HH: (e) => qi(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3989,35 +3989,35 @@ var Ji = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ki(e.getMinutes()),
+	mm: (e) => qi(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ki(e.getSeconds()),
+	ss: (e) => qi(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => qi(e.getMilliseconds())
+	fff: (e) => Ji(e.getMilliseconds())
 };
-function Yi(e, t) {
-	t ||= Gi;
+function Xi(e, t) {
+	t ||= Ki;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ji[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Yi[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Xi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Zi(e, t) {
+var Zi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Qi(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Xi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Zi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Qi = (e) => e % 1 == 0, $i = [
+var $i = (e) => e % 1 == 0, ea = [
 	1,
 	2,
 	2.5,
 	5
-], ea = Z(10, -32, 0, $i), ta = Z(10, 0, 32, $i), na = ta.filter(Qi), ra = ea.concat(ta), ia = "\n", aa = "{YYYY}", oa = ia + aa, sa = "{M}/{D}", ca = ia + sa, la = ca + "/{YY}", ua = "{aa}", da = "{h}:{mm}" + ua, fa = ia + da, pa = ":{ss}", Q = null;
-function ma(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Z(10, 0, 3, $i).filter(Qi) : Z(10, -3, 0, $i)).concat([
+], ta = yi(10, -32, 0, ea), na = yi(10, 0, 32, ea), ra = na.filter($i), ia = ta.concat(na), aa = "\n", oa = "{YYYY}", sa = aa + oa, ca = "{M}/{D}", la = aa + ca, ua = la + "/{YY}", da = "{aa}", fa = "{h}:{mm}" + da, pa = aa + fa, ma = ":{ss}", Q = null;
+function ha(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? yi(10, 0, 3, ea).filter($i) : yi(10, -3, 0, ea)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4061,7 +4061,7 @@ function ma(e) {
 	]), c = [
 		[
 			o,
-			aa,
+			oa,
 			Q,
 			Q,
 			Q,
@@ -4073,7 +4073,7 @@ function ma(e) {
 		[
 			i * 28,
 			"{MMM}",
-			oa,
+			sa,
 			Q,
 			Q,
 			Q,
@@ -4083,8 +4083,8 @@ function ma(e) {
 		],
 		[
 			i,
+			ca,
 			sa,
-			oa,
 			Q,
 			Q,
 			Q,
@@ -4094,10 +4094,10 @@ function ma(e) {
 		],
 		[
 			r,
-			"{h}" + ua,
-			la,
+			"{h}" + da,
+			ua,
 			Q,
-			ca,
+			la,
 			Q,
 			Q,
 			Q,
@@ -4105,10 +4105,10 @@ function ma(e) {
 		],
 		[
 			n,
-			da,
-			la,
+			fa,
+			ua,
 			Q,
-			ca,
+			la,
 			Q,
 			Q,
 			Q,
@@ -4116,45 +4116,45 @@ function ma(e) {
 		],
 		[
 			t,
+			ma,
+			ua + " " + fa,
+			Q,
+			la + " " + fa,
+			Q,
 			pa,
-			la + " " + da,
-			Q,
-			ca + " " + da,
-			Q,
-			fa,
 			Q,
 			1
 		],
 		[
 			e,
-			pa + ".{fff}",
-			la + " " + da,
+			ma + ".{fff}",
+			ua + " " + fa,
 			Q,
-			ca + " " + da,
+			la + " " + fa,
 			Q,
-			fa,
+			pa,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = X(g * e, 3), v = wa(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = X(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ta(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : X(wa(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Kr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ta(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = wa(c + r * a, l + n * a, 1), s = o - t(X(o * e, 3));
-					i = X((+o + s) * e, 3), i <= u && p.push(i);
+					let o = Ta(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Gr(l) - Gr(_)) + hi(_ - y, a);
+				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + hi(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = X(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Gr(X(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = qr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					X((o - i) / d, 3) * v >= .7 && p.push(o);
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -4166,12 +4166,12 @@ function ma(e) {
 		l
 	];
 }
-var [ha, ga, _a] = ma(1), [va, ya, ba] = ma(.001);
-Z(2, -53, 53, [1]);
-function xa(e, t) {
+var [ga, _a, va] = ha(1), [ya, ba, xa] = ha(.001);
+yi(2, -53, 53, [1]);
+function Sa(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Sa(e, t) {
+function Ca(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -4180,98 +4180,98 @@ function Sa(e, t) {
 		});
 	};
 }
-function Ca(e, t) {
-	let n = Yi(t);
+function wa(e, t) {
+	let n = Xi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function wa(e, t, n) {
+function Ta(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ta(e, t) {
+function Ea(e, t) {
 	return t(e);
 }
-var Ea = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Da(e, t) {
-	return (n, r, i, a) => a == null ? rr : t(e(r));
-}
+var Da = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function Oa(e, t) {
+	return (n, r, i, a) => a == null ? ar : t(e(r));
+}
+function ka(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function ka(e, t) {
+function Aa(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Aa = {
+var ja = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: oi,
+	mount: si,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Oa,
-		fill: ka,
+		stroke: ka,
+		fill: Aa,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function ja(e, t) {
-	let n = e.cursor.points, r = pr(), i = n.size(e, t);
-	q(r, zn, i), q(r, Bn, i);
-	let a = i / -2;
-	q(r, "marginLeft", a), q(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && q(r, "borderWidth", o), r;
-}
 function Ma(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = hr(), i = n.size(e, t);
+	K(r, Vn, i), K(r, Hn, i);
+	let a = i / -2;
+	K(r, "marginLeft", a), K(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && K(r, "borderWidth", o), r;
 }
 function Na(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Pa(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function Fa(e, t) {
 	return e.series[t].points.size;
 }
-var Fa = [0, 0];
-function Ia(e, t, n) {
-	return Fa[0] = t, Fa[1] = n, Fa;
+var Ia = [0, 0];
+function La(e, t, n) {
+	return Ia[0] = t, Ia[1] = n, Ia;
 }
-function La(e, t, n, r = !0) {
+function Ra(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Ra(e, t, n, r = !0) {
+function za(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var za = {
+var Ba = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Ia,
+	move: La,
 	points: {
 		one: !1,
-		show: ja,
-		size: Pa,
+		show: Ma,
+		size: Fa,
 		width: 0,
-		stroke: Na,
-		fill: Ma
+		stroke: Pa,
+		fill: Na
 	},
 	bind: {
-		mousedown: La,
-		mouseup: La,
-		click: La,
-		dblclick: La,
-		mousemove: Ra,
-		mouseleave: Ra,
-		mouseenter: Ra
+		mousedown: Ra,
+		mouseup: Ra,
+		click: Ra,
+		dblclick: Ra,
+		mousemove: za,
+		mouseleave: za,
+		mouseenter: za
 	},
 	drag: {
 		setScale: !0,
@@ -4301,139 +4301,139 @@ var za = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Ba = {
+}, Va = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Va = ji({}, Ba, { filter: ci }), Ha = ji({}, Va, { size: 10 }), Ua = ji({}, Ba, { show: !1 }), Wa = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ga = "bold " + Wa, Ka = 1.5, qa = {
+}, Ha = Mi({}, Va, { filter: li }), Ua = Mi({}, Ha, { size: 10 }), Wa = Mi({}, Va, { show: !1 }), Ga = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ka = "bold " + Ga, qa = 1.5, Ja = {
 	show: !0,
 	scale: "x",
-	stroke: Gn,
+	stroke: qn,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ga,
+	labelFont: Ka,
 	side: 2,
-	grid: Va,
-	ticks: Ha,
-	border: Ua,
-	font: Wa,
-	lineGap: Ka,
+	grid: Ha,
+	ticks: Ua,
+	border: Wa,
+	font: Ga,
+	lineGap: qa,
 	rotate: 0
-}, Ja = "Value", Ya = "Time", Xa = {
+}, Ya = "Value", Xa = "Time", Za = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ni,
+	min: J,
 	max: -Infinity,
 	idxs: []
 };
-function Za(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Vr(e));
-}
-function Qa(e, t, n, r, i, a, o) {
-	let s = [], c = _i.get(i) || 0;
-	n = o ? n : X(hi(n, i), c);
-	for (let e = n; e <= r; e = X(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
-	return s;
+function Qa(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Ur(e));
 }
 function $a(e, t, n, r, i, a, o) {
-	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Xr(c, Gr((c == 10 ? Qr : $r)(n))), c == 10 && (i = ra[wr(i, ra)]);
-	let l = n, u = i * c;
-	c == 10 && (u = ra[wr(u, ra)]);
-	do
-		s.push(l), l += i, c == 10 && !_i.has(l) && (l = X(l, _i.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ra[wr(u, ra)]));
-	while (l <= r);
+	let s = [], c = _i.get(i) || 0;
+	n = o ? n : Z(hi(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
 function eo(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? $a(e, t, Yr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? $a(e, t, Yr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+	let s = [], c = e.scales[e.axes[t].scale].log;
+	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = ia[Er(i, ia)]);
+	let l = n, u = i * c;
+	c == 10 && (u = ia[Er(u, ia)]);
+	do
+		s.push(l), l += i, c == 10 && !_i.has(l) && (l = Z(l, _i.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ia[Er(u, ia)]));
+	while (l <= r);
+	return s;
 }
-var to = /./, no = /[12357]/, ro = /[125]/, io = /1/, ao = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function oo(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? to : c(7, o) - u >= l ? no : c(5, o) - u >= l ? ro : io;
-	if (d == io) {
-		let e = Wr(c(1, o) - u);
-		if (e < l) return ao(t.slice().reverse(), s.distr, d, qr(l / e)).reverse();
-	}
-	return ao(t, s.distr, d, 1);
+function to(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? eo(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? eo(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
+var no = /./, ro = /[12357]/, io = /[125]/, ao = /1/, oo = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function so(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Wr(c(1, o) - c(2, o));
-	return l < s ? ao(t.slice().reverse(), 3, to, qr(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? no : c(7, o) - u >= l ? ro : c(5, o) - u >= l ? io : ao;
+	if (d == ao) {
+		let e = Kr(c(1, o) - u);
+		if (e < l) return oo(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
+	}
+	return oo(t, s.distr, d, 1);
 }
-function co(e, t, n, r) {
-	return r == null ? rr : t == null ? "" : Vr(t);
+function co(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
+	return l < s ? oo(t.slice().reverse(), 3, no, Yr(s / l)).reverse() : t;
 }
-var lo = {
+function lo(e, t, n, r) {
+	return r == null ? ar : t == null ? "" : Ur(t);
+}
+var uo = {
 	show: !0,
 	scale: "y",
-	stroke: Gn,
+	stroke: qn,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ga,
+	labelFont: Ka,
 	side: 3,
-	grid: Va,
-	ticks: Ha,
-	border: Ua,
-	font: Wa,
-	lineGap: Ka,
+	grid: Ha,
+	ticks: Ua,
+	border: Wa,
+	font: Ga,
+	lineGap: qa,
 	rotate: 0
 };
-function uo(e, t) {
-	return X((3 + (e || 1) * 2) * t, 3);
-}
 function fo(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Wr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
+	return Z((3 + (e || 1) * 2) * t, 3);
+}
+function po(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * G);
 	return r[1] - r[0] <= o;
 }
-var po = {
+var mo = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ni,
+	min: J,
 	max: -Infinity
-}, mo = (e, t, n, r, i) => i, ho = {
+}, ho = (e, t, n, r, i) => i, go = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: mo,
+	gaps: ho,
 	alpha: 1,
-	facets: [ji({}, po, { scale: "x" }), ji({}, po, { scale: "y" })]
-}, go = {
+	facets: [Mi({}, mo, { scale: "x" }), Mi({}, mo, { scale: "y" })]
+}, _o = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: mo,
+	gaps: ho,
 	alpha: 1,
 	points: {
-		show: fo,
+		show: po,
 		filter: null
 	},
 	values: null,
-	min: ni,
+	min: J,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function _o(e, t, n, r, i) {
+function vo(e, t, n, r, i) {
 	return n / 10;
 }
-var vo = {
-	time: vn,
+var yo = {
+	time: bn,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -4442,12 +4442,12 @@ var vo = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, yo = ji({}, vo, {
+}, bo = Mi({}, yo, {
 	time: !1,
 	ori: 1
-}), bo = {};
-function xo(e, t) {
-	let n = bo[e];
+}), xo = {};
+function So(e, t) {
+	let n = xo[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4460,38 +4460,38 @@ function xo(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (bo[e] = n)), n;
+	}, e != null && (xo[e] = n)), n;
 }
-var So = 1, Co = 2;
-function wo(e, t, n) {
+var Co = 1, wo = 2;
+function To(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, No, Fo, Lo, zo, Vo) : n(i, c, l, u, d, _, g, p, f, h, m, Po, Io, Ro, Bo, Ho);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Po, Io, Ro, Bo, Ho) : n(i, c, l, u, d, _, g, p, f, h, m, Fo, Lo, zo, Vo, Uo);
 }
-function To(e, t) {
-	let n = 0, r = 0, i = J(e.bands, bi);
+function Eo(e, t) {
+	let n = 0, r = 0, i = q(e.bands, xi);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Eo(e, t, n, r, i) {
+function Do(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Do(e, t, n, r, i, a) {
-	return wo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Fo : Io, v, y;
+function Oo(e, t, n, r, i, a) {
+	return To(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Io : Lo, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Oo(e, t, n, r, i, a) {
+function ko(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Lo : Ro, c = n;
+		let s = t == 0 ? Ro : zo, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4504,11 +4504,11 @@ function Oo(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function ko(e, t, n) {
+function Ao(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ao(e, t, n, r, i, a, o) {
+function jo(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4521,11 +4521,11 @@ function Ao(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function jo(e) {
-	return e == 0 ? si : e == 1 ? Kr : (t) => mi(t, e);
-}
 function Mo(e) {
-	let t = e == 0 ? No : Po, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? ci : e == 1 ? Jr : (t) => mi(t, e);
+}
+function No(e) {
+	let t = e == 0 ? Po : Fo, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4535,36 +4535,36 @@ function Mo(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Jr(c, o / 2, s / 2), l = Jr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xr(c, o / 2, s / 2), l = Xr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var No = (e, t, n) => {
+var Po = (e, t, n) => {
 	e.moveTo(t, n);
-}, Po = (e, t, n) => {
-	e.moveTo(n, t);
 }, Fo = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, Io = (e, t, n) => {
+	e.lineTo(t, n);
+}, Lo = (e, t, n) => {
 	e.lineTo(n, t);
-}, Lo = Mo(0), Ro = Mo(1), zo = (e, t, n, r, i, a) => {
+}, Ro = No(0), zo = No(1), Bo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Bo = (e, t, n, r, i, a) => {
+}, Vo = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Vo = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, Ho = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, Uo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Uo(e) {
-	return (e, t, n, r, i) => wo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Wo(e) {
+	return (e, t, n, r, i) => To(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = No, v = zo) : (_ = Po, v = Bo);
-		let y = X(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = X(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Lo(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Po, v = Bo) : (_ = Fo, v = Vo);
+		let y = Z(g.width * G, 3), b = (g.size - g.width) / 2 * G, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Ro(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Ur * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Gr * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4577,25 +4577,25 @@ function Uo(e) {
 		};
 	});
 }
-function Wo(e) {
+function Go(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Go = Wo(Fo), Ko = Wo(Io);
-function qo(e) {
-	let t = J(e?.alignGaps, 0);
-	return (e, n, r, i) => wo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Or(s, r, i);
+var Ko = Go(Io), qo = Go(Lo);
+function Jo(e) {
+	let t = q(e?.alignGaps, 0);
+	return (e, n, r, i) => To(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ar(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Fo, b = Go) : (y = Io, b = Ko);
+		c.ori == 0 ? (y = Io, b = Ko) : (y = Lo, b = qo);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
+			flags: Co
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4608,134 +4608,134 @@ function qo(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = To(e, n);
+		let [T, E] = Eo(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ao(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Oo(l, c.ori, f, p, m, h);
+			w && l.push(...jo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = ko(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Do(e, n, r, i, C, -1), Do(e, n, r, i, C, 1)] : Do(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Oo(e, n, r, i, C, -1), Oo(e, n, r, i, C, 1)] : Oo(e, n, r, i, C, E)), S;
 	});
 }
-function Jo(e) {
-	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
-	return (e, a, o, s) => wo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Or(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Fo : Io, T = {
+function Yo(e) {
+	let t = q(e.align, 1), n = q(e.ascDesc, !1), r = q(e.alignGaps, 0), i = q(e.extend, !1);
+	return (e, a, o, s) => To(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ar(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Io : Lo, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
-		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
+			flags: Co
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
+		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
+			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let te = ee;
-		i && t == 1 && (te = b + x, w(E, te, O));
-		let [ne, re] = To(e, a);
-		if (c.fill != null || ne != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ne));
-			w(t, te, n), w(t, A, n);
+		let ee = A;
+		i && t == 1 && (ee = b + x, w(E, ee, O));
+		let [te, ne] = Eo(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ao(l, u, o, s, D, S, r));
-			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...jo(l, u, o, s, D, S, r));
+			let f = c.width * G / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Oo(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = ko(i, d.ori, h, g, _, v);
 		}
-		return re != 0 && (T.band = re == 2 ? [Do(e, a, o, s, E, -1), Do(e, a, o, s, E, 1)] : Do(e, a, o, s, E, re)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Oo(e, a, o, s, E, -1), Oo(e, a, o, s, E, 1)] : Oo(e, a, o, s, E, ne)), T;
 	});
 }
-function Yo(e, t, n, r, i, a, o = ni) {
+function Xo(e, t, n, r, i, a, o = J) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Wr(e[c] - e[s]);
-				t < l && (l = t, o = Wr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Kr(e[c] - e[s]);
+				t < l && (l = t, o = Kr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Xo(e) {
-	e ||= yi;
-	let t = J(e.size, [
+function Zo(e) {
+	e ||= bi;
+	let t = q(e.size, [
 		.6,
-		ni,
+		J,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Y(i), o = 1 - t[0], s = J(t[1], ni), c = J(t[2], 1), l = J(e.disp, yi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => wo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, ee, A;
-		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
-		let te = _.dir * (_.ori == 0 ? 1 : -1), ne = _.ori == 0 ? Lo : Ro, re = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = Y(i), o = 1 - t[0], s = q(t[1], J), c = q(t[2], 1), l = q(e.disp, bi), u = q(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => To(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * G, O = s * G, k = c * G, A, j;
+		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Ro : zo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, ie = J(e.bands, bi).find((e) => e.series[0] == t), ae = ie == null ? 0 : ie.dir, oe = m.fillTo(e, t, m.min, m.max, ae), j = T(b(oe, v, w, S)), M, N, se, P = C, F = T(m.width * K), ce = !1, le = null, ue = null, de = null, fe = null;
-		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
-			e != null && ue.set(e, new Path2D());
-		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
-			e != null && fe.set(e, new Path2D());
+		}, re = q(e.bands, xi).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * G), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: pe, size: me } = l;
-		if (pe != null && me != null) {
-			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = me.values(e, t, i, p);
-			N = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), P = Yo(h, g, y, _, C, x, P), se = P - N + D;
-		} else P = Yo(h, g, y, _, C, x, P), se = P * o + D, N = P - se;
-		se < 1 && (se = 0), F >= N / 2 && (F = 0), se < 5 && (T = si);
-		let he = se > 0, ge = P - se - (he ? F : 0);
-		N = T(ii(ge, k, O)), M = (E == 0 ? N / 2 : E == te ? 0 : N) - E * te * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
-		let _e = {
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Xo(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Xo(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ci);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(ai(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, ve = ce ? null : new Path2D(), ye = null;
-		if (ie != null) ye = e.data[ie.series[1]];
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
 		}
-		let be = ee * N, xe = A * N;
-		for (let n = te == 1 ? i : p; n >= i && n <= p; n += te) {
+		let ye = A * P, be = j * P;
+		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ye != null) {
-				let e = ye[n] ?? 0;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
 				if (r - e == 0) continue;
-				j = b(e, v, w, S);
+				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, oe), v, w, S), o = T(i - M), s = T(Yr(a, j)), c = T(Jr(a, j)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(q(r, ae), v, w, S), o = T(i - N), s = T(Zr(a, M)), c = T(Xr(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
-				ce ? (F > 0 && de[n] != null && ne(fe.get(de[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a), le[n] != null && ne(ue.get(le[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a)) : ne(ve, o, c + Gr(F / 2), N, Yr(0, u - F), i, a), re(e, t, n, o - F / 2, c, N + F, u);
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + qr(I / 2), P, Zr(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + qr(I / 2), P, Zr(0, u - I), i, a)) : te(_e, o, c + qr(I / 2), P, Zr(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
-		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function Zo(e, t) {
-	let n = J(t?.alignGaps, 0);
-	return (t, r, i, a) => wo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Or(c, i, a);
+function Qo(e, t) {
+	let n = q(t?.alignGaps, 0);
+	return (t, r, i, a) => To(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ar(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = No, S = Fo, x = Vo) : (b = Po, S = Io, x = Ho);
+		l.ori == 0 ? (b = Po, S = Io, x = Ho) : (b = Fo, S = Lo, x = Uo);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4747,23 +4747,23 @@ function Zo(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
-		}, k = O.stroke, [ee, A] = To(t, r);
-		if (o.fill != null || ee != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
+			flags: Co
+		}, k = O.stroke, [A, j] = Eo(t, r);
+		if (o.fill != null || A != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ao(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Oo(e, l.ori, p, m, h, g);
+			e.push(...jo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = ko(e, l.ori, p, m, h, g);
 		}
-		return A != 0 && (O.band = A == 2 ? [Do(t, r, i, a, k, -1), Do(t, r, i, a, k, 1)] : Do(t, r, i, a, k, A)), O;
+		return j != 0 && (O.band = j == 2 ? [Oo(t, r, i, a, k, -1), Oo(t, r, i, a, k, 1)] : Oo(t, r, i, a, k, j)), O;
 	});
 }
-function Qo(e) {
-	return Zo($o, e);
+function $o(e) {
+	return Qo(es, e);
 }
-function $o(e, t, n, r, i, a) {
+function es(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4778,62 +4778,62 @@ function $o(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var es = /* @__PURE__ */ new Set();
-function ts() {
-	for (let e of es) e.syncRect(!0);
+var ts = /* @__PURE__ */ new Set();
+function ns() {
+	for (let e of ts) e.syncRect(!0);
 }
-ir && (Sr($n, or, ts), Sr(er, or, ts, !0), Sr(nr, or, () => {
-	_s.pxRatio = K;
+or && (wr(tr, cr, ns), wr(nr, cr, ns, !0), wr(ir, cr, () => {
+	vs.pxRatio = G;
 }));
-var ns = qo(), rs = Uo();
-function is(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => os(e, r, t, n));
+var rs = Jo(), is = Wo();
+function as(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ss(e, r, t, n));
 }
-function as(e, t) {
-	return e.map((e, n) => n == 0 ? {} : ji({}, t, e));
+function os(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Mi({}, t, e));
 }
-function os(e, t, n, r) {
-	return ji({}, t == 0 ? n : r, e);
+function ss(e, t, n, r) {
+	return Mi({}, t == 0 ? n : r, e);
 }
-function ss(e, t, n) {
-	return t == null ? xi : [t, n];
+function cs(e, t, n) {
+	return t == null ? Si : [t, n];
 }
-var cs = ss;
-function ls(e, t, n) {
-	return t == null ? xi : Lr(t, n, Nr, !0);
+var ls = cs;
+function us(e, t, n) {
+	return t == null ? Si : zr(t, n, Fr, !0);
 }
-function us(e, t, n, r) {
-	return t == null ? xi : jr(t, n, e.scales[r].log, !1);
+function ds(e, t, n, r) {
+	return t == null ? Si : Nr(t, n, e.scales[r].log, !1);
 }
-var ds = us;
-function fs(e, t, n, r) {
-	return t == null ? xi : Mr(t, n, e.scales[r].log, !1);
+var fs = ds;
+function ps(e, t, n, r) {
+	return t == null ? Si : Pr(t, n, e.scales[r].log, !1);
 }
-var ps = fs;
-function ms(e, t, n, r, i) {
-	let a = Yr(ri(e), ri(t)), o = t - e, s = wr(i / r * o, n);
+var ms = ps;
+function hs(e, t, n, r, i) {
+	let a = Zr(ii(e), ii(t)), o = t - e, s = Er(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
 		if (t >= i && a + (e < 5 ? _i.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function hs(e) {
+function gs(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Kr((n = +r) * K)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * G)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function gs(e) {
+function _s(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = X(e[2] * K, 1);
+		let t = Z(e[2] * G, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function _s(e, t, n) {
-	let r = { mode: J(e.mode, 1) }, i = r.mode;
+function vs(e, t, n) {
+	let r = { mode: q(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4848,33 +4848,33 @@ function _s(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = pr(yn);
-	if (e.id != null && (l.id = e.id), ur(l, e.class), e.title) {
-		let t = pr(Sn, l);
+	let l = r.root = hr(xn);
+	if (e.id != null && (l.id = e.id), fr(l, e.class), e.title) {
+		let t = hr(wn, l);
 		t.textContent = e.title;
 	}
-	let u = fr("canvas"), d = r.ctx = u.getContext("2d"), f = pr(Cn, l);
-	Sr("click", f, (e) => {
-		e.target === m && (U != tn || W != nn) && sn.click(r, e);
+	let u = mr("canvas"), d = r.ctx = u.getContext("2d"), f = hr(Tn, l);
+	wr("click", f, (e) => {
+		e.target === m && (H != nn || U != rn) && cn.click(r, e);
 	}, !0);
-	let p = r.under = pr(wn, f);
+	let p = r.under = hr(En, f);
 	f.appendChild(u);
-	let m = r.over = pr(Tn, f);
-	e = Ai(e);
-	let h = +J(e.pxAlign, 1), g = jo(h);
+	let m = r.over = hr(Dn, f);
+	e = ji(e);
+	let h = +q(e.pxAlign, 1), g = Mo(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? is(e.series || [], Xa, go, !1) : as(e.series || [null], ho), y = r.axes = is(e.axes || [], qa, lo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? as(e.series || [], Za, _o, !1) : os(e.series || [null], go), y = r.axes = as(e.axes || [], Ja, uo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
+		e.fill = Y(e.fill || null), e.dir = q(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: zt,
-		series: Ot
+		axes: Bt,
+		series: kt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Qr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ti(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ei(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ri(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4883,30 +4883,30 @@ function _s(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || yi)[t] || yi;
+			let r = (e.scales || bi)[t] || bi;
 			if (r.from != null) {
 				E(r.from);
-				let e = ji({}, b[r.from], r, { key: t });
+				let e = Mi({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = ji({}, t == S ? vo : yo, r), n.key = t;
-				let e = n.time, a = n.range, o = Si(a);
+				n = b[t] = Mi({}, t == S ? yo : bo, r), n.key = t;
+				let e = n.time, a = n.range, o = Ci(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Pr : {
+					min: a[0] == null ? Ir : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Pr : {
+					max: a[1] == null ? Ir : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Ei(a))) {
+				}, o = !1), !o && Di(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? xi : Lr(n, r, e);
+					a = (t, n, r) => n == null ? Si : zr(n, r, e);
 				}
-				n.range = Y(a || (e ? cs : t == S ? n.distr == 3 ? ds : n.distr == 4 ? ps : ss : n.distr == 3 ? us : n.distr == 4 ? fs : ls)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || _o), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Y(a || (e ? ls : t == S ? n.distr == 3 ? fs : n.distr == 4 ? ms : cs : n.distr == 3 ? ds : n.distr == 4 ? ps : us)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || vo), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4916,89 +4916,89 @@ function _s(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, ee;
-	D.ori == 0 ? (ur(l, bn), k = a, ee = o) : (ur(l, xn), k = o, ee = a);
-	let A = {};
+	let D = b[S], O = D.distr, k, A;
+	D.ori == 0 ? (fr(l, Sn), k = a, A = o) : (fr(l, Cn), k = o, A = a);
+	let j = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (A[e] = {
+		(t.min != null || t.max != null) && (j[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let te = e.tzDate || ((e) => new Date(Kr(e / _))), ne = e.fmtDate || Yi, re = _ == 1 ? _a(te) : ba(te), ie = Sa(te, xa(_ == 1 ? ga : ya, ne)), ae = Da(te, Ta(Ea, ne)), oe = [], j = r.legend = ji({}, Aa, e.legend), M = r.cursor = ji({}, za, { drag: { y: i == 2 } }, e.cursor), N = j.show, se = M.show, P = j.markers;
-	j.idxs = oe, P.width = Y(P.width), P.dash = Y(P.dash), P.stroke = Y(P.stroke), P.fill = Y(P.fill);
-	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
-	if (j.live) {
+	let ee = e.tzDate || ((e) => new Date(Jr(e / _))), te = e.fmtDate || Xi, ne = _ == 1 ? va(ee) : xa(ee), re = Ca(ee, Sa(_ == 1 ? _a : ba, te)), ie = Oa(ee, Ea(Da, te)), ae = [], M = r.legend = Mi({}, ja, e.legend), N = r.cursor = Mi({}, Ba, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = Y(F.width), F.dash = Y(F.dash), F.stroke = Y(F.stroke), F.fill = Y(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
-		for (let e in fe) me[e] = rr;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = ar;
 	}
-	if (N) {
-		if (F = fr("table", Mn, l), le = fr("tbody", null, F), j.mount(r, F), pe) {
-			ce = fr("thead", null, F, le);
-			let e = fr("tr", null, ce);
-			for (var he in fr("th", null, e), fe) fr("th", Ln, e).textContent = he;
-		} else ur(F, Pn), j.live && ur(F, Nn);
+	if (P) {
+		if (I = mr("table", Pn, l), ce = mr("tbody", null, I), M.mount(r, I), fe) {
+			se = mr("thead", null, I, ce);
+			let e = mr("tr", null, se);
+			for (var me in mr("th", null, e), de) mr("th", zn, e).textContent = me;
+		} else fr(I, In), M.live && fr(I, Fn);
 	}
-	let ge = { show: !0 }, _e = { show: !1 };
-	function ve(e, t) {
-		if (t == 0 && (pe || !j.live || i == 2)) return xi;
-		let n = [], a = fr("tr", Fn, le, le.childNodes[t]);
-		ur(a, e.class), e.show || ur(a, Dn);
-		let o = fr("th", null, a);
-		if (P.show) {
-			let e = pr(In, o);
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return Si;
+		let n = [], a = mr("tr", Ln, ce, ce.childNodes[t]);
+		fr(a, e.class), e.show || fr(a, kn);
+		let o = mr("th", null, a);
+		if (F.show) {
+			let e = hr(Rn, o);
 			if (t > 0) {
-				let n = P.width(r, t);
-				n && (e.style.border = n + "px " + P.dash(r, t) + " " + P.stroke(r, t)), e.style.background = P.fill(r, t);
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = pr(Ln, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (P.show || (s.style.color = e.width > 0 ? P.stroke(r, t) : P.fill(r, t)), be("click", o, (t) => {
-			if (M._lock) return;
+		let s = hr(zn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
 			We(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != j.isolate) {
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? ge : _e : ge, !0, Z.setSeries);
+					r > 0 && hn(r, e ? r == n ? he : ge : he, !0, gi.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, Z.setSeries);
-		}, !1), qe && be(Xn, o, (t) => {
-			M._lock || (We(t), mn(v.indexOf(e), tr, !0, Z.setSeries));
-		}, !1)), fe) {
-			let e = fr("td", Rn, a);
+			} else hn(n, { show: !e.show }, !0, gi.setSeries);
+		}, !1), qe && ye(Qn, o, (t) => {
+			N._lock || (We(t), hn(v.indexOf(e), nr, !0, gi.setSeries));
+		}, !1)), de) {
+			let e = mr("td", Bn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ye = /* @__PURE__ */ new Map();
-	function be(e, t, n, i = !0) {
-		let a = ye.get(t) || {}, o = M.bind[e](r, t, n, i);
-		o && (Sr(e, t, a[e] = o), ye.set(t, a));
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (wr(e, t, a[e] = o), ve.set(t, a));
 	}
-	function xe(e, t, n) {
-		let r = ye.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Cr(n, t, r[n]), delete r[n]);
-		e ?? ye.delete(t);
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Tr(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
 	}
-	let Se = 0, I = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
+	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
 	r.bbox = {};
 	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
 	function ze(e, t, n) {
-		(n || e != r.width || t != r.height) && Be(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
+		(n || e != r.width || t != r.height) && Be(e, t), Vt(!1), Fe = !0, Pe = !0, Kt();
 	}
 	function Be(e, t) {
-		r.width = Se = L = e, r.height = I = R = t, Ce = we = 0, z(), Ue();
+		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, Ue(), z();
 		let n = r.bbox;
-		ke = n.left = mi(Ce * K, .5), Ae = n.top = mi(we * K, .5), je = n.width = mi(L * K, .5), Me = n.height = mi(R * K, .5);
+		ke = n.left = mi(Ce * G, .5), Ae = n.top = mi(we * G, .5), je = n.width = mi(L * G, .5), Me = n.height = mi(R * G, .5);
 	}
 	function Ve() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Lt(t), i = Rt(t);
+			let n = Rt(t), i = zt(t);
 			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
 		}
 	}
@@ -5006,16 +5006,16 @@ function _s(e, t, n) {
 		ze(e, t);
 	}
 	r.setSize = He;
-	function z() {
+	function Ue() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
 				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= it[1] + it[3], Ce += it[3], R -= it[2] + it[0], we += it[0];
+		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], we += at[0];
 	}
-	function Ue() {
+	function z() {
 		let e = Ce + L, t = we + R, n = Ce, r = we;
 		function i(i, a) {
 			switch (i) {
@@ -5032,13 +5032,13 @@ function _s(e, t, n) {
 			}
 		});
 	}
-	if (M.dataIdx == null) {
-		let e = M.hover, n = e.skip = new Set(e.skip ?? []);
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
 		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
-		M.dataIdx = (e, a, o, s) => {
+		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ni, u = l >= 0 && l < ni, d = D.ori == 0 ? L : R, f = M.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? J, u = l >= 0 && l < J, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5050,177 +5050,177 @@ function _s(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Wr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Kr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
 	let We = (e) => {
-		M.event = e;
+		N.event = e;
 	};
-	M.idxs = oe, M._lock = !1;
-	let Ge = M.points;
+	N.idxs = ae, N._lock = !1;
+	let Ge = N.points;
 	Ge.show = Y(Ge.show), Ge.size = Y(Ge.size), Ge.stroke = Y(Ge.stroke), Ge.width = Y(Ge.width), Ge.fill = Y(Ge.fill);
-	let Ke = r.focus = ji({}, e.focus || { alpha: .3 }, M.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], B = [];
-	function Ze(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return ur(n, jn), ur(n, e.class), hr(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
-	}
+	let Ke = r.focus = Mi({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	}
+	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Ti(n) ? Da(te, Ta(n, ne)) : n || ae : n || co, e.label = e.label || (t ? Ya : Ja);
+			e.value = t ? Ei(n) ? Oa(ee, Ea(n, te)) : n || ie : n || lo, e.label = e.label || (t ? Xa : Ya);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ns || li, e.fillTo = Y(e.fillTo || Eo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = jo(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = uo(Yr(1, e.width), 1), n = e.points = ji({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || rs || ui, e.fillTo = Y(e.fillTo || Do), e.pxAlign = +q(e.pxAlign, h), e.pxRound = Mo(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = fo(Zr(1, e.width), 1), n = e.points = Mi({}, {
 				size: t,
-				width: Yr(1, t * .2),
+				width: Zr(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: rs,
+				paths: is,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (N) {
-			let n = ve(e, t);
-			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), j.values.push(null);
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
 		}
-		if (se) {
-			oe.splice(t, 0, null);
+		if (oe) {
+			ae.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), B.splice(t, 0, 0);
+			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		hi("addSeries", t);
+		X("addSeries", t);
 	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? os(e, t, Xa, go) : os(e, t, {}, ho), v.splice(t, 0, e), Qe(v[t], t);
+	function et(e, t) {
+		t ??= v.length, e = i == 1 ? ss(e, t, Za, _o) : ss(e, t, {}, go), v.splice(t, 0, e), $e(v[t], t);
 	}
-	r.addSeries = $e;
-	function et(e) {
-		if (v.splice(e, 1), N) {
-			j.values.splice(e, 1), de.splice(e, 1);
-			let t = ue.splice(e, 1)[0];
-			xe(null, t.firstChild), t.remove();
+	r.addSeries = et;
+	function tt(e) {
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
 		}
-		se && (oe.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), B.splice(e, 1)), hi("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), X("delSeries", e);
 	}
-	r.delSeries = et;
-	let tt = [
+	r.delSeries = tt;
+	let nt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function nt(e, t) {
+	function rt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), Si(e.incrs) && e.incrs.forEach((e) => {
+			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), Ci(e.incrs) && e.incrs.forEach((e) => {
 				!_i.has(e) && _i.set(e, vi(e));
-			}), e.incrs = Y(e.incrs || (i.distr == 2 ? na : a ? _ == 1 ? ha : va : ra)), e.splits = Y(e.splits || (a && i.distr == 1 ? re : i.distr == 3 ? $a : i.distr == 4 ? eo : Qa)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
+			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ra : a ? _ == 1 ? ga : ya : ia)), e.splits = Y(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? eo : i.distr == 4 ? to : $a)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
 			let o = e.values;
-			e.values = Si(o) && !Si(o[0]) ? Y(o) : a ? Si(o) ? Sa(te, xa(o, ne)) : Ti(o) ? Ca(te, o) : o || ie : o || Za, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? oo : i.distr == 3 && i.log == 2 ? so : ci)), e.font = hs(e.font), e.labelFont = hs(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = pr(En, f));
+			e.values = Ci(o) && !Ci(o[0]) ? Y(o) : a ? Ci(o) ? Ca(ee, Sa(o, te)) : Ei(o) ? wa(ee, o) : o || re : o || Qa, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? so : i.distr == 3 && i.log == 2 ? co : li)), e.font = gs(e.font), e.labelFont = gs(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = hr(On, f));
 		}
 	}
-	function V(e, t, n, r) {
+	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Kr(qa.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Kr(lo.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ja.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(uo.size / 2) : 0), l;
 	}
-	let rt = r.padding = (e.padding || [
-		V,
-		V,
-		V,
-		V
-	]).map((e) => Y(J(e, V))), it = r._padding = rt.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, H = !1;
-	function ut(e, n) {
+	let B = r.padding = (e.padding || [
+		it,
+		it,
+		it,
+		it
+	]).map((e) => Y(q(e, it))), at = r._padding = B.map((e, t) => e(r, t, nt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, dt = !1;
+	function V(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			at = 0;
-			for (let e = 1; e < v.length; e++) at += t[e][0].length;
+			ot = 0;
+			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], at = lt.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(at);
-				for (let e = 0; e < at; e++) n[e] = e;
+				let n = e[0] = Array(ot);
+				for (let e = 0; e < ot; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), hi("setData"), O == 2 && (Fe = !0), n !== !1) {
+		if (Vt(!0), X("setData"), O == 2 && (Fe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, H) ? dt() : pn(S, e.min, e.max), Ie ||= M.left >= 0, Re = !0, Gt();
+			e.auto(r, dt) ? ft() : mn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Kt();
 		}
 	}
-	r.setData = ut;
-	function dt() {
-		H = !0;
+	r.setData = V;
+	function ft() {
+		dt = !0;
 		let e, n;
-		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = jr(e, e, D.log, !1) : O == 4 ? [e, n] = Mr(e, e, D.log, !1) : D.time ? n = e + Kr(86400 / _) : [e, n] = Lr(e, n, Nr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), mn(S, e, n);
 	}
-	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
-	function St(e, t, n, r, i, a) {
-		e ??= Kn, n ??= bi, r ??= "butt", i ??= Kn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+	let pt, mt, ht, gt, _t, vt, yt, bt, xt, St;
+	function Ct(e, t, n, r, i, a) {
+		e ??= Jn, n ??= xi, r ??= "butt", i ??= Jn, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != vt && (d.lineCap = vt = r), n != gt && d.setLineDash(gt = n);
 	}
-	function Ct(e, t, n, r) {
-		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+	function wt(e, t, n, r) {
+		t != mt && (d.fillStyle = mt = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
 	}
-	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, H) && (t == null || t.min == null)) {
-			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Ar(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Jr(e.min, n.min = o[0]), e.max = Yr(e.max, n.max = o[1]);
+	function Tt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
+			let t = q(st, 0), r = q(ct, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Xr(e.min, n.min = o[0]), e.max = Zr(e.max, n.max = o[1]);
 		}
 	}
-	let Tt = {
+	let Et = {
 		min: null,
 		max: null
 	};
-	function Et() {
+	function Dt() {
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && (t.min == null || A[S] != null && t.auto(r, H)) && (A[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Et);
 		}
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && t.from != null && A[t.from] != null && (A[e] = Tt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Et);
 		}
-		A[S] != null && Bt(!0);
+		j[S] != null && Vt(!0);
 		let e = {};
-		for (let t in A) {
-			let n = A[t];
+		for (let t in j) {
+			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ai(b[t], Di);
-				if (n.min != null) ji(a, n);
+				let a = e[t] = ji(b[t], Oi);
+				if (n.min != null) Mi(a, n);
 				else if (t != S || i == 2) {
-					if (at == 0 && a.from == null) {
+					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ni, a.max = -Infinity;
+					} else a.min = J, a.max = -Infinity;
 				}
 			}
 		}
-		if (at > 0) {
+		if (ot > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = A[i];
+					let i = n.scale, o = j[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ot = wr(s.min, t[0]), st = wr(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
-					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = ot, n.idxs[1] = st;
+						s.min = e[0], s.max = e[1], st = Er(s.min, t[0]), ct = Er(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
+					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && wt(u, A[o], r, c, r.sorted), d != null && wt(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Tt(u, j[o], r, c, r.sorted), d != null && Tt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = A[t];
+				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ni ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == J ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -5242,54 +5242,54 @@ function _s(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Qr(i.min) : e == 4 ? ti(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Qr(i.max) : e == 4 ? ti(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ei(i.min) : e == 4 ? ri(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ei(i.max) : e == 4 ? ri(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Fe = !0, hi("setScale", e);
-			se && M.left >= 0 && (Ie = Re = !0);
+			for (let e in n) Fe = !0, X("setScale", e);
+			oe && N.left >= 0 && (Ie = Re = !0);
 		}
-		for (let e in A) A[e] = null;
+		for (let e in j) j[e] = null;
 	}
-	function Dt(e) {
-		let t = ii(ot - 1, 0, at - 1), n = ii(st + 1, 0, at - 1);
+	function Ot(e) {
+		let t = ai(st - 1, 0, ot - 1), n = ai(ct + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < at - 1;) n++;
+		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
 	}
-	function Ot() {
-		if (at > 0) {
-			let e = v.some((e) => e._focus) && xt != Ke.alpha;
-			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
-					let a = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
+	function kt() {
+		if (ot > 0) {
+			let e = v.some((e) => e._focus) && St != Ke.alpha;
+			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
+					let a = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
+					let n = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), jt(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), hi("drawSeries", t);
+					St != n && (d.globalAlpha = St = n), X("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = xt = 1);
+			}), e && (d.globalAlpha = St = 1);
 		}
 	}
-	function kt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function At(e, t) {
+	function jt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = X(l * K, 3);
+		l = Z(l * G, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -5297,164 +5297,164 @@ function _s(e, t, n) {
 			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function jt(e, n, i, a, o, s, c, l, u, d, f) {
+	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || yi).band;
-				Si(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || bi).band;
+				Ci(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Rr(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Br(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Co ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & So && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & wo ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Co && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Nt(e, t, n) {
+	function Pt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ft = t, d.stroke(e);
+			d.strokeStyle = pt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Pt(e, t) {
+	function Ft(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = pt = t, d.fill(e);
+			d.fillStyle = mt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Ft(e, t, n, i) {
+	function It(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = ms(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = hs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function It(e, t, n, r, i, a, o, s, c, l) {
+	function Lt(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Lt(e) {
+	function Rt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Bt(!1));
+				n._show && (t = !1, n._show = !1, Vt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
+			n._show || (t = !1, n._show = !0, Vt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = qr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Yr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Rt(e) {
+	function zt(e) {
 		let t = !0;
-		return rt.forEach((n, i) => {
-			let a = n(r, i, tt, e);
-			a != it[i] && (t = !1), it[i] = a;
+		return B.forEach((n, i) => {
+			let a = n(r, i, nt, e);
+			a != at[i] && (t = !1), at[i] = a;
 		}), t;
 	}
-	function zt() {
+	function Bt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Kr((t._lpos + s) * K);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Vn : Hn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Kr(Ae + Me / 2)), d.rotate((n == 3 ? -Ur : Ur) / 2)) : (a = Kr(ke + je / 2), o = p);
-				let m = ai(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Jr((t._lpos + s) * G);
+				wt(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(Ae + Me / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(ke + je / 2), o = p);
+				let m = oi(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Kr(w * K), E = Kr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Ur / 180, O = g(t._pos * K), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * G), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * G), D = t._rotate * -Gr / 180, O = g(t._pos * G), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let ee = t.font[0];
-			Ct(ee, c, t.align == 1 ? Un : t.align == 2 ? Wn : D > 0 ? Un : D < 0 ? Wn : i == 0 ? "center" : n == 3 ? Wn : Un, D || i == 1 ? "middle" : n == 2 ? Vn : Hn);
-			let A = t.font[1] * t.lineGap, te = _.map((e) => g(s(e, p, m, h))), ne = t._values;
-			for (let e = 0; e < ne.length; e++) {
-				let t = ne[e];
+			let A = t.font[0];
+			wt(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
+			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
 				if (t != null) {
-					i == 0 ? a = te[e] : o = te[e], t = "" + t;
+					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
+						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
 					}
 				}
 			}
-			S.show && It(te, S.filter(r, v, e, f, x), i, n, O, T, X(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let re = t.grid;
-			re.show && It(te, re.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, X(re.width * K, 3), re.stroke(r, e), re.dash, re.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, X(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * G, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, Z(ne.width * G, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, Z(C.width * G, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		hi("drawAxes");
+		X("drawAxes");
 	}
-	function Bt(e) {
+	function Vt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Vt = !1, Ht = !1, Ut = [];
-	function Wt() {
-		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) hi(...Ut[e]);
-		Ut.length = 0;
-	}
+	let Ht = !1, Ut = !1, Wt = [];
 	function Gt() {
-		Vt ||= (Li(qt), !0);
+		Ut = !1;
+		for (let e = 0; e < Wt.length; e++) X(...Wt[e]);
+		Wt.length = 0;
 	}
-	function Kt(e, t = !1) {
-		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	function Kt() {
+		Ht ||= (Ri(Jt), !0);
 	}
-	r.batch = Kt;
-	function qt() {
-		if (Ne &&= (Et(), !1), Fe &&= (Ve(), !1), Pe) {
-			if (q(p, Un, Ce), q(p, Vn, we), q(p, zn, L), q(p, Bn, R), q(m, Un, Ce), q(m, Vn, we), q(m, zn, L), q(m, Bn, R), q(f, zn, Se), q(f, Bn, I), u.width = Kr(Se * K), u.height = Kr(I * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	function qt(e, t = !1) {
+		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
+	}
+	r.batch = qt;
+	function Jt() {
+		if (Ne &&= (Dt(), !1), Fe &&= (Ve(), !1), Pe) {
+			if (K(p, Gn, Ce), K(p, Un, we), K(p, Vn, L), K(p, Hn, R), K(m, Gn, Ce), K(m, Un, we), K(m, Vn, L), K(m, Hn, R), K(f, Vn, xe), K(f, Hn, Se), u.width = Jr(xe * G), u.height = Jr(Se * G), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? we : Ce), q(e, a ? "height" : "width", a ? R : L), dr(e, Dn);
-					} else ur(e, Dn);
+						K(e, a ? "left" : "top", r - t), K(e, a ? "width" : "height", n), K(e, a ? "top" : "left", a ? we : Ce), K(e, a ? "height" : "width", a ? R : L), pr(e, kn);
+					} else fr(e, kn);
 				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Ce != Te || we != Ee || L != De || R != Oe) {
-				Bt(!1);
+			}), pt = mt = ht = _t = vt = yt = bt = xt = gt = null, St = 1, kr(!0), Ce != Te || we != Ee || L != De || R != Oe) {
+				Vt(!1);
 				let e = L / De, t = R / Oe;
-				if (se && !Ie && M.left >= 0) {
-					M.left *= e, M.top *= t, Zt && hr(Zt, Kr(M.left), 0, L, R), Qt && hr(Qt, 0, Kr(M.top), L, R);
+				if (oe && !Ie && N.left >= 0) {
+					N.left *= e, N.top *= t, Qt && _r(Qt, Jr(N.left), 0, L, R), $t && _r($t, 0, Jr(N.top), L, R);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, B[n] *= t, hr(r, qr(Xe[n]), qr(B[n]), L, R));
+						r != null && (Xe[n] *= e, Ze[n] *= t, _r(r, Yr(Xe[n]), Yr(Ze[n]), L, R));
 					}
 				}
-				if (G.show && !Le && G.left >= 0 && G.width > 0) {
-					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ir) q(un, e, G[e]);
+				if (W.show && !Le && W.left >= 0 && W.width > 0) {
+					W.left *= e, W.width *= e, W.top *= t, W.height *= t;
+					for (let e in Lr) K(dn, e, W[e]);
 				}
 				Te = Ce, Ee = we, De = L, Oe = R;
 			}
-			hi("setSize"), Pe = !1;
+			X("setSize"), Pe = !1;
 		}
-		Se > 0 && I > 0 && (d.clearRect(0, 0, u.width, u.height), hi("drawClear"), w.forEach((e) => e()), hi("draw")), G.show && Le && (dn(G), Le = !1), se && Ie && (Er(null, !0, !1), Ie = !1), j.show && j.live && Re && (xr(), Re = !1), c || (c = !0, r.status = 1, hi("ready")), H = !1, Vt = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), X("drawClear"), w.forEach((e) => e()), X("draw")), W.show && Le && (fn(W), Le = !1), oe && Ie && (Dr(null, !0, !1), Ie = !1), M.show && M.live && Re && (Sr(), Re = !1), c || (c = !0, r.status = 1, X("ready")), dt = !1, Ht = !1;
 	}
 	r.redraw = (e, t) => {
-		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Fe = t || !1, e === !1 ? Kt() : mn(S, D.min, D.max);
 	};
-	function Jt(e, n) {
+	function Yt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (at == 0) {
+			if (ot == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -5462,145 +5462,145 @@ function _s(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && at > 0 && (n.min = wr(n.min, t[0]), n.max = wr(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Ne = !0, Gt();
+			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && ot > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Kt();
 		}
 	}
-	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = M.drag, cn = sn.x, ln = sn.y;
-	se && (M.x && (Yt = pr(kn, m)), M.y && (Xt = pr(An, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = M.left, W = M.top);
-	let G = r.select = ji({
+	r.setScale = Yt;
+	let Xt, Zt, Qt, $t, en, tn, nn, rn, an, on, H, U, sn = !1, cn = N.drag, ln = cn.x, un = cn.y;
+	oe && (N.x && (Xt = hr(jn, m)), N.y && (Zt = hr(Mn, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
+	let W = r.select = Mi({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? pr(On, G.over ? m : p) : null;
-	function dn(e, t) {
-		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ir && q(un, t, e[t]);
-			t !== !1 && hi("setSelect");
+	}, e.select), dn = W.show ? hr(An, W.over ? m : p) : null;
+	function fn(e, t) {
+		if (W.show) {
+			for (let t in e) W[t] = e[t], t in Lr && K(dn, t, e[t]);
+			t !== !1 && X("setSelect");
 		}
 	}
-	r.setSelect = dn;
-	function fn(e) {
-		if (v[e].show) N && dr(ue[e], Dn);
-		else if (N && ur(ue[e], Dn), se) {
+	r.setSelect = fn;
+	function pn(e) {
+		if (v[e].show) P && pr(le[e], kn);
+		else if (P && fr(le[e], kn), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && hr(t, -10, -10, L, R);
+			t != null && _r(t, -10, -10, L, R);
 		}
 	}
-	function pn(e, t, n) {
-		Jt(e, {
+	function mn(e, t, n) {
+		Yt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function mn(e, t, n, a) {
-		t.focus != null && ir(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && hi("setSeries", e, t), a && ki("setSeries", r, e, t);
+	function hn(e, t, n, a) {
+		t.focus != null && rr(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, pn(r), i == 2 ? (mn(n.facets[0].scale, null, null), mn(n.facets[1].scale, null, null)) : mn(n.scale, null, null), Kt());
+		}), n !== !1 && X("setSeries", e, t), a && ki("setSeries", r, e, t);
 	}
-	r.setSeries = mn;
-	function hn(e, t) {
-		ji(x[e], t);
-	}
+	r.setSeries = hn;
 	function gn(e, t) {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+		Mi(x[e], t);
 	}
-	function _n(e) {
+	function _n(e, t) {
+		e.fill = Y(e.fill || null), e.dir = q(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	}
+	function vn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = gn, r.setBand = hn, r.delBand = _n;
-	function vn(e, t) {
-		v[e].alpha = t, se && Ye[e] != null && (Ye[e].style.opacity = t), N && ue[e] && (ue[e].style.opacity = t);
+	r.addBand = _n, r.setBand = gn, r.delBand = vn;
+	function yn(e, t) {
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let Gn, $n, er, tr = { focus: !0 };
-	function ir(e) {
-		if (e != er) {
+	let bn, qn, tr, nr = { focus: !0 };
+	function rr(e) {
+		if (e != tr) {
 			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && yn(a, i ? 1 : Ke.alpha);
 				}
-			}), er = e, n && Gt();
+			}), tr = e, n && Kt();
 		}
 	}
-	N && qe && be(Zn, F, (e) => {
-		M._lock || (We(e), er != null && mn(null, tr, !0, Z.setSeries));
+	P && qe && ye($n, I, (e) => {
+		N._lock || (We(e), tr != null && hn(null, nr, !0, gi.setSeries));
 	});
-	function sr(e, t, n) {
+	function or(e, t, n) {
 		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? we : Ce));
+		n && (e = e / G - (r.ori == 1 ? we : Ce));
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Xr(10, c) : l == 4 ? ei(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Qr(10, c) : l == 4 ? ni(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function cr(e, n) {
-		return wr(sr(e, S, n), t[0], ot, st);
+	function lr(e, n) {
+		return Er(or(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => wr(e, t[0]), r.posToIdx = cr, r.posToVal = sr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Er(null, t, n);
+	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = lr, r.posToVal = or, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
+		H = e.left, U = e.top, Dr(null, t, n);
 	};
-	function lr(e, t) {
-		q(un, Un, G.left = e), q(un, zn, G.width = t);
+	function ur(e, t) {
+		K(dn, Gn, W.left = e), K(dn, Vn, W.width = t);
 	}
-	function mr(e, t) {
-		q(un, Vn, G.top = e), q(un, Bn, G.height = t);
+	function dr(e, t) {
+		K(dn, Un, W.top = e), K(dn, Hn, W.height = t);
 	}
-	let gr = D.ori == 0 ? lr : mr, vr = D.ori == 1 ? lr : mr;
+	let gr = D.ori == 0 ? ur : dr, vr = D.ori == 1 ? ur : dr;
 	function br() {
-		if (N && j.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && pe) continue;
-			let t = j.values[e], n = 0;
-			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function xr(e, t) {
+	function Sr(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			oe[t] = e;
-		}) : wi(e.idx) || oe.fill(e.idx), j.idx = oe[0]), N && j.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && Tr(e, oe[e]);
+			ae[t] = e;
+		}) : Ti(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Cr(e, ae[e]);
 			br();
 		}
-		Re = !1, t !== !1 && hi("setLegend");
+		Re = !1, t !== !1 && X("setLegend");
 	}
-	r.setLegend = xr;
-	function Tr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
-		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), j.values[e] = o;
+	r.setLegend = Sr;
+	function Cr(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Er(e, n, a) {
-		rn = U, an = W, [U, W] = M.move(r, U, W), M.left = U, M.top = W, se && (Zt && hr(Zt, Kr(U), 0, L, R), Qt && hr(Qt, 0, Kr(W), L, R));
-		let o, s = ot > st;
-		Gn = ni, $n = null;
+	function Dr(e, n, a) {
+		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && _r(Qt, Jr(H), 0, L, R), $t && _r($t, 0, Jr(U), L, R));
+		let o, s = st > ct;
+		bn = J, qn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
-		if (U < 0 || at == 0 || s) {
-			o = M.idx = null;
+		if (H < 0 || ot == 0 || s) {
+			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && hr(t, -10, -10, L, R);
+				t != null && _r(t, -10, -10, L, R);
 			}
-			qe && mn(null, tr, !0, e == null && Z.setSeries), j.live && (oe.fill(o), Re = !0);
+			qe && hn(null, nr, !0, e == null && gi.setSeries), M.live && (ae.fill(o), Re = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = sr(e, S), o = M.idx = wr(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? H : U, n = or(e, S), o = N.idx = Er(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = oe[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = M.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Re = Re || S != y || x != _, oe[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Re = Re || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Wr(Ke.dist(r, e, x, _, t));
-						if (n < Gn) {
+						let t = D.ori == 1 ? H : U, n = Kr(Ke.dist(r, e, x, _, t));
+						if (n < bn) {
 							let r = Ke.bias;
 							if (r != 0) {
-								let i = sr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (Gn = n, $n = e);
-							} else Gn = n, $n = e;
+								let i = or(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (bn = n, qn = e);
+							} else bn = n, qn = e;
 						}
 					}
 					if (Re || Je) {
@@ -5612,137 +5612,137 @@ function _s(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == $n && Gn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == qn && bn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, B[e] = l, yr(t, a, o, y), _r(t, v, g), hr(t, qr(c), qr(l), L, R));
+							t != null && (Xe[e] = c, Ze[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), L, R));
 						}
 					}
 				}
 			}
 			if (Je) {
 				let e = Ke.prox;
-				if (Re || (er == null ? Gn <= e : Gn > e || $n != er)) {
+				if (Re || (tr == null ? bn <= e : bn > e || qn != tr)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, B[0] = u, yr(e, d, f, p), _r(e, m, h), hr(e, qr(s), qr(u), L, R));
+					e != null && (Xe[0] = s, Ze[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), L, R));
 				}
 			}
 		}
-		if (G.show && on) {
+		if (W.show && sn) {
 			if (e != null) {
-				let [t, n] = Z.scales, [r, i] = Z.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (cn = s._x, ln = s._y, cn || ln) {
+				let [t, n] = gi.scales, [r, i] = gi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (ln = s._x, un = s._y, ln || un) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), gr(Jr(v, y), Wr(y - v))) : gr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), vr(Jr(v, y), Wr(y - v))) : vr(0, l);
-				} else zr();
+					x && ln ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, c), S && un ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), vr(Xr(v, y), Kr(y - v))) : vr(0, l);
+				} else Rr();
 			} else {
-				let e = Wr(rn - $t), t = Wr(an - en);
+				let e = Kr(an - en), t = Kr(on - tn);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
-				let n = sn.uni;
-				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
+				ln = cn.x && e >= cn.dist, un = cn.y && t >= cn.dist;
+				let n = cn.uni;
+				n == null ? cn.x && cn.y && (ln || un) && (ln = un = !0) : ln && un && (ln = e >= n, un = t >= n, !ln && !un && (t > e ? un = !0 : ln = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), gr(Jr(r, i), Wr(i - r)), ln || vr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), vr(Jr(r, i), Wr(i - r)), cn || gr(0, c)), !cn && !ln && (gr(0, 0), vr(0, 0));
+				ln && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), gr(Xr(r, i), Kr(i - r)), un || vr(0, l)), un && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), vr(Xr(r, i), Kr(i - r)), ln || gr(0, c)), !ln && !un && (gr(0, 0), vr(0, 0));
 			}
 		}
-		if (sn._x = cn, sn._y = ln, e == null) {
+		if (cn._x = ln, cn._y = un, e == null) {
 			if (a) {
-				if (Ci != null) {
-					let [e, t] = Z.scales;
-					Z.values[0] = e == null ? null : sr(D.ori == 0 ? U : W, e), Z.values[1] = t == null ? null : sr(D.ori == 1 ? U : W, t);
+				if (yi != null) {
+					let [e, t] = gi.scales;
+					gi.values[0] = e == null ? null : or(D.ori == 0 ? H : U, e), gi.values[1] = t == null ? null : or(D.ori == 1 ? H : U, t);
 				}
-				ki(qn, r, U, W, L, R, o);
+				ki(Yn, r, H, U, L, R, o);
 			}
 			if (qe) {
-				let e = a && Z.setSeries, t = Ke.prox;
-				er == null ? Gn <= t && mn($n, tr, !0, e) : Gn > t ? mn(null, tr, !0, e) : $n != er && mn($n, tr, !0, e);
+				let e = a && gi.setSeries, t = Ke.prox;
+				tr == null ? bn <= t && hn(qn, nr, !0, e) : bn > t ? hn(null, nr, !0, e) : qn != tr && hn(qn, nr, !0, e);
 			}
 		}
-		Re && (j.idx = o, xr()), n !== !1 && hi("setCursor");
+		Re && (M.idx = o, Sr()), n !== !1 && X("setCursor");
 	}
-	let Dr = null;
+	let Or = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Dr ?? Or(!1), Dr;
+		return Or ?? kr(!1), Or;
 	} });
-	function Or(e = !1) {
-		e ? Dr = null : (Dr = m.getBoundingClientRect(), hi("syncRect", Dr));
+	function kr(e = !1) {
+		e ? Or = null : (Or = m.getBoundingClientRect(), X("syncRect", Or));
 	}
-	function kr(e, t, n, r, i, a, o) {
-		M._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Fr(e, t, n, r, i, a, o, !1, e != null), e == null ? Er(t, !0, !1) : Er(null, !0, !0));
+	function Ar(e, t, n, r, i, a, o) {
+		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (jr(e, t, n, r, i, a, o, !1, e != null), e == null ? Dr(t, !0, !1) : Dr(null, !0, !0));
 	}
-	function Fr(e, t, n, i, a, o, c, l, u) {
-		if (Dr ?? Or(!1), We(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
+	function jr(e, t, n, i, a, o, c, l, u) {
+		if (Or ?? kr(!1), We(e), e != null) n = e.clientX - Or.left, i = e.clientY - Or.top;
 		else {
 			if (n < 0 || i < 0) {
-				U = -10, W = -10;
+				H = -10, U = -10;
 				return;
 			}
-			let [e, r] = Z.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Z.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = gi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = gi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == qn) && ((n <= 1 || n >= L - 1) && (n = mi(n, L)), (i <= 1 || i >= R - 1) && (i = mi(i, R))), l ? ($t = n, en = i, [tn, nn] = M.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= L - 1) && (n = mi(n, L)), (i <= 1 || i >= R - 1) && (i = mi(i, R))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
 	}
-	let Ir = {
+	let Lr = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function zr() {
-		dn(Ir, !1);
+	function Rr() {
+		fn(Lr, !1);
 	}
-	let Br, Vr, Hr, Gr;
-	function Zr(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !0, !1), e != null && (be(Yn, ar, $r, !1), ki(Jn, r, tn, nn, L, R, null));
-		let { left: c, top: l, width: u, height: d } = G;
-		Br = c, Vr = l, Hr = u, Gr = d;
+	let Vr, Hr, Ur, Wr;
+	function qr(e, t, n, i, a, o, s) {
+		sn = !0, ln = un = cn._x = cn._y = !1, jr(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Zn, sr, $r, !1), ki(Xn, r, nn, rn, L, R, null));
+		let { left: c, top: l, width: u, height: d } = W;
+		Vr = c, Hr = l, Ur = u, Wr = d;
 	}
 	function $r(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Br != c || Vr != l || Hr != u || Gr != d;
-		if (f && p && dn(G), sn.setScale && f && p) {
+		sn = cn._x = cn._y = !1, jr(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = W, f = u > 0 || d > 0, p = Vr != c || Hr != l || Ur != u || Wr != d;
+		if (f && p && fn(W), cn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, sr(e, S), sr(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), ln && mn(S, or(e, S), or(e + t, S)), un) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ni && pn(e, sr(n + r, e), sr(n, e));
+				e != S && t.from == null && t.min != J && mn(e, or(n + r, e), or(n, e));
 			}
-			zr();
-		} else M.lock && (M._lock = !M._lock, Er(t, !0, e != null));
-		e != null && (xe(Yn, ar), ki(Yn, r, U, W, L, R, null));
+			Rr();
+		} else N.lock && (N._lock = !N._lock, Dr(t, !0, e != null));
+		e != null && (be(Zn, sr), ki(Zn, r, H, U, L, R, null));
 	}
-	function ri(e, t, n, r, i, a, o) {
-		if (M._lock) return;
+	function ti(e, t, n, r, i, a, o) {
+		if (N._lock) return;
 		We(e);
-		let s = on;
-		if (on) {
+		let s = sn;
+		if (sn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Er(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = ln, r = un) : (n = un, r = ln), n && r && (e = H <= 10 || H >= L - 10, t = U <= 10 || U >= R - 10), n && e && (H = H < nn ? 0 : L), r && t && (U = U < rn ? 0 : R), Dr(null, !0, !0), sn = !1;
 		}
-		U = -10, W = -10, oe.fill(null), Er(null, !0, !0), s && (on = s);
+		H = -10, U = -10, ae.fill(null), Dr(null, !0, !0), s && (sn = s);
 	}
-	function oi(e, t, n, i, a, o, s) {
-		M._lock || (We(e), dt(), zr(), e != null && ki(Qn, r, U, W, L, R, null));
+	function ii(e, t, n, i, a, o, s) {
+		N._lock || (We(e), ft(), Rr(), e != null && ki(er, r, H, U, L, R, null));
 	}
 	function si() {
-		y.forEach(gs), ze(r.width, r.height, !0);
+		y.forEach(_s), ze(r.width, r.height, !0);
 	}
-	Sr(nr, or, si);
-	let fi = {};
-	fi.mousedown = Zr, fi.mousemove = kr, fi.mouseup = $r, fi.dblclick = oi, fi.setSeries = (e, t, n, i) => {
-		let a = Z.match[2];
-		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, se && (be(Jn, m, Zr), be(qn, m, kr), be(Xn, m, (e) => {
-		We(e), Or(!1);
-	}), be(Zn, m, ri), be(Qn, m, oi), es.add(r), r.syncRect = Or);
+	wr(ir, cr, si);
+	let ci = {};
+	ci.mousedown = qr, ci.mousemove = Ar, ci.mouseup = $r, ci.dblclick = ii, ci.setSeries = (e, t, n, i) => {
+		let a = gi.match[2];
+		n = a(r, t, n), n != -1 && hn(n, i, !0, !1);
+	}, oe && (ye(Xn, m, qr), ye(Yn, m, Ar), ye(Qn, m, (e) => {
+		We(e), kr(!1);
+	}), ye($n, m, ti), ye(er, m, ii), ts.add(r), r.syncRect = kr);
 	let pi = r.hooks = e.hooks || {};
-	function hi(e, t, n) {
-		Ht ? Ut.push([
+	function X(e, t, n) {
+		Ut ? Wt.push([
 			e,
 			t,
 			n
@@ -5753,56 +5753,56 @@ function _s(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) pi[t] = (pi[t] || []).concat(e.hooks[t]);
 	});
-	let gi = (e, t, n) => n, Z = ji({
+	let hi = (e, t, n) => n, gi = Mi({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ui,
-			sub: ui
+			pub: di,
+			sub: di
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			di,
-			di,
-			gi
+			fi,
+			fi,
+			hi
 		],
 		values: [null, null]
-	}, M.sync);
-	Z.match.length == 2 && Z.match.push(gi), M.sync = Z;
-	let Ci = Z.key, Oi = xo(Ci);
+	}, N.sync);
+	gi.match.length == 2 && gi.match.push(hi), N.sync = gi;
+	let yi = gi.key, wi = So(yi);
 	function ki(e, t, n, r, i, a, o) {
-		Z.filters.pub(e, t, n, r, i, a, o) && Oi.pub(e, t, n, r, i, a, o);
+		gi.filters.pub(e, t, n, r, i, a, o) && wi.pub(e, t, n, r, i, a, o);
 	}
-	Oi.sub(r);
-	function Mi(e, t, n, r, i, a, o) {
-		Z.filters.sub(e, t, n, r, i, a, o) && fi[e](null, t, n, r, i, a, o);
+	wi.sub(r);
+	function Ai(e, t, n, r, i, a, o) {
+		gi.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
 	}
-	r.pub = Mi;
+	r.pub = Ai;
 	function Ni() {
-		Oi.unsub(r), es.delete(r), ye.clear(), Cr(nr, or, si), l.remove(), F?.remove(), hi("destroy");
+		wi.unsub(r), ts.delete(r), ve.clear(), Tr(ir, cr, si), l.remove(), I?.remove(), X("destroy");
 	}
 	r.destroy = Ni;
 	function Pi() {
-		hi("init", e, t), ut(t || e.data, !1), A[S] ? Jt(S, A[S]) : dt(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, ze(e.width, e.height);
+		X("init", e, t), V(t || e.data, !1), j[S] ? Yt(S, j[S]) : ft(), Le = W.show && (W.width > 0 || W.height > 0), Ie = Re = !0, ze(e.width, e.height);
 	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
+	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
 }
-_s.assign = ji, _s.fmtNum = Vr, _s.rangeNum = Lr, _s.rangeLog = jr, _s.rangeAsinh = Mr, _s.orient = wo, _s.pxRatio = K, _s.join = Ii, _s.fmtDate = Yi, _s.tzDate = Zi, _s.sync = xo;
+vs.assign = Mi, vs.fmtNum = Ur, vs.rangeNum = zr, vs.rangeLog = Nr, vs.rangeAsinh = Pr, vs.orient = To, vs.pxRatio = G, vs.join = Li, vs.fmtDate = Xi, vs.tzDate = Qi, vs.sync = So;
 {
-	_s.addGap = ko, _s.clipGaps = Oo;
-	let e = _s.paths = { points: Uo };
-	e.linear = qo, e.stepped = Jo, e.bars = Xo, e.spline = Qo;
+	vs.addGap = Ao, vs.clipGaps = ko;
+	let e = vs.paths = { points: Wo };
+	e.linear = Jo, e.stepped = Yo, e.bars = Zo, e.spline = $o;
 }
 // src/phase.tsx
-var [vs, ys] = [420, 300], $ = {
+var [ys, bs] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function bs({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (dt(() => {
+function xs({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (pt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -5819,12 +5819,12 @@ function bs({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ I("p", {
+	]), !i || !a) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (vs - $.left - $.right), g = (e) => ys - $.bottom - (e - d) / m * (ys - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (ys - $.left - $.right), g = (e) => bs - $.bottom - (e - d) / m * (bs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -5833,81 +5833,81 @@ function bs({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ I("figure", {
+	return /* @__PURE__ */ L("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ I("svg", {
-			viewBox: `0 0 ${vs} ${ys}`,
+		children: /* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${ys} ${bs}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${He(l)} to ${He(u)} ${n.units[0]} and from ${He(d)} to ${He(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ I("rect", {
+				/* @__PURE__ */ L("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: vs - $.left - $.right,
-					height: ys - $.top - $.bottom
+					width: ys - $.left - $.right,
+					height: bs - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ I("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: ys - $.bottom
+					y2: bs - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ I("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: $.left,
-					x2: vs - $.right,
+					x2: ys - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ I("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ I("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ I("circle", {
+				x && /* @__PURE__ */ L("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left,
-					y: ys - $.bottom + 14,
+					y: bs - $.bottom + 14,
 					children: z(l, n.units[0])
 				}),
-				/* @__PURE__ */ I("text", {
-					x: vs - $.right,
-					y: ys - $.bottom + 14,
+				/* @__PURE__ */ L("text", {
+					x: ys - $.right,
+					y: bs - $.bottom + 14,
 					"text-anchor": "end",
 					children: z(u, n.units[0])
 				}),
-				/* @__PURE__ */ I("text", {
-					x: (vs + $.left) / 2,
-					y: ys - 6,
+				/* @__PURE__ */ L("text", {
+					x: (ys + $.left) / 2,
+					y: bs - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left - 5,
-					y: ys - $.bottom,
+					y: bs - $.bottom,
 					"text-anchor": "end",
 					children: z(d, n.units[1])
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
 					children: z(f, n.units[1])
 				}),
-				/* @__PURE__ */ I("text", {
-					transform: `translate(12,${(ys - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ L("text", {
+					transform: `translate(12,${(bs - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -5917,7 +5917,7 @@ function bs({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var xs = [
+var Ss = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5925,16 +5925,16 @@ var xs = [
 	"--c5",
 	"--c6"
 ];
-function Ss({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = ft(null), l = t.run, [u, d] = t.span;
-	dt(() => {
+function Cs({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = mt(null), l = t.run, [u, d] = t.span;
+	pt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (dt(() => {
+	if (pt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5961,29 +5961,29 @@ function Ss({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ I(Cs, {
+	]), t.running && t.soFar) return /* @__PURE__ */ L(ws, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ I("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ I(ws, {
+					/* @__PURE__ */ L(Ts, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ I("label", { children: [
-						/* @__PURE__ */ I("input", {
+					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
+						/* @__PURE__ */ L("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5992,15 +5992,15 @@ function Ss({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ I("button", {
+					!m && /* @__PURE__ */ L("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ I("label", {
+					/* @__PURE__ */ L("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ I("span", { children: "t" }),
-							/* @__PURE__ */ I("input", {
+							/* @__PURE__ */ L("span", { children: "t" }),
+							/* @__PURE__ */ L("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -6011,24 +6011,24 @@ function Ss({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ I("output", { children: p === null ? "" : z(p, "s") })
+							/* @__PURE__ */ L("output", { children: p === null ? "" : z(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ I(Ts, {
+			t.plotted.map((r, i) => /* @__PURE__ */ L(Es, {
 				name: r,
-				ink: xs[i % xs.length],
+				ink: Ss[i % Ss.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6041,11 +6041,11 @@ function Ss({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ I(bs, {
+			t.phase && /* @__PURE__ */ L(xs, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ I(ks, {
+			/* @__PURE__ */ L(As, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6054,14 +6054,14 @@ function Ss({ store: e, state: t }) {
 		]
 	});
 }
-function Cs({ state: e, soFar: t }) {
-	let n = ft(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ I("div", {
+function ws({ state: e, soFar: t }) {
+	let n = mt(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ I(Ts, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ L(Es, {
 			name: i.name,
-			ink: xs[a % xs.length],
+			ink: Ss[a % Ss.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -6071,7 +6071,7 @@ function Cs({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ I(ks, {
+		}, i.name)), /* @__PURE__ */ L(As, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -6079,18 +6079,18 @@ function Cs({ state: e, soFar: t }) {
 		})]
 	});
 }
-function ws({ store: e, state: t, run: n }) {
+function Ts({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ I("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ I("button", {
+			t.plotted.map((n) => /* @__PURE__ */ L("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ L("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -6100,14 +6100,14 @@ function ws({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ I("datalist", {
+			/* @__PURE__ */ L("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ I("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
 			})
 		]
 	});
 }
-var Ts = class extends S {
+var Es = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -6126,8 +6126,8 @@ var Ts = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : xs[(t + 3) % xs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : _s.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new _s({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Ss[(t + 3) % Ss.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : vs.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new vs({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -6149,7 +6149,7 @@ var Ts = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Es(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Ds(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -6160,7 +6160,7 @@ var Ts = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Ds(t, "s")
+				values: (e, t) => Os(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -6173,7 +6173,7 @@ var Ts = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Ds(t, p)
+				values: (e, t) => Os(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -6219,16 +6219,16 @@ var Ts = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ I("figure", {
+		return /* @__PURE__ */ L("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ I("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ I("output", {
+				/* @__PURE__ */ L("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ L("output", {
 					class: "reading",
 					children: z(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ I("p", {
+				i && /* @__PURE__ */ L("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -6240,13 +6240,13 @@ var Ts = class extends S {
 		});
 	}
 };
-function Es(e, t, n) {
+function Ds(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Ds(e, t) {
+function Os(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -6267,7 +6267,7 @@ function Ds(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Os = [
+var ks = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -6277,21 +6277,21 @@ var Os = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function As({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ I("span", {
+				children: e.map((e) => /* @__PURE__ */ L("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ I("svg", {
+			/* @__PURE__ */ L("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -6301,24 +6301,24 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ I("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ I("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Os[o % Os.length],
-						children: /* @__PURE__ */ I("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ I("rect", {
+						fill: ks[o % ks.length],
+						children: /* @__PURE__ */ L("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Os[t % Os.length],
+						fill: ks[t % ks.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ I("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -6326,10 +6326,10 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ I("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -6341,20 +6341,20 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var As = {
+var js = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [js, Ms, Ns, Ps] = [
+}, [Ms, Ns, Ps, Fs] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Fs(e) {
+function Is(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -6374,33 +6374,33 @@ function Fs(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Is({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ I("p", {
+function Ls({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = Fs(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ms + Ns) + 120, d = (u - Math.max(o.length, s.length) * Ns - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = Is(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ns + Ps) + 120, d = (u - Math.max(o.length, s.length) * Ps - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Ns, r += i;
-			let [s, c] = t ? [Ps, js / 2 - Ps / 2] : [js - Ps, js / 2 + Ps / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ I("g", {
+			n += Math.max(i, 1) + Ps, r += i;
+			let [s, c] = t ? [Fs, Ms / 2 - Fs / 2] : [Ms - Fs, Ms / 2 + Fs / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ L("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
-					/* @__PURE__ */ I("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ I("rect", {
-						x: t ? 0 : js - Ps,
+					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ L("rect", {
+						x: t ? 0 : Ms - Fs,
 						y: a,
-						width: Ps,
+						width: Fs,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ I("text", {
-						x: t ? Ps + 4 : js - Ps - 4,
+					/* @__PURE__ */ L("text", {
+						x: t ? Fs + 4 : Ms - Fs - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -6409,63 +6409,63 @@ function Is({ store: e, state: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "power-panel",
 		children: [
-			/* @__PURE__ */ I("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ I("svg", {
+			/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ L("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${js} ${u}`,
+				viewBox: `0 0 ${Ms} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
 					p(o, !0),
 					p(s, !1),
-					/* @__PURE__ */ I("rect", {
+					/* @__PURE__ */ L("rect", {
 						class: "middle-bar",
-						x: js / 2 - Ps / 2,
+						x: Ms / 2 - Fs / 2,
 						y: 4,
-						width: Ps,
+						width: Fs,
 						height: l * d
 					})
 				]
-			}) : /* @__PURE__ */ I("p", {
+			}) : /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: "No power flows."
 			}),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "element"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "does"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "power"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: a.map((e) => /* @__PURE__ */ I("tr", {
+			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
 				class: t.nodes.has(e.node.name) ? "chosen" : "",
 				children: [
-					/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 						class: "link",
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ I("td", { children: (As[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ I("td", {
+					/* @__PURE__ */ L("td", { children: (js[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ L("td", {
 						class: "figure",
 						children: z(Math.abs(e.power), "W")
 					})
 				]
 			})) })] }),
-			r.length > 0 && /* @__PURE__ */ I("p", {
+			r.length > 0 && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: ["not determined: ", r.join(", ")]
 			}),
-			/* @__PURE__ */ I("p", {
+			/* @__PURE__ */ L("p", {
 				class: "hint",
 				children: [
 					"supplied and given back ",
@@ -6478,9 +6478,9 @@ function Is({ store: e, state: t }) {
 	});
 }
 // src/splitter.tsx
-function Ls(e) {
+function Rs(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -6509,14 +6509,14 @@ function Ls(e) {
 	});
 }
 // src/schematic.tsx
-function Rs({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	dt(() => {
+function zs({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	pt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Le ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Re ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -6543,32 +6543,32 @@ function Rs({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ I("p", {
+		children: [i && /* @__PURE__ */ L("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ I("svg", {
+		}), n && /* @__PURE__ */ L("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ I("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => u(t, e.name, e.key),
 				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ I("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ I("text", {
+				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("path", {
+				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ I("path", {
+				}), /* @__PURE__ */ L("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -6577,7 +6577,7 @@ function Rs({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var zs = [
+var Bs = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6586,7 +6586,7 @@ var zs = [
 	["text", "Text"],
 	["equations", "Equations"],
 	["power", "Power"]
-], Bs = class extends S {
+], Vs = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6629,39 +6629,39 @@ var zs = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ I("div", {
+		if (!n) return /* @__PURE__ */ L("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ I("main", {
+		return /* @__PURE__ */ L("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ I(Hs, {
+				/* @__PURE__ */ L(Us, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ I("div", {
+				/* @__PURE__ */ L("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ I(gn, {
+						/* @__PURE__ */ L(vn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ I("div", {
+						/* @__PURE__ */ L("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ I(Ke, {
+							children: [/* @__PURE__ */ L(qe, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ I(Rs, {
+							}), t.schematic && /* @__PURE__ */ L(zs, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ I(Ls, {
+						/* @__PURE__ */ L(Rs, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -6673,60 +6673,60 @@ var zs = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ I("aside", {
+						/* @__PURE__ */ L("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ I("div", {
+							children: [/* @__PURE__ */ L("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: zs.map(([r, a]) => /* @__PURE__ */ I("button", {
+								children: Bs.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ I("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ I("div", {
+							}), /* @__PURE__ */ L("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ I(Pt, {
+									t.tab === "item" && /* @__PURE__ */ L(It, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ I(Xt, {
+									t.tab === "machines" && /* @__PURE__ */ L(Qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ I(ln, {
+									t.tab === "model" && /* @__PURE__ */ L(W, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ I(fn, {
+									t.tab === "problems" && /* @__PURE__ */ L(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ I(pn, {
+									t.tab === "table" && /* @__PURE__ */ L(hn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ I(mn, {
+									t.tab === "text" && /* @__PURE__ */ L(gn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ I(Ot, {
+									t.tab === "equations" && /* @__PURE__ */ L(At, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ I(Is, {
+									t.tab === "power" && /* @__PURE__ */ L(Ls, {
 										store: e,
 										state: t
 									})
@@ -6735,10 +6735,10 @@ var zs = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ I("div", {
+				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
 					children: [
-						/* @__PURE__ */ I(Ls, {
+						/* @__PURE__ */ L(Rs, {
 							upright: !1,
 							label: "Height of the plots",
 							value: t.room.low || 320,
@@ -6750,31 +6750,31 @@ var zs = [
 								low: n
 							} })
 						}),
-						t.sweep ? /* @__PURE__ */ I(W, {
+						t.sweep ? /* @__PURE__ */ L(sn, {
 							store: e,
 							state: t
-						}) : /* @__PURE__ */ I(Ss, {
+						}) : /* @__PURE__ */ L(Cs, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ I(Ct, {
+						/* @__PURE__ */ L(Tt, {
 							store: e,
 							state: t
 						})
 					]
 				}),
-				/* @__PURE__ */ I("footer", { children: [
-					/* @__PURE__ */ I("span", {
+				/* @__PURE__ */ L("footer", { children: [
+					/* @__PURE__ */ L("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ I(Vs, {
+					/* @__PURE__ */ L(Hs, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -6782,34 +6782,34 @@ var zs = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ I(_n, {
+				t.adding && n.view.editable && /* @__PURE__ */ L(yn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ I("div", {
+				t.notice && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ I("b", { children: t.notice.code }),
+						/* @__PURE__ */ L("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ I("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ I("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ I("button", {
+						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ L("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ I("div", {
+				!t.connected && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -6818,79 +6818,79 @@ var zs = [
 		});
 	}
 };
-function Vs({ store: e, state: t }) {
+function Hs({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ I("span", {
+	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ I("b", { children: [
+			t.cursor && /* @__PURE__ */ L("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ I("label", { children: [t.path, /* @__PURE__ */ I("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ I("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Hs({ store: e, state: t, errors: n }) {
+function Us({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ I("header", { children: [
-		/* @__PURE__ */ I(Us, {
+	return /* @__PURE__ */ L("header", { children: [
+		/* @__PURE__ */ L(Ws, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ I("h1", {
+		/* @__PURE__ */ L("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ I("span", {
+		/* @__PURE__ */ L("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ I("span", { class: "spring" }),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("span", { class: "spring" }),
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -6898,22 +6898,22 @@ function Hs({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("progress", {
+		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ I("button", {
+		}), /* @__PURE__ */ L("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ I("button", {
+		})] }) : /* @__PURE__ */ L("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ L("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6921,7 +6921,7 @@ function Hs({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Us({ store: e, state: t }) {
+function Ws({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6952,79 +6952,79 @@ function Us({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ I("details", {
+	return /* @__PURE__ */ L("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ I("summary", {
+		children: [/* @__PURE__ */ L("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ I("div", {
+		}), /* @__PURE__ */ L("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ I("hr", {}),
+				/* @__PURE__ */ L("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ I("button", {
+				].map((e) => /* @__PURE__ */ L("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ I("hr", {}),
-				/* @__PURE__ */ I("label", { children: [
+				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ I("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ I("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ I("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ I("label", { children: [
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ I("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ I("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ I("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ I("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function Ws({ model: e, el: t }) {
-	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ I(Bs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), F(null, t);
+function Gs({ model: e, el: t }) {
+	let n = new ze(), r = new Ve(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Vs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), I(null, t);
 	};
 }
-var Gs = { render: Ws };
-export { Gs as default, Ws as render };
+var Ks = { render: Gs };
+export { Ks as default, Gs as render };
