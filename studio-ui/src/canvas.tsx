@@ -25,6 +25,9 @@ interface Own {
   moved: Point;
 }
 
+/** Which ends bonds have in common, ranges of arrays left out: these are drawn side by side. */
+const pairOf = (ends: string[]) => ends.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+
 export class Canvas extends Component<Props, Own> {
   svg = createRef<SVGSVGElement>();
   state: Own = { sight: { x: 60, y: 120, k: 1 }, gesture: null, moved: [0, 0] };
@@ -426,7 +429,7 @@ export class Canvas extends Component<Props, Own> {
       if (!around.has(b.head)) around.set(b.head, []);
       around.get(b.tail)!.push(at.get(b.head)!);
       around.get(b.head)!.push(at.get(b.tail)!);
-      const pair = [...b.ends].sort().join("|");
+      const pair = pairOf(b.ends);
       pairs.set(pair, [...(pairs.get(pair) ?? []), b.key]);
     }
     const toward = new Map<string, Point>();
@@ -484,7 +487,7 @@ export class Canvas extends Component<Props, Own> {
             <g>{look.view.bonds.map((b) => {
               const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
               const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
-              const same = pairs.get([...b.ends].sort().join("|"))!;
+              const same = pairs.get(pairOf(b.ends))!;
               const value = values?.[b.key];
               return (
                 <BondShapeView

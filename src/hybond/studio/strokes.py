@@ -192,7 +192,9 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
         name = symbol.path[len(start) :]
         nodes[name] = told
         if base_of(name) in arrays:
-            nodes[arrays.pop(base_of(name))] = told  # the first member is shown for all
+            # the first member is shown for all, its value is not that of all
+            one = {k: v for k, v in told.items() if k != "says"}
+            nodes[arrays.pop(base_of(name))] = one
     conflicts = [] if _decided_by_laws(graph) else causality.conflicts
     return {
         "bonds": bonds,

@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,7 +61,7 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
@@ -74,7 +74,7 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
 	return r;
 }
 function A(e, t, n, r) {
@@ -97,18 +97,18 @@ function j(e, t, n, r) {
 	}
 	return -1;
 }
-function ee(e, t, n) {
+function M(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function te(e, t, n, r, i) {
+function ee(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function te(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function ne(t) {
+function te(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,15 +129,15 @@ function ne(t) {
 		}
 	};
 }
-function re(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
+function ne(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof L == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,41 +146,41 @@ function re(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
+			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++ee < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && oe(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+			while (8 & y.__g && ++M < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && ae(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
-						for (; M < o.length; M++) if (P = o[M]) {
-							if (o[M] = null, ne) {
-								if (P == re) break;
+						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
+						for (; N < o.length; N++) if (F = o[N]) {
+							if (o[N] = null, te) {
+								if (F == ne) break;
 							} else {
-								if (P.nodeType != 8) break;
-								P.data.startsWith("$s") && (re = ie(ne = P));
+								if (F.nodeType != 8) break;
+								F.data.startsWith("$s") && (ne = re(te = F));
 							}
 						}
 					}
-					if (!ne) {
+					if (!te) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						ne = c;
+						te = c;
 					}
-					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function ie(e, t) {
+function re(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function ie(e, t) {
 		t && t.push(e);
 	}
 }
-function ae(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
+function ie(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
 }
-function M(t, n, r) {
-	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
+function N(t, n, r) {
+	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function M(t, n, r) {
 		}
 	});
 }
-function N(t, n, r, i, a, o, s, c, l, u) {
+function P(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function N(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function P(t, n, r, i) {
+function F(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function oe(t, n, r) {
+function ae(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function oe(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function F(e, t, n) {
+function I(e, t, n) {
 	return this.constructor(e, n);
 }
-function I(t, n) {
+function L(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
-function ue(e, t) {
+var oe = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], se = 5.5, ce = 35 * Math.PI / 180;
+function le(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function ue(e, t) {
 		y1: e.y1 + t
 	};
 }
-function de(e, [t, n]) {
+function ue(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function de(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function fe(e, t) {
+function de(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function pe(e, t, n, r, i = 0) {
+function fe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function me(e, t) {
+function pe(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function _e(e, t, n = !1) {
+var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function ge(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ve = .73;
-function ye(e, t, [n, r]) {
-	let i = Math.max(_e(e, 19, !0) / 2, 6);
+var _e = .73;
+function ve(e, t, [n, r]) {
+	let i = Math.max(ge(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ve * 19 / 2 - 1,
+		y0: r - _e * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ve * 19 / 2 + (t ? 3 : 1)
+		y1: r + _e * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ue(a, 2) : a;
+	return t ? le(a, 2) : a;
 }
-function be(e, t) {
+function ye(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,9 +354,9 @@ function be(e, t) {
 	return n;
 }
 // ../../../main/studio-ui/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var xe = Symbol.for("pv"), Se = 0;
+var be = Symbol.for("pv"), xe = 0;
 Array.isArray;
-function L(t, n, r, i, a, o) {
+function R(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +370,27 @@ function L(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: xe,
-		__v: --Se,
+		constructor: be,
+		__v: --xe,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var R = [100, 84];
-function Ce(e, t) {
-	return [e * R[0], t * R[1]];
+var z = [100, 84];
+function Se(e, t) {
+	return [e * z[0], t * z[1]];
 }
-var we = 18;
-function Te(e, t) {
+var Ce = 18;
+function we(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Ee(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * we / 2 : 0, l = o ? c - 15 : 4;
+function Te(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +399,8 @@ function Ee(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function De(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Ee(e, t), o = /* @__PURE__ */ new Map(), s = {
+function Ee(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Te(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +408,16 @@ function De(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * we]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ce]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Oe(e, t, n, r = "") {
+function De(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Ee(e, r);
+		let { half: t, top: i, bottom: a } = Te(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -425,11 +425,11 @@ function Oe(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ye(e.letters, t, n);
+	return ve(e.letters, t, n);
 }
-function ke(e, t, n, r, i = "") {
+function Oe(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(se(t).length + 1), a = De(e, i).get(n);
+		let n = t.slice(oe(t).length + 1), a = Ee(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +440,15 @@ function ke(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Oe(e, n, r, i)];
+	return [r, De(e, n, r, i)];
 }
-var Ae = ([[e, t], [n, r]]) => ({
+var ke = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function je(e, t) {
+function Ae(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +460,66 @@ function je(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Me(e, t) {
+function je(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Ne = class extends S {
+var Me = class extends S {
 	shouldComponentUpdate(e) {
-		return Me(e, this.props);
+		return je(e, this.props);
 	}
 	render(e) {
-		let [t, n] = ke(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = ke(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ L("g", {
+		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ R("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "reach",
-					...Ae([a.tail, a.head])
+					...ke([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ L("line", {
+				e.flow !== 0 && /* @__PURE__ */ R("line", {
 					class: "power",
-					...Ae(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line",
-					...Ae([a.tail, a.head])
+					...ke([a.tail, a.head])
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line barb",
-					...Ae(a.barb)
+					...ke(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ae(me(a, e))
+					...ke(pe(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ae(me(a, e))
+					...ke(pe(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ L("path", {
+				o?.conflict && /* @__PURE__ */ R("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
+				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
 					class: "value",
-					...je(a, 1),
+					...Ae(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ L("text", {
+				}), /* @__PURE__ */ R("text", {
 					class: "value",
-					...je(a, -1),
+					...Ae(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Pe(e, t, n) {
+function Ne(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +534,7 @@ function Pe(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Fe(e, t, n) {
+function Pe(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +566,12 @@ function Fe(e, t, n) {
 		anchor: "start"
 	};
 }
-var Ie = class extends S {
+var Fe = class extends S {
 	shouldComponentUpdate(e) {
-		return Me(e, this.props);
+		return je(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Oe(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = De(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +592,14 @@ var Ie = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Fe(e, i, s.length), l = ve * 19 / 2, u = Ee(t, e.ports);
-		return /* @__PURE__ */ L("g", {
+		], c = Pe(e, i, s.length), l = _e * 19 / 2, u = Te(t, e.ports);
+		return /* @__PURE__ */ R("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Ie = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ R("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...De(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
+					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ R("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ R("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ L("text", {
-								...Pe(e.ports[a], r, i),
+							/* @__PURE__ */ R("text", {
+								...Ne(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				] }) : /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ L("rect", {
+					r && /* @__PURE__ */ R("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Ie = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ R("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ L("text", {
+					r && /* @__PURE__ */ R("text", {
 						class: "subscript",
-						x: _e(t.letters, 19, !0) / 2 - 3.5,
+						x: ge(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ L("text", {
+				s.map((e, t) => /* @__PURE__ */ R("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ L("g", {
+				e.selected && /* @__PURE__ */ R("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ R("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ R("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -694,22 +694,22 @@ var Ie = class extends S {
 	}
 };
 // src/sharing.ts
-function Le(e, t) {
+function Ie(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Le(n[e], r[e]);
+		let t = Ie(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/transport.ts
-var Re = class extends Error {
+var Le = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, ze = class {
+}, Re = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +745,10 @@ var Re = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Re(e.error)) : t.done(e);
+			e.error ? t.failed(new Le(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, Be = {
+}, ze = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -780,9 +780,9 @@ var Re = class extends Error {
 		side: 340,
 		low: 0
 	}
-}, Ve = class {
+}, Be = class {
 	transport;
-	state = Be;
+	state = ze;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -823,7 +823,7 @@ var Re = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Re ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Le ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -831,7 +831,7 @@ var Re = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Le(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Ie(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -1052,7 +1052,7 @@ var Re = class extends Error {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Le(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Ie(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1068,13 +1068,13 @@ var Re = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function He(e, t = 4) {
+function Ve(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Ue = [
+var He = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1084,40 +1084,40 @@ var Ue = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function z(e, t) {
+function B(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${He(e)} ${t}`.trim();
-	let [n, r] = Ue.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ue[Ue.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
+	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/overlays.tsx
-function We({ store: e, state: t }) {
+function Ue({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			z(n.t, "s"),
+			B(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ L("b", { children: i.kind }),
+			/* @__PURE__ */ R("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ R("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1126,7 +1126,7 @@ function We({ store: e, state: t }) {
 		]
 	});
 }
-function Ge(e, t, [n, r]) {
+function We(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1136,31 +1136,31 @@ function Ge(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ke({ state: e, sight: t, size: n }) {
+function Ge({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / R[0],
-		y: -t.y / t.k / R[1]
+		x: -t.x / t.k / z[0],
+		y: -t.y / t.k / z[1]
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ R("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ L("circle", {
+		children: [r.map((e) => /* @__PURE__ */ R("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ L("rect", {
+		})), /* @__PURE__ */ R("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / R[0],
-			height: n[1] / t.k / R[1]
+			width: n[0] / t.k / z[0],
+			height: n[1] / t.k / z[1]
 		})]
 	});
 }
 // src/canvas.tsx
-var qe = class extends S {
+var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1217,12 +1217,12 @@ var qe = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = Ce(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Se(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = Ce(i[0].x, i[0].y);
+				let [e, t] = Se(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1249,7 +1249,7 @@ var qe = class extends S {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1288,7 +1288,7 @@ var qe = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && se(e) !== t) return e;
+			if (e && oe(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1424,7 +1424,7 @@ var qe = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from));
+					let n = this.under(e, oe(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1448,7 +1448,7 @@ var qe = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
+						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1457,12 +1457,12 @@ var qe = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Ce(t.x, t.y);
+						let [r, i] = Se(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from)) || t.target;
+					let n = this.under(e, oe(t.from)) || t.target;
 					n ? r.bond(t.from, n) : Math.hypot(...Ye(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
@@ -1491,8 +1491,8 @@ var qe = class extends S {
 		} });
 	}
 	centreOf(e, t, n, r) {
-		let i = se(e);
-		return ke(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		let i = oe(e);
+		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
@@ -1510,7 +1510,7 @@ var qe = class extends S {
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? Ge(r, a, o) : e;
+			let n = a ? We(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1551,20 +1551,20 @@ var qe = class extends S {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = Ce(e.x, e.y);
+			let [t, n] = Se(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
 		for (let e of a.view.bonds) {
 			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = [...e.ends].sort().join("|");
+			let t = Ke(e.ends);
 			f.set(t, [...f.get(t) ?? [], e.key]);
 		}
 		let p = /* @__PURE__ */ new Map();
@@ -1581,14 +1581,14 @@ var qe = class extends S {
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Te(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? se(r.target) : "";
-		return /* @__PURE__ */ L("div", {
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
+		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? oe(r.target) : "";
+		return /* @__PURE__ */ R("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ L("svg", {
+				/* @__PURE__ */ R("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1601,19 +1601,19 @@ var qe = class extends S {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
+						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
 							id: "dots",
-							width: R[0] / 4,
-							height: R[1] / 4,
+							width: z[0] / 4,
+							height: z[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ L("circle", {
+							children: /* @__PURE__ */ R("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ L("marker", {
+						}), /* @__PURE__ */ R("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1621,25 +1621,25 @@ var qe = class extends S {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ L("path", {
+							children: /* @__PURE__ */ R("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ L("rect", {
+						n.k > .45 && /* @__PURE__ */ R("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ L("g", {
+						/* @__PURE__ */ R("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(Oe(t, u(t), r, h(t.name)), Oe(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ L("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ R("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1648,9 +1648,9 @@ var qe = class extends S {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ L(Ne, {
+								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(Ke(t.ends)), p = g?.[t.key];
+									return /* @__PURE__ */ R(Me, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1665,12 +1665,12 @@ var qe = class extends S {
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? z(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? z(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ie, {
+								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Fe, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1678,13 +1678,13 @@ var qe = class extends S {
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ L(Je, {
+								r?.kind === "wire" && /* @__PURE__ */ R(Je, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ L("rect", {
+								r?.kind === "box" && /* @__PURE__ */ R("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1695,7 +1695,7 @@ var qe = class extends S {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+				r?.kind === "wire" && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1706,11 +1706,11 @@ var qe = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(We, {
+				e.instant && /* @__PURE__ */ R(Ue, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ L("div", {
+				e.bondFrom && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1722,22 +1722,22 @@ var qe = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ R("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1745,24 +1745,24 @@ var qe = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ L(Ke, {
+				/* @__PURE__ */ R(Ge, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+						!a.view.editable && /* @__PURE__ */ R("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1774,7 +1774,7 @@ var qe = class extends S {
 	}
 };
 function Je({ from: e, to: t }) {
-	return /* @__PURE__ */ L("line", {
+	return /* @__PURE__ */ R("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1787,16 +1787,16 @@ var Ye = (e, t) => [e[0] - t[0], e[1] - t[1]], Xe = {
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], B = e, at = B.__b, ot = B.__r, st = B.diffed, ct = B.__c, lt = B.unmount, ut = B.__;
+}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], V = e, at = V.__b, ot = V.__r, st = V.diffed, ct = V.__c, lt = V.unmount, ut = V.__;
 function dt(e, t) {
-	B.__h && B.__h(Qe, e, nt || t), nt = 0;
+	V.__h && V.__h(Qe, e, nt || t), nt = 0;
 	var n = Qe.__H || (Qe.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function V(e) {
+function H(e) {
 	return nt = 1, ft(Ct, e);
 }
 function ft(e, t, n) {
@@ -1824,7 +1824,7 @@ function ft(e, t, n) {
 }
 function pt(e, t) {
 	var n = dt(Ze++, 3);
-	!B.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
+	!V.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
 }
 function mt(e) {
 	return nt = 5, ht(function() {
@@ -1841,35 +1841,35 @@ function gt() {
 		for (; e = it.shift();) try {
 			bt(e);
 		} catch (t) {
-			B.__e(t, { __: (e = e.__P) && e.__v });
+			V.__e(t, { __: (e = e.__P) && e.__v });
 		}
 		for (; e = rt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
 				t.__h.some(bt), t.__h.some(xt), t.__h = [];
 			} catch (n) {
-				t.__h = [], B.__e(n, e.__v);
+				t.__h = [], V.__e(n, e.__v);
 			}
 		}
 	} while (it.length);
 }
-B.__b = function(e) {
+V.__b = function(e) {
 	Qe = null, at && at(e);
-}, B.__ = function(e, t) {
+}, V.__ = function(e, t) {
 	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ut && ut(e, t);
-}, B.__r = function(e) {
+}, V.__r = function(e) {
 	ot && ot(e), Ze = 0;
 	var t = (Qe = e.__c).__H;
 	t && ($e == Qe ? Qe.__h = [] : (t.__h.some(bt), t.__h.some(xt), Ze = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
 	})), $e = Qe;
-}, B.diffed = function(e) {
+}, V.diffed = function(e) {
 	st && st(e);
 	var t = e.__c;
 	t && t.__H && (t.__H.__h.length && yt(rt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
 	})), $e = Qe = null;
-}, B.__c = function(e, t) {
+}, V.__c = function(e, t) {
 	t.some(function(e) {
 		try {
 			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
@@ -1881,7 +1881,7 @@ B.__b = function(e) {
 			}];
 		}
 	}), ct && ct(e, t);
-}, B.unmount = function(e) {
+}, V.unmount = function(e) {
 	lt && lt(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
@@ -1896,7 +1896,7 @@ B.__b = function(e) {
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && B.__e(t, r.__v));
+	}), r.__H = void 0, t && V.__e(t, r.__v));
 };
 var _t = typeof requestAnimationFrame == "function";
 function vt(e) {
@@ -1906,7 +1906,7 @@ function vt(e) {
 	_t && (t = requestAnimationFrame(n));
 }
 function yt(e) {
-	e != 1 && et == B.requestAnimationFrame || ((et = B.requestAnimationFrame) || vt)(gt);
+	e != 1 && et == V.requestAnimationFrame || ((et = V.requestAnimationFrame) || vt)(gt);
 }
 function bt(e) {
 	var t = Qe, n = e.__c;
@@ -1927,7 +1927,7 @@ function Ct(e, t) {
 // src/events.tsx
 var wt = 100;
 function Tt({ store: e, state: t }) {
-	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
 	pt(() => s(0), [c?.run]), pt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
@@ -1942,28 +1942,28 @@ function Tt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					z(c.took, "s"),
+					B(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
 				class: "warning",
 				children: e
 			})),
-			i > wt && /* @__PURE__ */ L("p", { children: [
-				/* @__PURE__ */ L("button", {
+			i > wt && /* @__PURE__ */ R("p", { children: [
+				/* @__PURE__ */ R("button", {
 					disabled: o === 0,
 					onClick: () => s(Math.max(0, o - wt)),
 					children: "◂"
@@ -1975,27 +1975,27 @@ function Tt({ store: e, state: t }) {
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: o + wt >= i,
 					onClick: () => s(o + wt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ L("b", { children: z(n.t, "s") }),
+						/* @__PURE__ */ R("b", { children: B(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ L("i", { children: n.cause }),
+						/* @__PURE__ */ R("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Et(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", Et(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(Dt, {
+				}), n.event === l && /* @__PURE__ */ R(Dt, {
 					store: e,
 					state: t,
 					event: n
@@ -2010,12 +2010,12 @@ function Et(e) {
 }
 function Dt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -2027,32 +2027,32 @@ function Dt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ L("p", { children: [
+			/* @__PURE__ */ R("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ L("p", {
+			i.fired.map((e) => /* @__PURE__ */ R("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ L("b", { children: e.machine }),
+					/* @__PURE__ */ R("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ L("code", { children: e.why })
+					/* @__PURE__ */ R("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${He(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ L("p", { children: [
+			i.energy && /* @__PURE__ */ R("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2062,7 +2062,7 @@ function Dt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
@@ -2077,7 +2077,7 @@ function kt(e) {
 	}, ...r.map(kt));
 }
 function At({ store: e, state: t }) {
-	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
 	return pt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
@@ -2090,41 +2090,41 @@ function At({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ L("section", {
+	]), /* @__PURE__ */ R("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ L("button", {
+				].map(([e, t]) => /* @__PURE__ */ R("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ L("p", {
+			!o && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ L("div", {
+			o?.formula && !i ? /* @__PURE__ */ R("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
 				children: kt(o.formula)
-			}) : o && /* @__PURE__ */ L("pre", {
+			}) : o && /* @__PURE__ */ R("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2134,10 +2134,10 @@ function At({ store: e, state: t }) {
 // src/fields.tsx
 var jt = 0;
 function Mt(e) {
-	let [t, n] = V(e.value), [r] = V(() => `list${++jt}`), i = mt(!1);
+	let [t, n] = H(e.value), [r] = H(() => `list${++jt}`), i = mt(!1);
 	return pt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
+	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2154,9 +2154,9 @@ function Mt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ L("datalist", {
+	}), e.list && /* @__PURE__ */ R("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
 	})] });
 }
 function Nt(e) {
@@ -2180,79 +2180,79 @@ var Pt = {
 };
 function It({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(Vt, {
+	if (r.length === 1) return /* @__PURE__ */ R(Vt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ L("section", { children: [
-			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Mt, {
+		return /* @__PURE__ */ R("section", { children: [
+			/* @__PURE__ */ R("h2", { children: "Bond" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(Mt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
 				onWrite: (n) => void Lt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ L("p", { children: [
+			a && /* @__PURE__ */ R("p", { children: [
 				"effort ",
-				z(a.e, a.units[0]),
+				B(a.e, a.units[0]),
 				", flow ",
-				z(a.f, a.units[1]),
+				B(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ L("div", {
+	] }), /* @__PURE__ */ R("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => Rt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => Rt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				disabled: r.length < 3,
 				onClick: () => zt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				disabled: r.length < 3,
 				onClick: () => zt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(Bt, {
+	})] }) : /* @__PURE__ */ R(Bt, {
 		store: e,
 		state: t
 	});
@@ -2295,20 +2295,20 @@ function Bt({ store: e, state: t }) {
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Mt, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Model" }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(Mt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ L("option", {
+			children: r.map((e) => /* @__PURE__ */ R("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2317,15 +2317,15 @@ function Bt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ L("kbd", { children: "a" }),
+				/* @__PURE__ */ R("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ L("kbd", { children: "b" }),
+				/* @__PURE__ */ R("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
@@ -2345,66 +2345,66 @@ function Vt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Mt, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(Mt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(Ht, {
+		!s && n.kind !== "part" && /* @__PURE__ */ R(Ht, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Pt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Mt, {
+		Pt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(Mt, {
 			label: `Start value ${e}`,
 			value: Gt(i[e]),
 			disabled: r,
 			placeholder: "0",
 			onWrite: (t) => a([e], Nt(t))
 		})] })),
-		s && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+		s && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ L("option", {
+				}), /* @__PURE__ */ R("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
 				disabled: r,
 				value: Gt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
+			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
 				label: e,
 				value: Gt(i[e]),
 				disabled: r,
 				onWrite: (t) => a([e], Nt(t))
 			})] })),
-			/* @__PURE__ */ L(Ut, {
+			/* @__PURE__ */ R(Ut, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
-			c && /* @__PURE__ */ L("p", {
+		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
+			c && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2413,7 +2413,7 @@ function Vt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
+				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
 					label: e,
 					value: Gt(t),
 					disabled: r,
@@ -2421,7 +2421,7 @@ function Vt({ store: e, state: t, node: n }) {
 					onWrite: (t) => a(["parameters", e], Nt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Mt, {
+			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(Mt, {
 				label: `Input ${e}`,
 				value: Gt(i.inputs?.[e]),
 				disabled: r,
@@ -2429,25 +2429,25 @@ function Vt({ store: e, state: t, node: n }) {
 				list: Kt(t),
 				onWrite: (t) => a(["inputs", e], Nt(t))
 			})] })),
-			n.known && /* @__PURE__ */ L("button", {
+			n.known && /* @__PURE__ */ R("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ L("div", {
+		/* @__PURE__ */ R("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2460,7 +2460,7 @@ function Ht({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Mt, {
+		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(Mt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2468,10 +2468,10 @@ function Ht({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Mt, {
+	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(Mt, {
 		label: "Value",
 		first: !0,
 		value: Gt(r),
@@ -2484,11 +2484,11 @@ function Ht({ node: e, off: t, set: n }) {
 }
 function Ut({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
@@ -2522,7 +2522,7 @@ function Kt(e) {
 // src/expression.tsx
 var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
 function Xt(e) {
-	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
 	pt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
@@ -2541,10 +2541,10 @@ function Xt(e) {
 		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	};
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2578,11 +2578,11 @@ function Xt(e) {
 					}
 				}
 			}),
-			r.length > 0 && /* @__PURE__ */ L("ul", {
+			r.length > 0 && /* @__PURE__ */ R("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ L("li", {
+				children: r.map((e, t) => /* @__PURE__ */ R("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2592,14 +2592,14 @@ function Xt(e) {
 					children: e
 				}))
 			}),
-			s && /* @__PURE__ */ L("small", {
+			s && /* @__PURE__ */ R("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					s.why,
 					" ",
-					s.try && /* @__PURE__ */ L("em", { children: s.try })
+					s.try && /* @__PURE__ */ R("em", { children: s.try })
 				]
 			})
 		]
@@ -2616,15 +2616,15 @@ function Zt(e) {
 }
 function Qt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L($t, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ R($t, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ L("button", {
+		n.view.editable && /* @__PURE__ */ R("button", {
 			onClick: () => {
 				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
@@ -2642,17 +2642,17 @@ function Qt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				/* @__PURE__ */ R("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				/* @__PURE__ */ R("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ L("code", { children: "x" }),
+				/* @__PURE__ */ R("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				/* @__PURE__ */ R("b", { children: "x⁺" }),
 				")."
 			]
 		})
@@ -2678,13 +2678,13 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(Mt, {
+				children: [/* @__PURE__ */ R(Mt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2693,7 +2693,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ L("button", {
+				}), !a && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2704,15 +2704,15 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(en, {
+			/* @__PURE__ */ R(en, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((e) => /* @__PURE__ */ L("div", {
+			c.map((e) => /* @__PURE__ */ R("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${e}`,
@@ -2724,7 +2724,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							start: e
 						})
 					}),
-					/* @__PURE__ */ L(Mt, {
+					/* @__PURE__ */ R(Mt, {
 						label: `State ${e} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2748,11 +2748,11 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ R("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(Mt, {
+					/* @__PURE__ */ R(Mt, {
 						label: `Junctions that state ${e} of ${n} switches on`,
 						value: (r.states[e] ?? []).join(", "),
 						disabled: a,
@@ -2770,25 +2770,25 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 			})),
 			l.map((e, r) => {
 				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ L("div", {
+				return /* @__PURE__ */ R("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ L(x, { children: [
-						/* @__PURE__ */ L("select", {
+					children: [i ? /* @__PURE__ */ R(x, { children: [
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ L("select", {
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(Xt, {
+						/* @__PURE__ */ R(Xt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
@@ -2796,17 +2796,17 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ L("span", {
+						/* @__PURE__ */ R("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(Mt, {
+					] }) : /* @__PURE__ */ R(Mt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ L("button", {
+					}), !a && /* @__PURE__ */ R("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2814,9 +2814,9 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ L("div", {
+			!a && /* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => u({
 						...r,
 						states: {
@@ -2825,7 +2825,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: c.length < 2,
 					onClick: () => {
 						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
@@ -2842,16 +2842,16 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 }
 function en({ machine: e, now: t, onState: n }) {
 	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ L("svg", {
+		children: /* @__PURE__ */ R("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2859,26 +2859,26 @@ function en({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ L("path", {
+					children: /* @__PURE__ */ R("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
+						children: /* @__PURE__ */ R("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
-					}), /* @__PURE__ */ L("text", {
+						children: /* @__PURE__ */ R("title", { children: e.guard })
+					}), /* @__PURE__ */ R("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2886,7 +2886,7 @@ function en({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ L("g", {
+				r.map((r) => /* @__PURE__ */ R("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2895,20 +2895,20 @@ function en({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ L("rect", {
+						/* @__PURE__ */ R("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ L("text", {
+						/* @__PURE__ */ R("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ L("circle", {
+						r === e.start && /* @__PURE__ */ R("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2920,7 +2920,7 @@ function en({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [tn, nn] = [720, 190], rn = 74, [an, on] = [8, 20], H = [
+var [tn, nn] = [720, 190], rn = 74, [an, U] = [8, 20], W = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2930,35 +2930,35 @@ var [tn, nn] = [720, 190], rn = 74, [an, on] = [8, 20], H = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function U(e) {
+function on(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
 function sn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ L("div", {
+	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ R("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L("b", { children: n.path }),
+					/* @__PURE__ */ R("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ R("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ R("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ L("button", {
+					!n.done && /* @__PURE__ */ R("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2967,11 +2967,11 @@ function sn({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
+					r !== null && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ R("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2983,20 +2983,20 @@ function sn({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ L(cn, {
+			o.map((e, t) => /* @__PURE__ */ R(cn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ L(ln, {
+			/* @__PURE__ */ R(ln, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -3008,7 +3008,7 @@ function sn({ store: e, state: t }) {
 function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: [
 			e,
@@ -3016,27 +3016,27 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - on - (e - o) / l * (nn - on - an), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - U - (e - o) / l * (nn - U - an), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ R("svg", {
 		class: "family",
 		viewBox: `0 0 ${tn} ${nn}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${He(o)} and ${He(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ L("rect", {
+			/* @__PURE__ */ R("rect", {
 				class: "box",
 				x: rn,
 				y: an,
 				width: tn - rn - 8,
-				height: nn - on - an
+				height: nn - U - an
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ R("line", {
 				class: "axis",
 				x1: rn,
 				x2: tn - 8,
@@ -3045,42 +3045,42 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ L("path", {
+				return !n || n.error ? null : /* @__PURE__ */ R("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${U(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${on(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ R("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ R("text", {
 				x: 69,
 				y: an + 9,
 				"text-anchor": "end",
-				children: z(s, c)
+				children: B(s, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ R("text", {
 				x: 69,
-				y: nn - on,
+				y: nn - U,
 				"text-anchor": "end",
-				children: z(o, c)
+				children: B(o, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ R("text", {
 				class: "what",
-				transform: `translate(12,${(nn - on) / 2}) rotate(-90)`,
+				transform: `translate(12,${(nn - U) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ R("text", {
 				x: rn,
 				y: nn - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ R("text", {
 				x: tn - 8,
 				y: nn - 5,
 				"text-anchor": "end",
-				children: z(n, "s")
+				children: B(n, "s")
 			})
 		]
 	});
@@ -3099,49 +3099,49 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ R("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ L("svg", {
+		children: [/* @__PURE__ */ R("svg", {
 			viewBox: `0 0 ${tn} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ R("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ R("rect", {
 						x: rn + c * o,
 						width: o + .4,
 						y: an + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: H[r % H.length],
-						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: W[r % W.length],
+						children: /* @__PURE__ */ R("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: 69,
 					y: an + 9,
 					"text-anchor": "end",
-					children: z(t, "s")
+					children: B(t, "s")
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: 69,
 					y: an + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: rn,
 					y: an + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: tn - 8,
 					y: an + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					class: "what",
 					x: (rn + tn) / 2,
 					y: an + 150 + 18,
@@ -3149,15 +3149,15 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
-			/* @__PURE__ */ L("i", { style: `background: ${H[t % H.length]}` }),
+		}), /* @__PURE__ */ R("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ R("span", { children: [
+			/* @__PURE__ */ R("i", { style: `background: ${W[t % W.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function un({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
+function G({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -3165,25 +3165,25 @@ function un({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ L("form", {
+	return /* @__PURE__ */ R("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ R("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -3191,23 +3191,23 @@ function un({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function W({ store: e, state: t }) {
+function un({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(fn, {
+		return /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ R(fn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ L("button", {
+			!r && /* @__PURE__ */ R("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -3224,31 +3224,31 @@ function W({ store: e, state: t }) {
 			})
 		] });
 	};
-	return /* @__PURE__ */ L("section", { children: [
+	return /* @__PURE__ */ R("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
+		!t.level && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: "Run" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(Mt, {
 				label: "Until",
 				value: Gt(i.until),
 				placeholder: "1 s",
 				onWrite: (e) => void a(["experiment", "until"], Nt(e))
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
 				value: Gt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(Mt, {
 				label: "Relative tolerance",
 				value: Gt(i.rtol),
 				placeholder: "1e-8",
@@ -3259,13 +3259,13 @@ function W({ store: e, state: t }) {
 }
 var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
 function fn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ L("div", {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ R("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ L("label", { children: [
-				/* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ R(Mt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3275,7 +3275,7 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ L(Mt, {
+				o ? /* @__PURE__ */ R(Mt, {
 					label: r,
 					value: Gt(i),
 					disabled: a,
@@ -3285,13 +3285,13 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 						path: [n, r],
 						value: Nt(t)
 					})
-				}) : /* @__PURE__ */ L(pn, {
+				}) : /* @__PURE__ */ R(pn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ L("button", {
+				s && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3299,7 +3299,7 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ L("button", {
+				!a && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3310,14 +3310,14 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ L(un, {
+			l && s && /* @__PURE__ */ R(G, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ L("input", {
+			s && !a && /* @__PURE__ */ R("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3337,14 +3337,14 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 	});
 }
 function pn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(pn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(pn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Mt, {
+		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(Mt, {
 			label: `${t.join(" ")} ${n}`,
 			value: Gt(i),
 			disabled: r,
@@ -3364,21 +3364,21 @@ function pn({ store: e, path: t, value: n, off: r }) {
 }
 function mn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
-		/* @__PURE__ */ L("ul", {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
+		/* @__PURE__ */ R("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ L("li", {
+			children: n.map((t) => /* @__PURE__ */ R("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ R("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ L("b", { children: t.code }),
+						/* @__PURE__ */ R("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ L("i", { children: t.where }),
-						/* @__PURE__ */ L("span", { children: t.why }),
-						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ R("i", { children: t.where }),
+						/* @__PURE__ */ R("span", { children: t.why }),
+						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
@@ -3387,33 +3387,33 @@ function mn({ store: e, state: t }) {
 }
 function hn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "Elements" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ R("h2", { children: "Elements" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3421,9 +3421,9 @@ function hn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ L("td", { children: [
+						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ R("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3432,26 +3432,26 @@ function hn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ L("h2", { children: "Bonds" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ R("h2", { children: "Bonds" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3459,8 +3459,8 @@ function hn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
@@ -3468,7 +3468,7 @@ function hn({ store: e, state: t }) {
 	});
 }
 function gn({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
 	pt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
@@ -3478,15 +3478,15 @@ function gn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: [
+			/* @__PURE__ */ R("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ L("textarea", {
+			/* @__PURE__ */ R("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3495,13 +3495,13 @@ function gn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3535,19 +3535,19 @@ function _n(e) {
 	};
 }
 function vn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ L("aside", {
+	return /* @__PURE__ */ R("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ L("button", {
+				children: i.map((e) => /* @__PURE__ */ R("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3558,27 +3558,27 @@ function vn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ L("details", {
+					return n.length ? /* @__PURE__ */ R("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ L("summary", { children: [
+						children: [/* @__PURE__ */ R("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ L("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							/* @__PURE__ */ R("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ R("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3595,7 +3595,7 @@ function vn({ store: e, state: t }) {
 	});
 }
 function yn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3612,11 +3612,11 @@ function yn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ R("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3625,10 +3625,10 @@ function yn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("b", { children: e.letters }),
+				/* @__PURE__ */ R("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3636,10 +3636,10 @@ function yn({ store: e, state: t }) {
 	});
 }
 // ../../../main/studio-ui/node_modules/uplot/dist/uPlot.esm.js
-var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, G, ur;
+var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, K, ur;
 function dr() {
 	let e = devicePixelRatio;
-	G != e && (G = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${G - .001}dppx) and (max-resolution: ${G + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
+	K != e && (K = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
 }
 function fr(e, t) {
 	if (t != null) {
@@ -3651,7 +3651,7 @@ function pr(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function K(e, t, n) {
+function q(e, t, n) {
 	e.style[t] = n + "px";
 }
 function mr(e, t, n, r) {
@@ -3721,13 +3721,13 @@ function Mr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? J, c ?? -J];
+	return [s ?? ii, c ?? -ii];
 }
 function Nr(e, t, n, r) {
 	let i = $r(e), a = $r(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
 	let o = n == 10 ? ei : ti, s = i == 1 ? qr : Yr, c = a == 1 ? Yr : qr, l = s(o(Kr(e))), u = c(o(Kr(t))), d = Qr(n, l), f = Qr(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = gi(e, d), t = hi(t, f)), [e, t];
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _i(e, d), t = X(t, f)), [e, t];
 }
 function Pr(e, t, n, r) {
 	let i = Nr(e, t, n, r);
@@ -3745,82 +3745,82 @@ var Fr = .1, Ir = {
 	max: Lr
 };
 function zr(e, t, n, r) {
-	return Di(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
+	return Oi(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
 }
-function q(e, t) {
+function J(e, t) {
 	return e ?? t;
 }
 function Br(e, t, n) {
-	for (t = q(t, 0), n = q(n, e.length - 1); t <= n;) {
+	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
 function Vr(e, t, n) {
-	let r = n.min, i = n.max, a = q(r.pad, 0), o = q(i.pad, 0), s = q(r.hard, -J), c = q(i.hard, J), l = q(r.soft, J), u = q(i.soft, -J), d = q(r.mode, 0), f = q(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != J && (a = 0), f == 2 && u != -J && (o = 0)));
-	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(gi(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : J, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(hi(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -J, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
+	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ii), c = J(i.hard, ii), l = J(r.soft, ii), u = J(i.soft, -ii), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ii && (a = 0), f == 2 && u != -ii && (o = 0)));
+	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(_i(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ii, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(X(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ii, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), J = Infinity;
-function ii(e) {
+var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), ii = Infinity;
+function ai(e) {
 	return (ei((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ai(e, t, n) {
+function oi(e, t, n) {
 	return Xr(Zr(e, t), n);
 }
-function oi(e) {
+function si(e) {
 	return typeof e == "function";
 }
 function Y(e) {
-	return oi(e) ? e : () => e;
+	return si(e) ? e : () => e;
 }
-var si = () => {}, ci = (e) => e, li = (e, t) => t, ui = (e) => null, di = (e) => !0, fi = (e, t) => e == t, pi = /\.\d*?(?=9{6,}|0{6,})/gm, X = (e) => {
-	if (wi(e) || _i.has(e)) return e;
-	let t = `${e}`, n = t.match(pi);
+var ci = () => {}, li = (e) => e, ui = (e, t) => t, di = (e) => null, fi = (e) => !0, pi = (e, t) => e == t, mi = /\.\d*?(?=9{6,}|0{6,})/gm, hi = (e) => {
+	if (Ti(e) || vi.has(e)) return e;
+	let t = `${e}`, n = t.match(mi);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${X(e)}e${n}`;
+		return +`${hi(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function mi(e, t) {
-	return X(Z(X(e / t)) * t);
-}
-function hi(e, t) {
-	return X(Yr(X(e / t)) * t);
-}
 function gi(e, t) {
-	return X(qr(X(e / t)) * t);
+	return hi(Z(hi(e / t)) * t);
+}
+function X(e, t) {
+	return hi(Yr(hi(e / t)) * t);
+}
+function _i(e, t) {
+	return hi(qr(hi(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (wi(e)) return e;
+	if (Ti(e)) return e;
 	let n = 10 ** t;
 	return Jr(e * n * (1 + 2 ** -52)) / n;
 }
-var _i = /* @__PURE__ */ new Map();
-function vi(e) {
+var vi = /* @__PURE__ */ new Map();
+function yi(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function yi(e, t, n, r) {
-	let i = [], a = r.map(vi);
+function bi(e, t, n, r) {
+	let i = [], a = r.map(yi);
 	for (let o = t; o < n; o++) {
 		let t = Kr(o), n = Z(Qr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), _i.set(u, l);
+			i.push(u), vi.set(u, l);
 		}
 	}
 	return i;
 }
-var bi = {}, xi = [], Si = [null, null], Ci = Array.isArray, wi = Number.isInteger, Ti = (e) => e === void 0;
-function Ei(e) {
+var xi = {}, Si = [], Ci = [null, null], wi = Array.isArray, Ti = Number.isInteger, Ei = (e) => e === void 0;
+function Di(e) {
 	return typeof e == "string";
 }
-function Di(e) {
+function Oi(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3828,35 +3828,35 @@ function Di(e) {
 	}
 	return t;
 }
-function Oi(e) {
+function ki(e) {
 	return typeof e == "object" && !!e;
 }
-var ki = Object.getPrototypeOf(Uint8Array), Ai = "__proto__";
-function ji(e, t = Di) {
+var Ai = Object.getPrototypeOf(Uint8Array), ji = "__proto__";
+function Mi(e, t = Oi) {
 	let n;
-	if (Ci(e)) {
+	if (wi(e)) {
 		let r = e.find((e) => e != null);
-		if (Ci(r) || t(r)) {
+		if (wi(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = ji(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Mi(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof ki) n = e.slice();
+	} else if (e instanceof Ai) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ai && (n[r] = ji(e[r], t));
+		for (let r in e) r != ji && (n[r] = Mi(e[r], t));
 	} else n = e;
 	return n;
 }
-function Mi(e) {
+function Ni(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ai && (Di(e[t]) ? Mi(e[t], ji(r[t])) : e[t] = ji(r[t]));
+		for (let t in r) t != ji && (Oi(e[t]) ? Ni(e[t], Mi(r[t])) : e[t] = Mi(r[t]));
 	}
 	return e;
 }
-var Ni = 0, Pi = 1, Fi = 2;
-function Ii(e, t, n) {
+var Pi = 0, Fi = 1, Ii = 2;
+function Li(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3865,11 +3865,11 @@ function Ii(e, t, n) {
 		}
 	}
 }
-function Li(e, t) {
-	if (Bi(e)) {
+function Ri(e, t) {
+	if (Vi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Vi(t[0]) || (t = zi(t)), t;
+		return Hi(t[0]) || (t = Bi(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3881,18 +3881,18 @@ function Li(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Pi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Ni && (l[n] = t, u == Fi && d.push(n)) : l[n] = t;
+				t === null ? u != Pi && (l[n] = t, u == Ii && d.push(n)) : l[n] = t;
 			}
-			Ii(l, d, i), r.push(l);
+			Li(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ri = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function zi(e) {
+var zi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Bi(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3904,7 +3904,7 @@ function zi(e) {
 	}
 	return i;
 }
-function Bi(e) {
+function Vi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3915,7 +3915,7 @@ function Bi(e) {
 	}
 	return !0;
 }
-function Vi(e, t = 100) {
+function Hi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
@@ -3932,7 +3932,7 @@ function Vi(e, t = 100) {
 	}
 	return !0;
 }
-var Hi = [
+var Ui = [
 	"January",
 	"February",
 	"March",
@@ -3945,7 +3945,7 @@ var Hi = [
 	"October",
 	"November",
 	"December"
-], Ui = [
+], Wi = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3954,33 +3954,33 @@ var Hi = [
 	"Friday",
 	"Saturday"
 ];
-function Wi(e) {
+function Gi(e) {
 	return e.slice(0, 3);
 }
-var Gi = Ui.map(Wi), Ki = {
-	MMMM: Hi,
-	MMM: Hi.map(Wi),
-	WWWW: Ui,
-	WWW: Gi
+var Ki = Wi.map(Gi), qi = {
+	MMMM: Ui,
+	MMM: Ui.map(Gi),
+	WWWW: Wi,
+	WWW: Ki
 };
-function qi(e) {
+function Ji(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Ji(e) {
+function Yi(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Yi = {
+var Xi = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => qi(e.getMonth() + 1),
+	MM: (e) => Ji(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => qi(e.getDate()),
+	DD: (e) => Ji(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => qi(e.getHours()),
+	HH: (e) => Ji(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3989,35 +3989,35 @@ var Yi = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => qi(e.getMinutes()),
+	mm: (e) => Ji(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => qi(e.getSeconds()),
+	ss: (e) => Ji(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Ji(e.getMilliseconds())
+	fff: (e) => Yi(e.getMilliseconds())
 };
-function Xi(e, t) {
-	t ||= Ki;
+function Zi(e, t) {
+	t ||= qi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Yi[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xi[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Zi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Qi(e, t) {
+var Qi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function $i(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Zi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var $i = (e) => e % 1 == 0, ea = [
+var ea = (e) => e % 1 == 0, ta = [
 	1,
 	2,
 	2.5,
 	5
-], ta = yi(10, -32, 0, ea), na = yi(10, 0, 32, ea), ra = na.filter($i), ia = ta.concat(na), aa = "\n", oa = "{YYYY}", sa = aa + oa, ca = "{M}/{D}", la = aa + ca, ua = la + "/{YY}", da = "{aa}", fa = "{h}:{mm}" + da, pa = aa + fa, ma = ":{ss}", Q = null;
-function ha(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? yi(10, 0, 3, ea).filter($i) : yi(10, -3, 0, ea)).concat([
+], na = bi(10, -32, 0, ta), ra = bi(10, 0, 32, ta), ia = ra.filter(ea), aa = na.concat(ra), oa = "\n", sa = "{YYYY}", ca = oa + sa, la = "{M}/{D}", ua = oa + la, da = ua + "/{YY}", fa = "{aa}", pa = "{h}:{mm}" + fa, ma = oa + pa, ha = ":{ss}", Q = null;
+function ga(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? bi(10, 0, 3, ta).filter(ea) : bi(10, -3, 0, ta)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4061,7 +4061,7 @@ function ha(e) {
 	]), c = [
 		[
 			o,
-			oa,
+			sa,
 			Q,
 			Q,
 			Q,
@@ -4073,7 +4073,7 @@ function ha(e) {
 		[
 			i * 28,
 			"{MMM}",
-			sa,
+			ca,
 			Q,
 			Q,
 			Q,
@@ -4083,8 +4083,8 @@ function ha(e) {
 		],
 		[
 			i,
+			la,
 			ca,
-			sa,
 			Q,
 			Q,
 			Q,
@@ -4094,10 +4094,10 @@ function ha(e) {
 		],
 		[
 			r,
-			"{h}" + da,
-			ua,
+			"{h}" + fa,
+			da,
 			Q,
-			la,
+			ua,
 			Q,
 			Q,
 			Q,
@@ -4105,10 +4105,10 @@ function ha(e) {
 		],
 		[
 			n,
-			fa,
-			ua,
+			pa,
+			da,
 			Q,
-			la,
+			ua,
 			Q,
 			Q,
 			Q,
@@ -4116,38 +4116,38 @@ function ha(e) {
 		],
 		[
 			t,
+			ha,
+			da + " " + pa,
+			Q,
+			ua + " " + pa,
+			Q,
 			ma,
-			ua + " " + fa,
-			Q,
-			la + " " + fa,
-			Q,
-			pa,
 			Q,
 			1
 		],
 		[
 			e,
-			ma + ".{fff}",
-			ua + " " + fa,
+			ha + ".{fff}",
+			da + " " + pa,
 			Q,
-			la + " " + fa,
+			ua + " " + pa,
 			Q,
-			pa,
+			ma,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ta(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ta(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Ta(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + hi(_ - y, a);
+				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + X(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
@@ -4166,12 +4166,12 @@ function ha(e) {
 		l
 	];
 }
-var [ga, _a, va] = ha(1), [ya, ba, xa] = ha(.001);
-yi(2, -53, 53, [1]);
-function Sa(e, t) {
+var [_a, va, ya] = ga(1), [ba, xa, Sa] = ga(.001);
+bi(2, -53, 53, [1]);
+function Ca(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Ca(e, t) {
+function wa(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -4180,98 +4180,98 @@ function Ca(e, t) {
 		});
 	};
 }
-function wa(e, t) {
-	let n = Xi(t);
+function Ta(e, t) {
+	let n = Zi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Ta(e, t, n) {
+function Ea(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ea(e, t) {
+function Da(e, t) {
 	return t(e);
 }
-var Da = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Oa(e, t) {
+var Oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function ka(e, t) {
 	return (n, r, i, a) => a == null ? ar : t(e(r));
 }
-function ka(e, t) {
+function Aa(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Aa(e, t) {
+function ja(e, t) {
 	return e.series[t].fill(e, t);
 }
-var ja = {
+var Ma = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: si,
+	mount: ci,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: ka,
-		fill: Aa,
+		stroke: Aa,
+		fill: ja,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Ma(e, t) {
-	let n = e.cursor.points, r = hr(), i = n.size(e, t);
-	K(r, Vn, i), K(r, Hn, i);
-	let a = i / -2;
-	K(r, "marginLeft", a), K(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && K(r, "borderWidth", o), r;
-}
 function Na(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = hr(), i = n.size(e, t);
+	q(r, Vn, i), q(r, Hn, i);
+	let a = i / -2;
+	q(r, "marginLeft", a), q(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && q(r, "borderWidth", o), r;
 }
 function Pa(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Fa(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function Ia(e, t) {
 	return e.series[t].points.size;
 }
-var Ia = [0, 0];
-function La(e, t, n) {
-	return Ia[0] = t, Ia[1] = n, Ia;
+var La = [0, 0];
+function Ra(e, t, n) {
+	return La[0] = t, La[1] = n, La;
 }
-function Ra(e, t, n, r = !0) {
+function za(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function za(e, t, n, r = !0) {
+function Ba(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Ba = {
+var Va = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: La,
+	move: Ra,
 	points: {
 		one: !1,
-		show: Ma,
-		size: Fa,
+		show: Na,
+		size: Ia,
 		width: 0,
-		stroke: Pa,
-		fill: Na
+		stroke: Fa,
+		fill: Pa
 	},
 	bind: {
-		mousedown: Ra,
-		mouseup: Ra,
-		click: Ra,
-		dblclick: Ra,
-		mousemove: za,
-		mouseleave: za,
-		mouseenter: za
+		mousedown: za,
+		mouseup: za,
+		click: za,
+		dblclick: za,
+		mousemove: Ba,
+		mouseleave: Ba,
+		mouseenter: Ba
 	},
 	drag: {
 		setScale: !0,
@@ -4301,11 +4301,11 @@ var Ba = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Va = {
+}, Ha = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Ha = Mi({}, Va, { filter: li }), Ua = Mi({}, Ha, { size: 10 }), Wa = Mi({}, Va, { show: !1 }), Ga = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ka = "bold " + Ga, qa = 1.5, Ja = {
+}, Ua = Ni({}, Ha, { filter: ui }), Wa = Ni({}, Ua, { size: 10 }), Ga = Ni({}, Ha, { show: !1 }), Ka = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", qa = "bold " + Ka, Ja = 1.5, Ya = {
 	show: !0,
 	scale: "x",
 	stroke: qn,
@@ -4315,63 +4315,63 @@ var Ba = {
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ka,
+	labelFont: qa,
 	side: 2,
-	grid: Ha,
-	ticks: Ua,
-	border: Wa,
-	font: Ga,
-	lineGap: qa,
+	grid: Ua,
+	ticks: Wa,
+	border: Ga,
+	font: Ka,
+	lineGap: Ja,
 	rotate: 0
-}, Ya = "Value", Xa = "Time", Za = {
+}, Xa = "Value", Za = "Time", Qa = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: J,
+	min: ii,
 	max: -Infinity,
 	idxs: []
 };
-function Qa(e, t, n, r, i) {
+function $a(e, t, n, r, i) {
 	return t.map((e) => e == null ? "" : Ur(e));
 }
-function $a(e, t, n, r, i, a, o) {
-	let s = [], c = _i.get(i) || 0;
-	n = o ? n : Z(hi(n, i), c);
+function eo(e, t, n, r, i, a, o) {
+	let s = [], c = vi.get(i) || 0;
+	n = o ? n : Z(X(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function eo(e, t, n, r, i, a, o) {
+function to(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = ia[Er(i, ia)]);
+	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = aa[Er(i, aa)]);
 	let l = n, u = i * c;
-	c == 10 && (u = ia[Er(u, ia)]);
+	c == 10 && (u = aa[Er(u, aa)]);
 	do
-		s.push(l), l += i, c == 10 && !_i.has(l) && (l = Z(l, _i.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ia[Er(u, ia)]));
+		s.push(l), l += i, c == 10 && !vi.has(l) && (l = Z(l, vi.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = aa[Er(u, aa)]));
 	while (l <= r);
 	return s;
 }
-function to(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? eo(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? eo(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function no(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? to(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? to(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var no = /./, ro = /[12357]/, io = /[125]/, ao = /1/, oo = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function so(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? no : c(7, o) - u >= l ? ro : c(5, o) - u >= l ? io : ao;
-	if (d == ao) {
-		let e = Kr(c(1, o) - u);
-		if (e < l) return oo(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
-	}
-	return oo(t, s.distr, d, 1);
-}
+var ro = /./, io = /[12357]/, ao = /[125]/, oo = /1/, so = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function co(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
-	return l < s ? oo(t.slice().reverse(), 3, no, Yr(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ro : c(7, o) - u >= l ? io : c(5, o) - u >= l ? ao : oo;
+	if (d == oo) {
+		let e = Kr(c(1, o) - u);
+		if (e < l) return so(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
+	}
+	return so(t, s.distr, d, 1);
 }
-function lo(e, t, n, r) {
+function lo(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
+	return l < s ? so(t.slice().reverse(), 3, ro, Yr(s / l)).reverse() : t;
+}
+function uo(e, t, n, r) {
 	return r == null ? ar : t == null ? "" : Ur(t);
 }
-var uo = {
+var fo = {
 	show: !0,
 	scale: "y",
 	stroke: qn,
@@ -4381,58 +4381,58 @@ var uo = {
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ka,
+	labelFont: qa,
 	side: 3,
-	grid: Ha,
-	ticks: Ua,
-	border: Wa,
-	font: Ga,
-	lineGap: qa,
+	grid: Ua,
+	ticks: Wa,
+	border: Ga,
+	font: Ka,
+	lineGap: Ja,
 	rotate: 0
 };
-function fo(e, t) {
+function po(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function po(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * G);
+function mo(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
 	return r[1] - r[0] <= o;
 }
-var mo = {
+var ho = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: J,
+	min: ii,
 	max: -Infinity
-}, ho = (e, t, n, r, i) => i, go = {
+}, go = (e, t, n, r, i) => i, _o = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: ho,
+	gaps: go,
 	alpha: 1,
-	facets: [Mi({}, mo, { scale: "x" }), Mi({}, mo, { scale: "y" })]
-}, _o = {
+	facets: [Ni({}, ho, { scale: "x" }), Ni({}, ho, { scale: "y" })]
+}, vo = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: ho,
+	gaps: go,
 	alpha: 1,
 	points: {
-		show: po,
+		show: mo,
 		filter: null
 	},
 	values: null,
-	min: J,
+	min: ii,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function vo(e, t, n, r, i) {
+function yo(e, t, n, r, i) {
 	return n / 10;
 }
-var yo = {
+var bo = {
 	time: bn,
 	auto: !0,
 	distr: 1,
@@ -4442,12 +4442,12 @@ var yo = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, bo = Mi({}, yo, {
+}, xo = Ni({}, bo, {
 	time: !1,
 	ori: 1
-}), xo = {};
-function So(e, t) {
-	let n = xo[e];
+}), So = {};
+function Co(e, t) {
+	let n = So[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4460,38 +4460,38 @@ function So(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (xo[e] = n)), n;
+	}, e != null && (So[e] = n)), n;
 }
-var Co = 1, wo = 2;
-function To(e, t, n) {
+var wo = 1, To = 2;
+function Eo(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Po, Io, Ro, Bo, Ho) : n(i, c, l, u, d, _, g, p, f, h, m, Fo, Lo, zo, Vo, Uo);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fo, Lo, zo, Vo, Uo) : n(i, c, l, u, d, _, g, p, f, h, m, Io, Ro, Bo, Ho, Wo);
 }
-function Eo(e, t) {
-	let n = 0, r = 0, i = q(e.bands, xi);
+function Do(e, t) {
+	let n = 0, r = 0, i = J(e.bands, Si);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Do(e, t, n, r, i) {
+function Oo(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Oo(e, t, n, r, i, a) {
-	return To(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Io : Lo, v, y;
+function ko(e, t, n, r, i, a) {
+	return Eo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Lo : Ro, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function ko(e, t, n, r, i, a) {
+function Ao(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Ro : zo, c = n;
+		let s = t == 0 ? zo : Bo, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4504,11 +4504,11 @@ function ko(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Ao(e, t, n) {
+function jo(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function jo(e, t, n, r, i, a, o) {
+function Mo(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4521,11 +4521,11 @@ function jo(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Mo(e) {
-	return e == 0 ? ci : e == 1 ? Jr : (t) => mi(t, e);
-}
 function No(e) {
-	let t = e == 0 ? Po : Fo, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? li : e == 1 ? Jr : (t) => gi(t, e);
+}
+function Po(e) {
+	let t = e == 0 ? Fo : Io, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4538,29 +4538,29 @@ function No(e) {
 		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xr(c, o / 2, s / 2), l = Xr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Po = (e, t, n) => {
+var Fo = (e, t, n) => {
 	e.moveTo(t, n);
-}, Fo = (e, t, n) => {
-	e.moveTo(n, t);
 }, Io = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, Lo = (e, t, n) => {
+	e.lineTo(t, n);
+}, Ro = (e, t, n) => {
 	e.lineTo(n, t);
-}, Ro = No(0), zo = No(1), Bo = (e, t, n, r, i, a) => {
+}, zo = Po(0), Bo = Po(1), Vo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Vo = (e, t, n, r, i, a) => {
+}, Ho = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Ho = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, Uo = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, Wo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Wo(e) {
-	return (e, t, n, r, i) => To(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Go(e) {
+	return (e, t, n, r, i) => Eo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Po, v = Bo) : (_ = Fo, v = Vo);
-		let y = Z(g.width * G, 3), b = (g.size - g.width) / 2 * G, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Ro(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Fo, v = Vo) : (_ = Io, v = Ho);
+		let y = Z(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		zo(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
@@ -4577,25 +4577,25 @@ function Wo(e) {
 		};
 	});
 }
-function Go(e) {
+function Ko(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Ko = Go(Io), qo = Go(Lo);
-function Jo(e) {
-	let t = q(e?.alignGaps, 0);
-	return (e, n, r, i) => To(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+var qo = Ko(Lo), Jo = Ko(Ro);
+function Yo(e) {
+	let t = J(e?.alignGaps, 0);
+	return (e, n, r, i) => Eo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
 		[r, i] = Ar(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Io, b = Ko) : (y = Lo, b = qo);
+		c.ori == 0 ? (y = Lo, b = qo) : (y = Ro, b = Jo);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Co
+			flags: wo
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4608,29 +4608,29 @@ function Jo(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Eo(e, n);
+		let [T, E] = Do(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...jo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = ko(l, c.ori, f, p, m, h);
+			w && l.push(...Mo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ao(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Oo(e, n, r, i, C, -1), Oo(e, n, r, i, C, 1)] : Oo(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [ko(e, n, r, i, C, -1), ko(e, n, r, i, C, 1)] : ko(e, n, r, i, C, E)), S;
 	});
 }
-function Yo(e) {
-	let t = q(e.align, 1), n = q(e.ascDesc, !1), r = q(e.alignGaps, 0), i = q(e.extend, !1);
-	return (e, a, o, s) => To(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+function Xo(e) {
+	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
+	return (e, a, o, s) => Eo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
 		[o, s] = Ar(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Io : Lo, T = {
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Lo : Ro, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Co
+			flags: wo
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -4639,25 +4639,25 @@ function Yo(e) {
 			let r = S(l[e]), i = C(n);
 			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let ee = A;
-		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Eo(e, a);
-		if (c.fill != null || te != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
-			w(t, ee, n), w(t, j, n);
+		let M = A;
+		i && t == 1 && (M = b + x, w(E, M, O));
+		let [ee, te] = Do(e, a);
+		if (c.fill != null || ee != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
+			w(t, M, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...jo(l, u, o, s, D, S, r));
-			let f = c.width * G / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Mo(l, u, o, s, D, S, r));
+			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = ko(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ao(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Oo(e, a, o, s, E, -1), Oo(e, a, o, s, E, 1)] : Oo(e, a, o, s, E, ne)), T;
+		return te != 0 && (T.band = te == 2 ? [ko(e, a, o, s, E, -1), ko(e, a, o, s, E, 1)] : ko(e, a, o, s, E, te)), T;
 	});
 }
-function Xo(e, t, n, r, i, a, o = J) {
+function Zo(e, t, n, r, i, a, o = ii) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
@@ -4670,72 +4670,72 @@ function Xo(e, t, n, r, i, a, o = J) {
 	}
 	return o;
 }
-function Zo(e) {
-	e ||= bi;
-	let t = q(e.size, [
+function Qo(e) {
+	e ||= xi;
+	let t = J(e.size, [
 		.6,
-		J,
+		ii,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Y(i), o = 1 - t[0], s = q(t[1], J), c = q(t[2], 1), l = q(e.disp, bi), u = q(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => To(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * G, O = s * G, k = c * G, A, j;
+	let a = Y(i), o = 1 - t[0], s = J(t[1], ii), c = J(t[2], 1), l = J(e.disp, xi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Eo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Ro : zo, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? zo : Bo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = q(e.bands, xi).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * G), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
-			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
+		}, ne = J(e.bands, Si).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
+		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
+			e != null && ce.set(e, new Path2D());
+		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+			e != null && ue.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Xo(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Xo(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ci);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(ai(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: de, size: fe } = l;
+		if (de != null && fe != null) {
+			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = fe.values(e, t, i, p);
+			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Zo(h, g, y, _, C, x, I), ae = I - F + D;
+		} else I = Zo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
+		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = li);
+		let pe = ae > 0, me = I - ae - (pe ? L : 0);
+		F = T(oi(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
+		let he = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, ge = oe ? null : new Path2D(), _e = null;
+		if (ne != null) _e = e.data[ne.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
 		}
-		let ye = A * P, be = j * P;
-		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
+		let ve = A * F, ye = j * F;
+		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (_e != null) {
+				let e = _e[n] ?? 0;
 				if (r - e == 0) continue;
-				M = b(e, v, w, S);
+				N = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(q(r, ae), v, w, S), o = T(i - N), s = T(Zr(a, M)), c = T(Xr(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, ie), v, w, S), o = T(i - P), s = T(Zr(a, N)), c = T(Xr(a, N)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + qr(I / 2), P, Zr(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + qr(I / 2), P, Zr(0, u - I), i, a)) : te(_e, o, c + qr(I / 2), P, Zr(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
+				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a)) : ee(ge, o, c + qr(L / 2), F, Zr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
 	});
 }
-function Qo(e, t) {
-	let n = q(t?.alignGaps, 0);
-	return (t, r, i, a) => To(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+function $o(e, t) {
+	let n = J(t?.alignGaps, 0);
+	return (t, r, i, a) => Eo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
 		[i, a] = Ar(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Po, S = Io, x = Ho) : (b = Fo, S = Lo, x = Uo);
+		l.ori == 0 ? (b = Fo, S = Lo, x = Uo) : (b = Io, S = Ro, x = Wo);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4747,23 +4747,23 @@ function Qo(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Co
-		}, k = O.stroke, [A, j] = Eo(t, r);
+			flags: wo
+		}, k = O.stroke, [A, j] = Do(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...jo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = ko(e, l.ori, p, m, h, g);
+			e.push(...Mo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ao(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Oo(t, r, i, a, k, -1), Oo(t, r, i, a, k, 1)] : Oo(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [ko(t, r, i, a, k, -1), ko(t, r, i, a, k, 1)] : ko(t, r, i, a, k, j)), O;
 	});
 }
-function $o(e) {
-	return Qo(es, e);
+function es(e) {
+	return $o(ts, e);
 }
-function es(e, t, n, r, i, a) {
+function ts(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4778,62 +4778,62 @@ function es(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var ts = /* @__PURE__ */ new Set();
-function ns() {
-	for (let e of ts) e.syncRect(!0);
+var ns = /* @__PURE__ */ new Set();
+function rs() {
+	for (let e of ns) e.syncRect(!0);
 }
-or && (wr(tr, cr, ns), wr(nr, cr, ns, !0), wr(ir, cr, () => {
-	vs.pxRatio = G;
+or && (wr(tr, cr, rs), wr(nr, cr, rs, !0), wr(ir, cr, () => {
+	ys.pxRatio = K;
 }));
-var rs = Jo(), is = Wo();
-function as(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ss(e, r, t, n));
+var is = Yo(), as = Go();
+function os(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cs(e, r, t, n));
 }
-function os(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Mi({}, t, e));
+function ss(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ni({}, t, e));
 }
-function ss(e, t, n, r) {
-	return Mi({}, t == 0 ? n : r, e);
+function cs(e, t, n, r) {
+	return Ni({}, t == 0 ? n : r, e);
 }
-function cs(e, t, n) {
-	return t == null ? Si : [t, n];
+function ls(e, t, n) {
+	return t == null ? Ci : [t, n];
 }
-var ls = cs;
-function us(e, t, n) {
-	return t == null ? Si : zr(t, n, Fr, !0);
+var us = ls;
+function ds(e, t, n) {
+	return t == null ? Ci : zr(t, n, Fr, !0);
 }
-function ds(e, t, n, r) {
-	return t == null ? Si : Nr(t, n, e.scales[r].log, !1);
+function fs(e, t, n, r) {
+	return t == null ? Ci : Nr(t, n, e.scales[r].log, !1);
 }
-var fs = ds;
-function ps(e, t, n, r) {
-	return t == null ? Si : Pr(t, n, e.scales[r].log, !1);
+var ps = fs;
+function ms(e, t, n, r) {
+	return t == null ? Ci : Pr(t, n, e.scales[r].log, !1);
 }
-var ms = ps;
-function hs(e, t, n, r, i) {
-	let a = Zr(ii(e), ii(t)), o = t - e, s = Er(i / r * o, n);
+var hs = ms;
+function gs(e, t, n, r, i) {
+	let a = Zr(ai(e), ai(t)), o = t - e, s = Er(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? _i.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? vi.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function gs(e) {
+function _s(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * G)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * K)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function _s(e) {
+function vs(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * G, 1);
+		let t = Z(e[2] * K, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function vs(e, t, n) {
-	let r = { mode: q(e.mode, 1) }, i = r.mode;
+function ys(e, t, n) {
+	let r = { mode: J(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4855,23 +4855,23 @@ function vs(e, t, n) {
 	}
 	let u = mr("canvas"), d = r.ctx = u.getContext("2d"), f = hr(Tn, l);
 	wr("click", f, (e) => {
-		e.target === m && (H != nn || U != rn) && cn.click(r, e);
+		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
 	let p = r.under = hr(En, f);
 	f.appendChild(u);
 	let m = r.over = hr(Dn, f);
-	e = ji(e);
-	let h = +q(e.pxAlign, 1), g = Mo(h);
+	e = Mi(e);
+	let h = +J(e.pxAlign, 1), g = No(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? as(e.series || [], Za, _o, !1) : os(e.series || [null], go), y = r.axes = as(e.axes || [], Ja, uo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? os(e.series || [], Qa, vo, !1) : ss(e.series || [null], _o), y = r.axes = os(e.axes || [], Ya, fo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Y(e.fill || null), e.dir = q(e.dir, -1);
+		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Bt,
-		series: kt
+		axes: zt,
+		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
 		let t = e.distr == 3 ? (t) => ei(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ri(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
@@ -4883,14 +4883,14 @@ function vs(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || bi)[t] || bi;
+			let r = (e.scales || xi)[t] || xi;
 			if (r.from != null) {
 				E(r.from);
-				let e = Mi({}, b[r.from], r, { key: t });
+				let e = Ni({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Mi({}, t == S ? yo : bo, r), n.key = t;
-				let e = n.time, a = n.range, o = Ci(a);
+				n = b[t] = Ni({}, t == S ? bo : xo, r), n.key = t;
+				let e = n.time, a = n.range, o = wi(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
 					min: a[0] == null ? Ir : {
 						mode: 1,
@@ -4902,11 +4902,11 @@ function vs(e, t, n) {
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Di(a))) {
+				}, o = !1), !o && Oi(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Si : zr(n, r, e);
+					a = (t, n, r) => n == null ? Ci : zr(n, r, e);
 				}
-				n.range = Y(a || (e ? ls : t == S ? n.distr == 3 ? fs : n.distr == 4 ? ms : cs : n.distr == 3 ? ds : n.distr == 4 ? ps : us)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || vo), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Y(a || (e ? us : t == S ? n.distr == 3 ? ps : n.distr == 4 ? hs : ls : n.distr == 3 ? fs : n.distr == 4 ? ms : ds)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || yo), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4926,97 +4926,97 @@ function vs(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Jr(e / _))), te = e.fmtDate || Xi, ne = _ == 1 ? va(ee) : xa(ee), re = Ca(ee, Sa(_ == 1 ? _a : ba, te)), ie = Oa(ee, Ea(Da, te)), ae = [], M = r.legend = Mi({}, ja, e.legend), N = r.cursor = Mi({}, Ba, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = Y(F.width), F.dash = Y(F.dash), F.stroke = Y(F.stroke), F.fill = Y(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
-	if (M.live) {
+	let M = e.tzDate || ((e) => new Date(Jr(e / _))), ee = e.fmtDate || Zi, te = _ == 1 ? ya(M) : Sa(M), ne = wa(M, Ca(_ == 1 ? va : xa, ee)), re = ka(M, Da(Oa, ee)), ie = [], N = r.legend = Ni({}, Ma, e.legend), P = r.cursor = Ni({}, Va, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
+	N.idxs = ie, I.width = Y(I.width), I.dash = Y(I.dash), I.stroke = Y(I.stroke), I.fill = Y(I.fill);
+	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
+	if (N.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = ar;
+		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
+		for (let e in ue) fe[e] = ar;
 	}
-	if (P) {
-		if (I = mr("table", Pn, l), ce = mr("tbody", null, I), M.mount(r, I), fe) {
-			se = mr("thead", null, I, ce);
-			let e = mr("tr", null, se);
-			for (var me in mr("th", null, e), de) mr("th", zn, e).textContent = me;
-		} else fr(I, In), M.live && fr(I, Fn);
+	if (F) {
+		if (L = mr("table", Pn, l), se = mr("tbody", null, L), N.mount(r, L), de) {
+			oe = mr("thead", null, L, se);
+			let e = mr("tr", null, oe);
+			for (var pe in mr("th", null, e), ue) mr("th", zn, e).textContent = pe;
+		} else fr(L, In), N.live && fr(L, Fn);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return Si;
-		let n = [], a = mr("tr", Ln, ce, ce.childNodes[t]);
+	let me = { show: !0 }, he = { show: !1 };
+	function ge(e, t) {
+		if (t == 0 && (de || !N.live || i == 2)) return Ci;
+		let n = [], a = mr("tr", Ln, se, se.childNodes[t]);
 		fr(a, e.class), e.show || fr(a, kn);
 		let o = mr("th", null, a);
-		if (F.show) {
+		if (I.show) {
 			let e = hr(Rn, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = I.width(r, t);
+				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
 			}
 		}
 		let s = hr(zn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
-			if (N._lock) return;
-			We(t);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
+			if (P._lock) return;
+			Ue(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+			if ((t.ctrlKey || t.metaKey) != N.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && hn(r, e ? r == n ? he : ge : he, !0, gi.setSeries);
+					r > 0 && mn(r, e ? r == n ? me : he : me, !0, X.setSeries);
 				});
-			} else hn(n, { show: !e.show }, !0, gi.setSeries);
-		}, !1), qe && ye(Qn, o, (t) => {
-			N._lock || (We(t), hn(v.indexOf(e), nr, !0, gi.setSeries));
-		}, !1)), de) {
+			} else mn(n, { show: !e.show }, !0, X.setSeries);
+		}, !1), Ke && ve(Qn, o, (t) => {
+			P._lock || (Ue(t), mn(v.indexOf(e), tr, !0, X.setSeries));
+		}, !1)), ue) {
 			let e = mr("td", Bn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (wr(e, t, a[e] = o), ve.set(t, a));
+	let _e = /* @__PURE__ */ new Map();
+	function ve(e, t, n, i = !0) {
+		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
+		o && (wr(e, t, a[e] = o), _e.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
+	function ye(e, t, n) {
+		let r = _e.get(t) || {};
 		for (let n in r) (e == null || n == e) && (Tr(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+		e ?? _e.delete(t);
 	}
-	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
+	let be = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
-	function ze(e, t, n) {
-		(n || e != r.width || t != r.height) && Be(e, t), Vt(!1), Fe = !0, Pe = !0, Kt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
 	}
-	function Be(e, t) {
-		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, Ue(), z();
+	function ze(e, t) {
+		r.width = be = R = e, r.height = xe = z = t, Se = Ce = 0, He(), B();
 		let n = r.bbox;
-		ke = n.left = mi(Ce * G, .5), Ae = n.top = mi(we * G, .5), je = n.width = mi(L * G, .5), Me = n.height = mi(R * G, .5);
+		Oe = n.left = gi(Se * K, .5), ke = n.top = gi(Ce * K, .5), Ae = n.width = gi(R * K, .5), je = n.height = gi(z * K, .5);
 	}
-	function Ve() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Rt(t), i = zt(t);
-			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
+			let n = Lt(t), i = Rt(t);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
-	function He({ width: e, height: t }) {
-		ze(e, t);
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
 	}
-	r.setSize = He;
-	function Ue() {
+	r.setSize = Ve;
+	function He() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
+				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
 			}
-		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], we += at[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= V[1] + V[3], Se += V[3], z -= V[2] + V[0], Ce += V[0];
 	}
-	function z() {
-		let e = Ce + L, t = we + R, n = Ce, r = we;
+	function B() {
+		let e = Se + R, t = Ce + z, n = Se, r = Ce;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -5032,13 +5032,13 @@ function vs(e, t, n) {
 			}
 		});
 	}
-	if (N.dataIdx == null) {
-		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+	if (P.dataIdx == null) {
+		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
 		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
-		N.dataIdx = (e, a, o, s) => {
+		P.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? J, u = l >= 0 && l < J, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ii, u = l >= 0 && l < ii, d = D.ori == 0 ? R : z, f = P.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5054,154 +5054,154 @@ function vs(e, t, n) {
 			return c;
 		};
 	}
-	let We = (e) => {
-		N.event = e;
+	let Ue = (e) => {
+		P.event = e;
 	};
-	N.idxs = ae, N._lock = !1;
-	let Ge = N.points;
-	Ge.show = Y(Ge.show), Ge.size = Y(Ge.size), Ge.stroke = Y(Ge.stroke), Ge.width = Y(Ge.width), Ge.fill = Y(Ge.fill);
-	let Ke = r.focus = Mi({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
-	function Qe(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	P.idxs = ie, P._lock = !1;
+	let We = P.points;
+	We.show = Y(We.show), We.size = Y(We.size), We.stroke = Y(We.stroke), We.width = Y(We.width), We.fill = Y(We.fill);
+	let Ge = r.focus = Ni({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
+	function Ze(e, t) {
+		let n = We.show(r, t);
+		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
 	}
-	function $e(e, t) {
+	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Ei(n) ? Oa(ee, Ea(n, te)) : n || ie : n || lo, e.label = e.label || (t ? Xa : Ya);
+			e.value = t ? Di(n) ? ka(M, Da(n, ee)) : n || re : n || uo, e.label = e.label || (t ? Za : Xa);
 		}
-		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || rs || ui, e.fillTo = Y(e.fillTo || Do), e.pxAlign = +q(e.pxAlign, h), e.pxRound = Mo(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = fo(Zr(1, e.width), 1), n = e.points = Mi({}, {
+		if (qe || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || is || di, e.fillTo = Y(e.fillTo || Oo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = No(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = po(Zr(1, e.width), 1), n = e.points = Ni({}, {
 				size: t,
 				width: Zr(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: is,
+				paths: as,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		if (F) {
+			let n = ge(e, t);
+			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
 		}
-		if (oe) {
-			ae.splice(t, 0, null);
+		if (ae) {
+			ie.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
+			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
-		X("addSeries", t);
+		mi("addSeries", t);
 	}
-	function et(e, t) {
-		t ??= v.length, e = i == 1 ? ss(e, t, Za, _o) : ss(e, t, {}, go), v.splice(t, 0, e), $e(v[t], t);
+	function $e(e, t) {
+		t ??= v.length, e = i == 1 ? cs(e, t, Qa, vo) : cs(e, t, {}, _o), v.splice(t, 0, e), Qe(v[t], t);
 	}
-	r.addSeries = et;
-	function tt(e) {
-		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+	r.addSeries = $e;
+	function et(e) {
+		if (v.splice(e, 1), F) {
+			N.values.splice(e, 1), le.splice(e, 1);
+			let t = ce.splice(e, 1)[0];
+			ye(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), X("delSeries", e);
+		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), mi("delSeries", e);
 	}
-	r.delSeries = tt;
-	let nt = [
+	r.delSeries = et;
+	let tt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function rt(e, t) {
+	function nt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), Ci(e.incrs) && e.incrs.forEach((e) => {
-				!_i.has(e) && _i.set(e, vi(e));
-			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ra : a ? _ == 1 ? ga : ya : ia)), e.splits = Y(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? eo : i.distr == 4 ? to : $a)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
+			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), wi(e.incrs) && e.incrs.forEach((e) => {
+				!vi.has(e) && vi.set(e, yi(e));
+			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ia : a ? _ == 1 ? _a : ba : aa)), e.splits = Y(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? to : i.distr == 4 ? no : eo)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
 			let o = e.values;
-			e.values = Ci(o) && !Ci(o[0]) ? Y(o) : a ? Ci(o) ? Ca(ee, Sa(o, te)) : Ei(o) ? wa(ee, o) : o || re : o || Qa, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? so : i.distr == 3 && i.log == 2 ? co : li)), e.font = gs(e.font), e.labelFont = gs(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = hr(On, f));
+			e.values = wi(o) && !wi(o[0]) ? Y(o) : a ? wi(o) ? wa(M, Ca(o, ee)) : Di(o) ? Ta(M, o) : o || ne : o || $a, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? co : i.distr == 3 && i.log == 2 ? lo : ui)), e.font = _s(e.font), e.labelFont = _s(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = hr(On, f));
 		}
 	}
-	function it(e, t, n, r) {
+	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ja.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(uo.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ya.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(fo.size / 2) : 0), l;
 	}
-	let B = r.padding = (e.padding || [
-		it,
-		it,
-		it,
-		it
-	]).map((e) => Y(q(e, it))), at = r._padding = B.map((e, t) => e(r, t, nt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, dt = !1;
-	function V(e, n) {
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => Y(J(e, rt))), V = r._padding = it.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
+	function dt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			ot = 0;
-			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
+			at = 0;
+			for (let e = 1; e < v.length; e++) at += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], at = lt.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(ot);
-				for (let e = 0; e < ot; e++) n[e] = e;
+				let n = e[0] = Array(at);
+				for (let e = 0; e < at; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Vt(!0), X("setData"), O == 2 && (Fe = !0), n !== !1) {
+		if (Bt(!0), mi("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, dt) ? ft() : mn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Kt();
+			e.auto(r, ut) ? H() : pn(S, e.min, e.max), Fe ||= P.left >= 0, Le = !0, Gt();
 		}
 	}
-	r.setData = V;
-	function ft() {
-		dt = !0;
+	r.setData = dt;
+	function H() {
+		ut = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), mn(S, e, n);
+		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
 	}
-	let pt, mt, ht, gt, _t, vt, yt, bt, xt, St;
-	function Ct(e, t, n, r, i, a) {
-		e ??= Jn, n ??= xi, r ??= "butt", i ??= Jn, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != vt && (d.lineCap = vt = r), n != gt && d.setLineDash(gt = n);
+	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
+	function St(e, t, n, r, i, a) {
+		e ??= Jn, n ??= Si, r ??= "butt", i ??= Jn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
-	function wt(e, t, n, r) {
-		t != mt && (d.fillStyle = mt = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
+	function Ct(e, t, n, r) {
+		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
-	function Tt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
-			let t = q(st, 0), r = q(ct, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+	function wt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
+			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
 			e.min = Xr(e.min, n.min = o[0]), e.max = Zr(e.max, n.max = o[1]);
 		}
 	}
-	let Et = {
+	let Tt = {
 		min: null,
 		max: null
 	};
-	function Dt() {
+	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Et);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Et);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
 		}
-		j[S] != null && Vt(!0);
+		j[S] != null && Bt(!0);
 		let e = {};
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = ji(b[t], Oi);
-				if (n.min != null) Mi(a, n);
+				let a = e[t] = Mi(b[t], ki);
+				if (n.min != null) Ni(a, n);
 				else if (t != S || i == 2) {
-					if (ot == 0 && a.from == null) {
+					if (at == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = J, a.max = -Infinity;
+					} else a.min = ii, a.max = -Infinity;
 				}
 			}
 		}
-		if (ot > 0) {
+		if (at > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
 					let i = n.scale, o = j[i];
@@ -5209,18 +5209,18 @@ function vs(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Er(s.min, t[0]), ct = Er(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
-					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = st, n.idxs[1] = ct;
+						s.min = e[0], s.max = e[1], ot = Er(s.min, t[0]), st = Er(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
+					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = ot, n.idxs[1] = st;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Tt(u, j[o], r, c, r.sorted), d != null && Tt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == J ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ii ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -5249,143 +5249,143 @@ function vs(e, t, n) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Fe = !0, X("setScale", e);
-			oe && N.left >= 0 && (Ie = Re = !0);
+			for (let e in n) Pe = !0, mi("setScale", e);
+			ae && P.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
-	function Ot(e) {
-		let t = ai(st - 1, 0, ot - 1), n = ai(ct + 1, 0, ot - 1);
+	function Dt(e) {
+		let t = oi(ot - 1, 0, at - 1), n = oi(st + 1, 0, at - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < ot - 1;) n++;
+		for (; e[n] == null && n < at - 1;) n++;
 		return [t, n];
 	}
-	function kt() {
-		if (ot > 0) {
-			let e = v.some((e) => e._focus) && St != Ke.alpha;
-			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
-					let a = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
+	function Ot() {
+		if (at > 0) {
+			let e = v.some((e) => e._focus) && xt != Ge.alpha;
+			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
+					let a = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
+					let n = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), jt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
 					}
-					St != n && (d.globalAlpha = St = n), X("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), mi("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = St = 1);
+			}), e && (d.globalAlpha = xt = 1);
 		}
 	}
-	function At(e, t) {
+	function kt(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function jt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * G, 3);
+		l = Z(l * K, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
+	function jt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || bi).band;
-				Ci(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xi).band;
+				wi(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Br(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Br(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & wo ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Co && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
+	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & To ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & wo && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Pt(e, t, n) {
+	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = pt = t, d.stroke(e);
+			d.strokeStyle = ft = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Ft(e, t) {
+	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = mt = t, d.fill(e);
+			d.fillStyle = pt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function It(e, t, n, i) {
+	function Ft(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = hs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = gs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Lt(e, t, n, r, i, a, o, s, c, l) {
+	function It(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Rt(e) {
+	function Lt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Vt(!1));
+				n._show && (t = !1, n._show = !1, Bt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Vt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? L : R);
+			n._show || (t = !1, n._show = !0, Bt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? R : z);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
 			n._size = Yr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function zt(e) {
+	function Rt(e) {
 		let t = !0;
-		return B.forEach((n, i) => {
-			let a = n(r, i, nt, e);
-			a != at[i] && (t = !1), at[i] = a;
+		return it.forEach((n, i) => {
+			let a = n(r, i, tt, e);
+			a != V[i] && (t = !1), V[i] = a;
 		}), t;
 	}
-	function Bt() {
+	function zt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Jr((t._lpos + s) * G);
-				wt(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(Ae + Me / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(ke + je / 2), o = p);
-				let m = oi(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Jr((t._lpos + s) * K);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(ke + je / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(Oe + Ae / 2), o = p);
+				let m = si(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * G), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * G), D = t._rotate * -Gr / 180, O = g(t._pos * G), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * K), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Gr / 180, O = g(t._pos * K), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			wt(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
-			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
-			for (let e = 0; e < te.length; e++) {
-				let t = te[e];
+			Ct(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
+			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
+			for (let e = 0; e < ee.length; e++) {
+				let t = ee[e];
 				if (t != null) {
-					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
+					i == 0 ? a = M[e] : o = M[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
@@ -5393,68 +5393,68 @@ function vs(e, t, n) {
 					}
 				}
 			}
-			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * G, 3), S.stroke(r, e), S.dash, S.cap);
-			let ne = t.grid;
-			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, Z(ne.width * G, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, Z(C.width * G, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
+			let te = t.grid;
+			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		X("drawAxes");
+		mi("drawAxes");
 	}
-	function Vt(e) {
+	function Bt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Ht = !1, Ut = !1, Wt = [];
+	let Vt = !1, Ht = !1, Ut = [];
+	function Wt() {
+		Ht = !1;
+		for (let e = 0; e < Ut.length; e++) mi(...Ut[e]);
+		Ut.length = 0;
+	}
 	function Gt() {
-		Ut = !1;
-		for (let e = 0; e < Wt.length; e++) X(...Wt[e]);
-		Wt.length = 0;
+		Vt ||= (zi(qt), !0);
 	}
-	function Kt() {
-		Ht ||= (Ri(Jt), !0);
+	function Kt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
-	function qt(e, t = !1) {
-		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
-	}
-	r.batch = qt;
-	function Jt() {
-		if (Ne &&= (Dt(), !1), Fe &&= (Ve(), !1), Pe) {
-			if (K(p, Gn, Ce), K(p, Un, we), K(p, Vn, L), K(p, Hn, R), K(m, Gn, Ce), K(m, Un, we), K(m, Vn, L), K(m, Hn, R), K(f, Vn, xe), K(f, Hn, Se), u.width = Jr(xe * G), u.height = Jr(Se * G), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	r.batch = Kt;
+	function qt() {
+		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
+			if (q(p, Gn, Se), q(p, Un, Ce), q(p, Vn, R), q(p, Hn, z), q(m, Gn, Se), q(m, Un, Ce), q(m, Vn, R), q(m, Hn, z), q(f, Vn, be), q(f, Hn, xe), u.width = Jr(be * K), u.height = Jr(xe * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						K(e, a ? "left" : "top", r - t), K(e, a ? "width" : "height", n), K(e, a ? "top" : "left", a ? we : Ce), K(e, a ? "height" : "width", a ? R : L), pr(e, kn);
+						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? Ce : Se), q(e, a ? "height" : "width", a ? z : R), pr(e, kn);
 					} else fr(e, kn);
 				}
-			}), pt = mt = ht = _t = vt = yt = bt = xt = gt = null, St = 1, kr(!0), Ce != Te || we != Ee || L != De || R != Oe) {
-				Vt(!1);
-				let e = L / De, t = R / Oe;
-				if (oe && !Ie && N.left >= 0) {
-					N.left *= e, N.top *= t, Qt && _r(Qt, Jr(N.left), 0, L, R), $t && _r($t, 0, Jr(N.top), L, R);
-					for (let n = 0; n < Ye.length; n++) {
-						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, _r(r, Yr(Xe[n]), Yr(Ze[n]), L, R));
+			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Se != we || Ce != Te || R != Ee || z != De) {
+				Bt(!1);
+				let e = R / Ee, t = z / De;
+				if (ae && !Fe && P.left >= 0) {
+					P.left *= e, P.top *= t, Zt && _r(Zt, Jr(P.left), 0, R, z), Qt && _r(Qt, 0, Jr(P.top), R, z);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, Xe[n] *= t, _r(r, Yr(Ye[n]), Yr(Xe[n]), R, z));
 					}
 				}
-				if (W.show && !Le && W.left >= 0 && W.width > 0) {
-					W.left *= e, W.width *= e, W.top *= t, W.height *= t;
-					for (let e in Lr) K(dn, e, W[e]);
+				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
+					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
+					for (let e in jr) q(un, e, G[e]);
 				}
-				Te = Ce, Ee = we, De = L, Oe = R;
+				we = Se, Te = Ce, Ee = R, De = z;
 			}
-			X("setSize"), Pe = !1;
+			mi("setSize"), Ne = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), X("drawClear"), w.forEach((e) => e()), X("draw")), W.show && Le && (fn(W), Le = !1), oe && Ie && (Dr(null, !0, !1), Ie = !1), M.show && M.live && Re && (Sr(), Re = !1), c || (c = !0, r.status = 1, X("ready")), dt = !1, Ht = !1;
+		be > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), mi("drawClear"), w.forEach((e) => e()), mi("draw")), G.show && Ie && (dn(G), Ie = !1), ae && Fe && (Cr(null, !0, !1), Fe = !1), N.show && N.live && Le && (br(), Le = !1), c || (c = !0, r.status = 1, mi("ready")), ut = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Fe = t || !1, e === !1 ? Kt() : mn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
-	function Yt(e, n) {
+	function Jt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (ot == 0) {
+			if (at == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -5462,346 +5462,346 @@ function vs(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Kt();
+			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && at > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
 		}
 	}
-	r.setScale = Yt;
-	let Xt, Zt, Qt, $t, en, tn, nn, rn, an, on, H, U, sn = !1, cn = N.drag, ln = cn.x, un = cn.y;
-	oe && (N.x && (Xt = hr(jn, m)), N.y && (Zt = hr(Mn, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
-	let W = r.select = Mi({
+	r.setScale = Jt;
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = P.drag, cn = sn.x, ln = sn.y;
+	ae && (P.x && (Yt = hr(jn, m)), P.y && (Xt = hr(Mn, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
+	let G = r.select = Ni({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), dn = W.show ? hr(An, W.over ? m : p) : null;
-	function fn(e, t) {
-		if (W.show) {
-			for (let t in e) W[t] = e[t], t in Lr && K(dn, t, e[t]);
-			t !== !1 && X("setSelect");
+	}, e.select), un = G.show ? hr(An, G.over ? m : p) : null;
+	function dn(e, t) {
+		if (G.show) {
+			for (let t in e) G[t] = e[t], t in jr && q(un, t, e[t]);
+			t !== !1 && mi("setSelect");
 		}
 	}
-	r.setSelect = fn;
-	function pn(e) {
-		if (v[e].show) P && pr(le[e], kn);
-		else if (P && fr(le[e], kn), oe) {
-			let t = Je ? Ye[0] : Ye[e];
-			t != null && _r(t, -10, -10, L, R);
+	r.setSelect = dn;
+	function fn(e) {
+		if (v[e].show) F && pr(ce[e], kn);
+		else if (F && fr(ce[e], kn), ae) {
+			let t = qe ? Je[0] : Je[e];
+			t != null && _r(t, -10, -10, R, z);
 		}
 	}
-	function mn(e, t, n) {
-		Yt(e, {
+	function pn(e, t, n) {
+		Jt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function hn(e, t, n, a) {
-		t.focus != null && rr(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, pn(r), i == 2 ? (mn(n.facets[0].scale, null, null), mn(n.facets[1].scale, null, null)) : mn(n.scale, null, null), Kt());
-		}), n !== !1 && X("setSeries", e, t), a && ki("setSeries", r, e, t);
+	function mn(e, t, n, a) {
+		t.focus != null && nr(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
+		}), n !== !1 && mi("setSeries", e, t), a && Ti("setSeries", r, e, t);
 	}
-	r.setSeries = hn;
+	r.setSeries = mn;
+	function hn(e, t) {
+		Ni(x[e], t);
+	}
 	function gn(e, t) {
-		Mi(x[e], t);
+		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function _n(e, t) {
-		e.fill = Y(e.fill || null), e.dir = q(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
-	}
-	function vn(e) {
+	function _n(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = _n, r.setBand = gn, r.delBand = vn;
-	function yn(e, t) {
-		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = gn, r.setBand = hn, r.delBand = _n;
+	function vn(e, t) {
+		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
 	}
-	let bn, qn, tr, nr = { focus: !0 };
-	function rr(e) {
-		if (e != tr) {
-			let t = e == null, n = Ke.alpha != 1;
+	let yn, bn, qn, tr = { focus: !0 };
+	function nr(e) {
+		if (e != qn) {
+			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && yn(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
 				}
-			}), tr = e, n && Kt();
+			}), qn = e, n && Gt();
 		}
 	}
-	P && qe && ye($n, I, (e) => {
-		N._lock || (We(e), tr != null && hn(null, nr, !0, gi.setSeries));
+	F && Ke && ve($n, L, (e) => {
+		P._lock || (Ue(e), qn != null && mn(null, tr, !0, X.setSeries));
 	});
-	function or(e, t, n) {
+	function rr(e, t, n) {
 		let r = b[t];
-		n && (e = e / G - (r.ori == 1 ? we : Ce));
-		let i = L;
-		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / K - (r.ori == 1 ? Ce : Se));
+		let i = R;
+		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
 		return l == 3 ? Qr(10, c) : l == 4 ? ni(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function lr(e, n) {
-		return Er(or(e, S, n), t[0], st, ct);
+	function or(e, n) {
+		return Er(rr(e, S, n), t[0], ot, st);
 	}
-	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = lr, r.posToVal = or, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
-		H = e.left, U = e.top, Dr(null, t, n);
+	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = or, r.posToVal = rr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Cr(null, t, n);
 	};
+	function lr(e, t) {
+		q(un, Gn, G.left = e), q(un, Vn, G.width = t);
+	}
 	function ur(e, t) {
-		K(dn, Gn, W.left = e), K(dn, Vn, W.width = t);
+		q(un, Un, G.top = e), q(un, Hn, G.height = t);
 	}
-	function dr(e, t) {
-		K(dn, Un, W.top = e), K(dn, Hn, W.height = t);
-	}
-	let gr = D.ori == 0 ? ur : dr, vr = D.ori == 1 ? ur : dr;
-	function br() {
-		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
-			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+	let dr = D.ori == 0 ? lr : ur, gr = D.ori == 1 ? lr : ur;
+	function vr() {
+		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && de) continue;
+			let t = N.values[e], n = 0;
+			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function Sr(e, t) {
+	function br(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ae[t] = e;
-		}) : Ti(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Cr(e, ae[e]);
-			br();
+			ie[t] = e;
+		}) : Ei(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Sr(e, ie[e]);
+			vr();
 		}
-		Re = !1, t !== !1 && X("setLegend");
+		Le = !1, t !== !1 && mi("setLegend");
 	}
-	r.setLegend = Sr;
-	function Cr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+	r.setLegend = br;
+	function Sr(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
+		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
 	}
-	function Dr(e, n, a) {
-		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && _r(Qt, Jr(H), 0, L, R), $t && _r($t, 0, Jr(U), L, R));
-		let o, s = st > ct;
-		bn = J, qn = null;
-		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
-		if (H < 0 || ot == 0 || s) {
-			o = N.idx = null;
+	function Cr(e, n, a) {
+		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && _r(Zt, Jr(U), 0, R, z), Qt && _r(Qt, 0, Jr(W), R, z));
+		let o, s = ot > st;
+		yn = ii, bn = null;
+		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
+		if (U < 0 || at == 0 || s) {
+			o = P.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Ye[e];
-				t != null && _r(t, -10, -10, L, R);
+				let t = Je[e];
+				t != null && _r(t, -10, -10, R, z);
 			}
-			qe && hn(null, nr, !0, e == null && gi.setSeries), M.live && (ae.fill(o), Re = !0);
+			Ke && mn(null, tr, !0, e == null && X.setSeries), N.live && (ie.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? H : U, n = or(e, S), o = N.idx = Er(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = rr(e, S), o = P.idx = Er(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Re = Re || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ie[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (qe && S != null) {
-						let t = D.ori == 1 ? H : U, n = Kr(Ke.dist(r, e, x, _, t));
-						if (n < bn) {
-							let r = Ke.bias;
+					if (Ke && S != null) {
+						let t = D.ori == 1 ? U : W, n = Kr(Ge.dist(r, e, x, _, t));
+						if (n < yn) {
+							let r = Ge.bias;
 							if (r != 0) {
-								let i = or(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (bn = n, qn = e);
-							} else bn = n, qn = e;
+								let i = rr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
+							} else yn = n, bn = e;
 						}
 					}
-					if (Re || Je) {
+					if (Le || qe) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						let a, o, c, l, g, v, y = !0, b = We.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == qn && bn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = We.size(r, e);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), L, R));
+							let t = Je[e];
+							t != null && (Ye[e] = c, Xe[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), R, z));
 						}
 					}
 				}
 			}
-			if (Je) {
-				let e = Ke.prox;
-				if (Re || (tr == null ? bn <= e : bn > e || qn != tr)) {
-					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), L, R));
+			if (qe) {
+				let e = Ge.prox;
+				if (Le || (qn == null ? yn <= e : yn > e || bn != qn)) {
+					let e = Je[0];
+					e != null && (Ye[0] = s, Xe[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), R, z));
 				}
 			}
 		}
-		if (W.show && sn) {
+		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = gi.scales, [r, i] = gi.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (ln = s._x, un = s._y, ln || un) {
+				let [t, n] = X.scales, [r, i] = X.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && ln ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, c), S && un ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), vr(Xr(v, y), Kr(y - v))) : vr(0, l);
-				} else Rr();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), dr(Xr(v, y), Kr(y - v))) : dr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, l);
+				} else Lr();
 			} else {
-				let e = Kr(an - en), t = Kr(on - tn);
+				let e = Kr(rn - $t), t = Kr(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				ln = cn.x && e >= cn.dist, un = cn.y && t >= cn.dist;
-				let n = cn.uni;
-				n == null ? cn.x && cn.y && (ln || un) && (ln = un = !0) : ln && un && (ln = e >= n, un = t >= n, !ln && !un && (t > e ? un = !0 : ln = !0));
+				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
+				let n = sn.uni;
+				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				ln && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), gr(Xr(r, i), Kr(i - r)), un || vr(0, l)), un && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), vr(Xr(r, i), Kr(i - r)), ln || gr(0, c)), !ln && !un && (gr(0, 0), vr(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), dr(Xr(r, i), Kr(i - r)), ln || gr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), gr(Xr(r, i), Kr(i - r)), cn || dr(0, c)), !cn && !ln && (dr(0, 0), gr(0, 0));
 			}
 		}
-		if (cn._x = ln, cn._y = un, e == null) {
+		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (yi != null) {
-					let [e, t] = gi.scales;
-					gi.values[0] = e == null ? null : or(D.ori == 0 ? H : U, e), gi.values[1] = t == null ? null : or(D.ori == 1 ? H : U, t);
+				if (_i != null) {
+					let [e, t] = X.scales;
+					X.values[0] = e == null ? null : rr(D.ori == 0 ? U : W, e), X.values[1] = t == null ? null : rr(D.ori == 1 ? U : W, t);
 				}
-				ki(Yn, r, H, U, L, R, o);
+				Ti(Yn, r, U, W, R, z, o);
 			}
-			if (qe) {
-				let e = a && gi.setSeries, t = Ke.prox;
-				tr == null ? bn <= t && hn(qn, nr, !0, e) : bn > t ? hn(null, nr, !0, e) : qn != tr && hn(qn, nr, !0, e);
+			if (Ke) {
+				let e = a && X.setSeries, t = Ge.prox;
+				qn == null ? yn <= t && mn(bn, tr, !0, e) : yn > t ? mn(null, tr, !0, e) : bn != qn && mn(bn, tr, !0, e);
 			}
 		}
-		Re && (M.idx = o, Sr()), n !== !1 && X("setCursor");
+		Le && (N.idx = o, br()), n !== !1 && mi("setCursor");
 	}
-	let Or = null;
+	let Dr = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Or ?? kr(!1), Or;
+		return Dr ?? Or(!1), Dr;
 	} });
-	function kr(e = !1) {
-		e ? Or = null : (Or = m.getBoundingClientRect(), X("syncRect", Or));
+	function Or(e = !1) {
+		e ? Dr = null : (Dr = m.getBoundingClientRect(), mi("syncRect", Dr));
 	}
-	function Ar(e, t, n, r, i, a, o) {
-		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (jr(e, t, n, r, i, a, o, !1, e != null), e == null ? Dr(t, !0, !1) : Dr(null, !0, !0));
+	function kr(e, t, n, r, i, a, o) {
+		P._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ar(e, t, n, r, i, a, o, !1, e != null), e == null ? Cr(t, !0, !1) : Cr(null, !0, !0));
 	}
-	function jr(e, t, n, i, a, o, c, l, u) {
-		if (Or ?? kr(!1), We(e), e != null) n = e.clientX - Or.left, i = e.clientY - Or.top;
+	function Ar(e, t, n, i, a, o, c, l, u) {
+		if (Dr ?? Or(!1), Ue(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
 		else {
 			if (n < 0 || i < 0) {
-				H = -10, U = -10;
+				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = gi.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = gi.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = X.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = X.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= L - 1) && (n = mi(n, L)), (i <= 1 || i >= R - 1) && (i = mi(i, R))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
+		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= R - 1) && (n = gi(n, R)), (i <= 1 || i >= z - 1) && (i = gi(i, z))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
 	}
-	let Lr = {
+	let jr = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Rr() {
-		fn(Lr, !1);
+	function Lr() {
+		dn(jr, !1);
 	}
-	let Vr, Hr, Ur, Wr;
+	let Rr, Vr, Hr, Ur;
+	function Wr(e, t, n, i, a, o, s) {
+		on = !0, cn = ln = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Zn, sr, qr, !1), Ti(Xn, r, tn, nn, R, z, null));
+		let { left: c, top: l, width: u, height: d } = G;
+		Rr = c, Vr = l, Hr = u, Ur = d;
+	}
 	function qr(e, t, n, i, a, o, s) {
-		sn = !0, ln = un = cn._x = cn._y = !1, jr(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Zn, sr, $r, !1), ki(Xn, r, nn, rn, L, R, null));
-		let { left: c, top: l, width: u, height: d } = W;
-		Vr = c, Hr = l, Ur = u, Wr = d;
-	}
-	function $r(e, t, n, i, a, o, s) {
-		sn = cn._x = cn._y = !1, jr(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = W, f = u > 0 || d > 0, p = Vr != c || Hr != l || Ur != u || Wr != d;
-		if (f && p && fn(W), cn.setScale && f && p) {
+		on = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Rr != c || Vr != l || Hr != u || Ur != d;
+		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), ln && mn(S, or(e, S), or(e + t, S)), un) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, rr(e, S), rr(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != J && mn(e, or(n + r, e), or(n, e));
+				e != S && t.from == null && t.min != ii && pn(e, rr(n + r, e), rr(n, e));
 			}
-			Rr();
-		} else N.lock && (N._lock = !N._lock, Dr(t, !0, e != null));
-		e != null && (be(Zn, sr), ki(Zn, r, H, U, L, R, null));
+			Lr();
+		} else P.lock && (P._lock = !P._lock, Cr(t, !0, e != null));
+		e != null && (ye(Zn, sr), Ti(Zn, r, U, W, R, z, null));
 	}
-	function ti(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		We(e);
-		let s = sn;
-		if (sn) {
+	function $r(e, t, n, r, i, a, o) {
+		if (P._lock) return;
+		Ue(e);
+		let s = on;
+		if (on) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = ln, r = un) : (n = un, r = ln), n && r && (e = H <= 10 || H >= L - 10, t = U <= 10 || U >= R - 10), n && e && (H = H < nn ? 0 : L), r && t && (U = U < rn ? 0 : R), Dr(null, !0, !0), sn = !1;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= R - 10, t = W <= 10 || W >= z - 10), n && e && (U = U < tn ? 0 : R), r && t && (W = W < nn ? 0 : z), Cr(null, !0, !0), on = !1;
 		}
-		H = -10, U = -10, ae.fill(null), Dr(null, !0, !0), s && (sn = s);
+		U = -10, W = -10, ie.fill(null), Cr(null, !0, !0), s && (on = s);
 	}
-	function ii(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ft(), Rr(), e != null && ki(er, r, H, U, L, R, null));
+	function ti(e, t, n, i, a, o, s) {
+		P._lock || (Ue(e), H(), Lr(), e != null && Ti(er, r, U, W, R, z, null));
 	}
-	function si() {
-		y.forEach(_s), ze(r.width, r.height, !0);
+	function ai() {
+		y.forEach(vs), Re(r.width, r.height, !0);
 	}
-	wr(ir, cr, si);
+	wr(ir, cr, ai);
 	let ci = {};
-	ci.mousedown = qr, ci.mousemove = Ar, ci.mouseup = $r, ci.dblclick = ii, ci.setSeries = (e, t, n, i) => {
-		let a = gi.match[2];
-		n = a(r, t, n), n != -1 && hn(n, i, !0, !1);
-	}, oe && (ye(Xn, m, qr), ye(Yn, m, Ar), ye(Qn, m, (e) => {
-		We(e), kr(!1);
-	}), ye($n, m, ti), ye(er, m, ii), ts.add(r), r.syncRect = kr);
-	let pi = r.hooks = e.hooks || {};
-	function X(e, t, n) {
-		Ut ? Wt.push([
+	ci.mousedown = Wr, ci.mousemove = kr, ci.mouseup = qr, ci.dblclick = ti, ci.setSeries = (e, t, n, i) => {
+		let a = X.match[2];
+		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
+	}, ae && (ve(Xn, m, Wr), ve(Yn, m, kr), ve(Qn, m, (e) => {
+		Ue(e), Or(!1);
+	}), ve($n, m, $r), ve(er, m, ti), ns.add(r), r.syncRect = Or);
+	let li = r.hooks = e.hooks || {};
+	function mi(e, t, n) {
+		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in pi && pi[e].forEach((e) => {
+		]) : e in li && li[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) pi[t] = (pi[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) li[t] = (li[t] || []).concat(e.hooks[t]);
 	});
-	let hi = (e, t, n) => n, gi = Mi({
+	let hi = (e, t, n) => n, X = Ni({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: di,
-			sub: di
+			pub: fi,
+			sub: fi
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			fi,
-			fi,
+			pi,
+			pi,
 			hi
 		],
 		values: [null, null]
-	}, N.sync);
-	gi.match.length == 2 && gi.match.push(hi), N.sync = gi;
-	let yi = gi.key, wi = So(yi);
-	function ki(e, t, n, r, i, a, o) {
-		gi.filters.pub(e, t, n, r, i, a, o) && wi.pub(e, t, n, r, i, a, o);
+	}, P.sync);
+	X.match.length == 2 && X.match.push(hi), P.sync = X;
+	let _i = X.key, bi = Co(_i);
+	function Ti(e, t, n, r, i, a, o) {
+		X.filters.pub(e, t, n, r, i, a, o) && bi.pub(e, t, n, r, i, a, o);
 	}
-	wi.sub(r);
+	bi.sub(r);
 	function Ai(e, t, n, r, i, a, o) {
-		gi.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
+		X.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
 	}
 	r.pub = Ai;
-	function Ni() {
-		wi.unsub(r), ts.delete(r), ve.clear(), Tr(ir, cr, si), l.remove(), I?.remove(), X("destroy");
+	function ji() {
+		bi.unsub(r), ns.delete(r), _e.clear(), Tr(ir, cr, ai), l.remove(), L?.remove(), mi("destroy");
 	}
-	r.destroy = Ni;
+	r.destroy = ji;
 	function Pi() {
-		X("init", e, t), V(t || e.data, !1), j[S] ? Yt(S, j[S]) : ft(), Le = W.show && (W.width > 0 || W.height > 0), Ie = Re = !0, ze(e.width, e.height);
+		mi("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : H(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
 }
-vs.assign = Mi, vs.fmtNum = Ur, vs.rangeNum = zr, vs.rangeLog = Nr, vs.rangeAsinh = Pr, vs.orient = To, vs.pxRatio = G, vs.join = Li, vs.fmtDate = Xi, vs.tzDate = Qi, vs.sync = So;
+ys.assign = Ni, ys.fmtNum = Ur, ys.rangeNum = zr, ys.rangeLog = Nr, ys.rangeAsinh = Pr, ys.orient = Eo, ys.pxRatio = K, ys.join = Ri, ys.fmtDate = Zi, ys.tzDate = $i, ys.sync = Co;
 {
-	vs.addGap = Ao, vs.clipGaps = ko;
-	let e = vs.paths = { points: Wo };
-	e.linear = Jo, e.stepped = Yo, e.bars = Zo, e.spline = $o;
+	ys.addGap = jo, ys.clipGaps = Ao;
+	let e = ys.paths = { points: Go };
+	e.linear = Yo, e.stepped = Xo, e.bars = Qo, e.spline = es;
 }
 // src/phase.tsx
-var [ys, bs] = [420, 300], $ = {
+var [bs, xs] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function xs({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+function Ss({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (pt(() => {
 		if (!i || !a) return;
 		let t = !1;
@@ -5819,12 +5819,12 @@ function xs({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ L("p", {
+	]), !i || !a) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (ys - $.left - $.right), g = (e) => bs - $.bottom - (e - d) / m * (bs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bs - $.left - $.right), g = (e) => xs - $.bottom - (e - d) / m * (xs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -5833,81 +5833,81 @@ function xs({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ R("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${ys} ${bs}`,
+		children: /* @__PURE__ */ R("svg", {
+			viewBox: `0 0 ${bs} ${xs}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${He(l)} to ${He(u)} ${n.units[0]} and from ${He(d)} to ${He(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ L("rect", {
+				/* @__PURE__ */ R("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: ys - $.left - $.right,
-					height: bs - $.top - $.bottom
+					width: bs - $.left - $.right,
+					height: xs - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ R("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: bs - $.bottom
+					y2: xs - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ R("line", {
 					class: "axis",
 					x1: $.left,
-					x2: ys - $.right,
+					x2: bs - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ R("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ R("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ L("circle", {
+				x && /* @__PURE__ */ R("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left,
-					y: bs - $.bottom + 14,
-					children: z(l, n.units[0])
+					y: xs - $.bottom + 14,
+					children: B(l, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: ys - $.right,
-					y: bs - $.bottom + 14,
+				/* @__PURE__ */ R("text", {
+					x: bs - $.right,
+					y: xs - $.bottom + 14,
 					"text-anchor": "end",
-					children: z(u, n.units[0])
+					children: B(u, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: (ys + $.left) / 2,
-					y: bs - 6,
+				/* @__PURE__ */ R("text", {
+					x: (bs + $.left) / 2,
+					y: xs - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left - 5,
-					y: bs - $.bottom,
+					y: xs - $.bottom,
 					"text-anchor": "end",
-					children: z(d, n.units[1])
+					children: B(d, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: z(f, n.units[1])
+					children: B(f, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
-					transform: `translate(12,${(bs - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ R("text", {
+					transform: `translate(12,${(xs - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -5917,7 +5917,7 @@ function xs({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Ss = [
+var Cs = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5925,8 +5925,8 @@ var Ss = [
 	"--c5",
 	"--c6"
 ];
-function Cs({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = mt(null), l = t.run, [u, d] = t.span;
+function ws({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = mt(null), l = t.run, [u, d] = t.span;
 	pt(() => {
 		let e = c.current;
 		if (!e) return;
@@ -5961,29 +5961,29 @@ function Cs({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ L(ws, {
+	]), t.running && t.soFar) return /* @__PURE__ */ R(Ts, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(Ts, {
+					/* @__PURE__ */ R(Es, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
-						/* @__PURE__ */ L("input", {
+					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
+						/* @__PURE__ */ R("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5992,15 +5992,15 @@ function Cs({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ L("button", {
+					!m && /* @__PURE__ */ R("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ L("label", {
+					/* @__PURE__ */ R("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ L("span", { children: "t" }),
-							/* @__PURE__ */ L("input", {
+							/* @__PURE__ */ R("span", { children: "t" }),
+							/* @__PURE__ */ R("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -6011,24 +6011,24 @@ function Cs({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ L("output", { children: p === null ? "" : z(p, "s") })
+							/* @__PURE__ */ R("output", { children: p === null ? "" : B(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(Es, {
+			t.plotted.map((r, i) => /* @__PURE__ */ R(Ds, {
 				name: r,
-				ink: Ss[i % Ss.length],
+				ink: Cs[i % Cs.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6041,11 +6041,11 @@ function Cs({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ L(xs, {
+			t.phase && /* @__PURE__ */ R(Ss, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ L(As, {
+			/* @__PURE__ */ R(js, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6054,14 +6054,14 @@ function Cs({ store: e, state: t }) {
 		]
 	});
 }
-function ws({ state: e, soFar: t }) {
+function Ts({ state: e, soFar: t }) {
 	let n = mt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ L(Es, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ R(Ds, {
 			name: i.name,
-			ink: Ss[a % Ss.length],
+			ink: Cs[a % Cs.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -6071,7 +6071,7 @@ function ws({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ L(As, {
+		}, i.name)), /* @__PURE__ */ R(js, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -6079,18 +6079,18 @@ function ws({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Ts({ store: e, state: t, run: n }) {
+function Es({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+			t.plotted.map((n) => /* @__PURE__ */ R("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ R("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -6100,14 +6100,14 @@ function Ts({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ L("datalist", {
+			/* @__PURE__ */ R("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
 			})
 		]
 	});
 }
-var Es = class extends S {
+var Ds = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -6126,8 +6126,8 @@ var Es = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Ss[(t + 3) % Ss.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : vs.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new vs({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cs[(t + 3) % Cs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : ys.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new ys({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -6149,7 +6149,7 @@ var Es = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Ds(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Os(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -6160,7 +6160,7 @@ var Es = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Os(t, "s")
+				values: (e, t) => ks(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -6173,7 +6173,7 @@ var Es = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Os(t, p)
+				values: (e, t) => ks(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -6205,7 +6205,7 @@ var Es = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${z(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -6219,16 +6219,16 @@ var Es = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ L("figure", {
+		return /* @__PURE__ */ R("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ L("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ L("output", {
+				/* @__PURE__ */ R("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ R("output", {
 					class: "reading",
-					children: z(n, t.find((e) => !e.error)?.unit ?? "")
+					children: B(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ L("p", {
+				i && /* @__PURE__ */ R("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -6240,13 +6240,13 @@ var Es = class extends S {
 		});
 	}
 };
-function Ds(e, t, n) {
+function Os(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Os(e, t) {
+function ks(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -6267,7 +6267,7 @@ function Os(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var ks = [
+var As = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -6277,21 +6277,21 @@ var ks = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function As({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ L("span", {
+				children: e.map((e) => /* @__PURE__ */ R("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ R("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -6301,24 +6301,24 @@ function As({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: ks[o % ks.length],
-						children: /* @__PURE__ */ L("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						fill: As[o % As.length],
+						children: /* @__PURE__ */ R("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: ks[t % ks.length],
+						fill: As[t % As.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -6326,10 +6326,10 @@ function As({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -6341,20 +6341,20 @@ function As({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var js = {
+var Ms = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [Ms, Ns, Ps, Fs] = [
+}, [Ns, Ps, Fs, Is] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Is(e) {
+function Ls(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -6374,33 +6374,33 @@ function Is(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Ls({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ L("p", {
+function Rs({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = Is(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ns + Ps) + 120, d = (u - Math.max(o.length, s.length) * Ps - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = Ls(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ps + Fs) + 120, d = (u - Math.max(o.length, s.length) * Fs - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Ps, r += i;
-			let [s, c] = t ? [Fs, Ms / 2 - Fs / 2] : [Ms - Fs, Ms / 2 + Fs / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ L("g", {
+			n += Math.max(i, 1) + Fs, r += i;
+			let [s, c] = t ? [Is, Ns / 2 - Is / 2] : [Ns - Is, Ns / 2 + Is / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ R("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
-					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ L("rect", {
-						x: t ? 0 : Ms - Fs,
+					/* @__PURE__ */ R("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ R("rect", {
+						x: t ? 0 : Ns - Is,
 						y: a,
-						width: Fs,
+						width: Is,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ L("text", {
-						x: t ? Fs + 4 : Ms - Fs - 4,
+					/* @__PURE__ */ R("text", {
+						x: t ? Is + 4 : Ns - Is - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -6409,78 +6409,78 @@ function Ls({ store: e, state: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "power-panel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ R("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ R("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${Ms} ${u}`,
+				viewBox: `0 0 ${Ns} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
 					p(o, !0),
 					p(s, !1),
-					/* @__PURE__ */ L("rect", {
+					/* @__PURE__ */ R("rect", {
 						class: "middle-bar",
-						x: Ms / 2 - Fs / 2,
+						x: Ns / 2 - Is / 2,
 						y: 4,
-						width: Fs,
+						width: Is,
 						height: l * d
 					})
 				]
-			}) : /* @__PURE__ */ L("p", {
+			}) : /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: "No power flows."
 			}),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "element"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "does"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "power"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
+			] }) }), /* @__PURE__ */ R("tbody", { children: a.map((e) => /* @__PURE__ */ R("tr", {
 				class: t.nodes.has(e.node.name) ? "chosen" : "",
 				children: [
-					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 						class: "link",
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ L("td", { children: (js[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ L("td", {
+					/* @__PURE__ */ R("td", { children: (Ms[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ R("td", {
 						class: "figure",
-						children: z(Math.abs(e.power), "W")
+						children: B(Math.abs(e.power), "W")
 					})
 				]
 			})) })] }),
-			r.length > 0 && /* @__PURE__ */ L("p", {
+			r.length > 0 && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: ["not determined: ", r.join(", ")]
 			}),
-			/* @__PURE__ */ L("p", {
+			/* @__PURE__ */ R("p", {
 				class: "hint",
 				children: [
 					"supplied and given back ",
-					z(c(o), "W"),
+					B(c(o), "W"),
 					", taken ",
-					z(c(s), "W")
+					B(c(s), "W")
 				]
 			})
 		]
 	});
 }
 // src/splitter.tsx
-function Rs(e) {
+function zs(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -6509,14 +6509,14 @@ function Rs(e) {
 	});
 }
 // src/schematic.tsx
-function zs({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+function Bs({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	pt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Re ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Le ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -6543,32 +6543,32 @@ function zs({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ L("p", {
+		children: [i && /* @__PURE__ */ R("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ L("svg", {
+		}), n && /* @__PURE__ */ R("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ R("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => u(t, e.name, e.key),
 				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
+				children: [e.about && /* @__PURE__ */ R("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ R("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
+				}) : /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ L("path", {
+				}), /* @__PURE__ */ R("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -6577,7 +6577,7 @@ function zs({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Bs = [
+var Vs = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6586,7 +6586,7 @@ var Bs = [
 	["text", "Text"],
 	["equations", "Equations"],
 	["power", "Power"]
-], Vs = class extends S {
+], Hs = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6629,39 +6629,39 @@ var Bs = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ L("div", {
+		if (!n) return /* @__PURE__ */ R("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ L("main", {
+		return /* @__PURE__ */ R("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Us, {
+				/* @__PURE__ */ R(Ws, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ R("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(vn, {
+						/* @__PURE__ */ R(vn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L("div", {
+						/* @__PURE__ */ R("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ L(qe, {
+							children: [/* @__PURE__ */ R(qe, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ L(zs, {
+							}), t.schematic && /* @__PURE__ */ R(Bs, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ L(Rs, {
+						/* @__PURE__ */ R(zs, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -6673,60 +6673,60 @@ var Bs = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ L("aside", {
+						/* @__PURE__ */ R("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ L("div", {
+							children: [/* @__PURE__ */ R("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Bs.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: Vs.map(([r, a]) => /* @__PURE__ */ R("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ L("div", {
+							}), /* @__PURE__ */ R("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(It, {
+									t.tab === "item" && /* @__PURE__ */ R(It, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(Qt, {
+									t.tab === "machines" && /* @__PURE__ */ R(Qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(W, {
+									t.tab === "model" && /* @__PURE__ */ R(un, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(mn, {
+									t.tab === "problems" && /* @__PURE__ */ R(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(hn, {
+									t.tab === "table" && /* @__PURE__ */ R(hn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(gn, {
+									t.tab === "text" && /* @__PURE__ */ R(gn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(At, {
+									t.tab === "equations" && /* @__PURE__ */ R(At, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ L(Ls, {
+									t.tab === "power" && /* @__PURE__ */ R(Rs, {
 										store: e,
 										state: t
 									})
@@ -6735,10 +6735,10 @@ var Bs = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ L("div", {
+				t.bottom && /* @__PURE__ */ R("div", {
 					class: "bottom",
 					children: [
-						/* @__PURE__ */ L(Rs, {
+						/* @__PURE__ */ R(zs, {
 							upright: !1,
 							label: "Height of the plots",
 							value: t.room.low || 320,
@@ -6750,31 +6750,31 @@ var Bs = [
 								low: n
 							} })
 						}),
-						t.sweep ? /* @__PURE__ */ L(sn, {
+						t.sweep ? /* @__PURE__ */ R(sn, {
 							store: e,
 							state: t
-						}) : /* @__PURE__ */ L(Cs, {
+						}) : /* @__PURE__ */ R(ws, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L(Tt, {
+						/* @__PURE__ */ R(Tt, {
 							store: e,
 							state: t
 						})
 					]
 				}),
-				/* @__PURE__ */ L("footer", { children: [
-					/* @__PURE__ */ L("span", {
+				/* @__PURE__ */ R("footer", { children: [
+					/* @__PURE__ */ R("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Hs, {
+					/* @__PURE__ */ R(Us, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -6782,34 +6782,34 @@ var Bs = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(yn, {
+				t.adding && n.view.editable && /* @__PURE__ */ R(yn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ L("div", {
+				t.notice && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						/* @__PURE__ */ R("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ L("button", {
+						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ R("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ L("div", {
+				!t.connected && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -6818,79 +6818,79 @@ var Bs = [
 		});
 	}
 };
-function Hs({ store: e, state: t }) {
+function Us({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ L("span", {
+	return n.length ? /* @__PURE__ */ R("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ L("b", { children: [
+			t.cursor && /* @__PURE__ */ R("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Us({ store: e, state: t, errors: n }) {
+function Ws({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(Ws, {
+	return /* @__PURE__ */ R("header", { children: [
+		/* @__PURE__ */ R(Gs, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ L("h1", {
+		/* @__PURE__ */ R("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ L("span", {
+		/* @__PURE__ */ R("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ L("span", { class: "spring" }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("span", { class: "spring" }),
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -6898,22 +6898,22 @@ function Us({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
+		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ L("button", {
+		}), /* @__PURE__ */ R("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ L("button", {
+		})] }) : /* @__PURE__ */ R("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ R("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6921,7 +6921,7 @@ function Us({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Ws({ store: e, state: t }) {
+function Gs({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6952,79 +6952,79 @@ function Ws({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ L("details", {
+	return /* @__PURE__ */ R("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ L("summary", {
+		children: [/* @__PURE__ */ R("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ R("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ R("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ L("button", {
+				].map((e) => /* @__PURE__ */ R("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ L("hr", {}),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ R("hr", {}),
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function Gs({ model: e, el: t }) {
-	let n = new ze(), r = new Ve(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Vs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), I(null, t);
+function Ks({ model: e, el: t }) {
+	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(Hs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), L(null, t);
 	};
 }
-var Ks = { render: Gs };
-export { Ks as default, Gs as render };
+var qs = { render: Ks };
+export { qs as default, Ks as render };
